@@ -1,0 +1,96 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "omnitag/camera/image_plane.h"
+
+namespace omnitag {
+
+struct ImageSize {
+  int width = 0;
+  int height = 0;
+};
+
+/// A line of sight in the camera's optical frame, in metres: every point that images at its pixel
+/// is origin + s * direction, s > 0. The direction has length 1. A camera without a single
+/// viewpoint has another origin for every ray.
+struct Ray {
+  Eigen::Vector3d origin;
+  Eigen::Vector3d direction;
+};
+
+/// A line of sight within its half-plane through the optical axis: both as (distance from the
+/// axis, height along the axis), in metres. The direction has length 1.
+struct MeridionalRay {
+  Eigen::Vector2d origin;
+  Eigen::Vector2d direction;
+
+  /// Height along the axis at which the ray is `distance` metres away from the axis.
+  double heightAt(double distance) const {
+    return origin.y() + (distance - origin.x()) * direction.y() / direction.x();
+  }
+};
+
+/// Radius in the ideal image plane at which a point images, and its derivatives with respect to the
+/// point's distance from the axis and its height along the axis, per metre.
+struct RadialImage {
+  double radius;
+  double radius_by_distance;
+  double radius_by_height;
+};
+
+/// A camera whose optics are radially symmetric about the optical axis: a mirror of any profile, a
+/// fisheye, and, with them, every camera in which azimuth survives the projection exactly.
+///
+/// The optical frame has its origin at the lens's pinhole, z along the optical axis out of the
+/// lens, x toward increasing u and y toward increasing v. A model says what happens within one
+/// half-plane through the axis (`imageFromPoint`, `rayFromRadius`: the paper's E and its inverse);
+/// this class turns that into three dimensions, and the ImagePlane into pixels.
+///
+/// Immutable and therefore safe to share between threads.
+class CameraModel {
+ public:
+  virtual ~CameraModel() = default;
+
+  /// The pixel of a point of the optical frame (metres) and, on request, its derivative with
+  /// respect to the point (pixels per metre). Nothing where the camera does not see the point: it
+  /// lies beyond the optics' field, in the camera's own blind spot, or off the image.
+  std::optional<Eigen::Vector2d> pixelFromPoint(
+      const Eigen::Vector3d& point, Eigen::Matrix<double, 2, 3>* jacobian = nullptr) const;
+
+  /// The line of sight of a pixel. Nothing where the pixel is off the image or shows something
+  /// else than the world through the optics, e.g. beyond the mirror's rim.
+  std::optional<Ray> rayFromPixel(const Eigen::Vector2d& pixel) const;
+
+  /// Image of a point at `distance` >= 0 from the axis and at `height` along it, in metres (the
+  /// paper's E, Eqns 5 and 7-14). Nothing where the optics do not show the point.
+  virtual std::optional<RadialImage> imageFromPoint(double distance, double height) const = 0;
+
+  /// Line of sight of a radius of the ideal image plane. Nothing outside of
+  /// [minRadius(), maxRadius()].
+  virtual std::optional<MeridionalRay> rayFromRadius(double radius) const = 0;
+
+  /// The ring of the ideal image plane that shows the world.
+  virtual double minRadius() const = 0;
+  virtual double maxRadius() const = 0;
+
+  const ImageSize& imageSize() const { return image_size_; }
+  const ImagePlane& imagePlane() const { return image_plane_; }
+
+  /// Whether a pixel position lies on the image, whose pixels reach half a pixel around their
+  /// centres.
+  bool isInImage(const Eigen::Vector2d& pixel) const;
+
+ protected:
+  CameraModel(const ImageSize& image_size, const ImagePlane& image_plane)
+      : image_size_(image_size), image_plane_(image_plane) {}
+  CameraModel(const CameraModel&) = default;
+  CameraModel& operator=(const CameraModel&) = default;
+
+ private:
+  ImageSize image_size_;
+  ImagePlane image_plane_;
+};
+
+}  // namespace omnitag

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <variant>
+#include <vector>
+
+namespace omnitag {
+
+/// The meridian of a mirror that is a surface of revolution: its sag, in metres along the optical
+/// axis, counted from the apex away from the lens, at a distance rho from the axis.
+class MirrorProfile {
+ public:
+  /// Sag (m), slope d sag / d rho and curvature d^2 sag / d rho^2 (1/m).
+  struct Point {
+    double sag;
+    double slope;
+    double curvature;
+  };
+
+  /// The standard form of optical design:
+  /// sag = c rho^2 / (1 + sqrt(1 - (1 + K) c^2 rho^2)) + a4 rho^4 + a6 rho^6 + ...
+  /// with c = 1 / radius_of_curvature (m, > 0: convex toward the lens) and K the conic constant:
+  /// 0 a sphere, -1 a paraboloid, below -1 a hyperboloid. `coefficients` are a4, a6, ...
+  static MirrorProfile conic(double radius_of_curvature, double conic_constant,
+                             std::vector<double> coefficients = {});
+
+  /// A smooth curve through samples (rho, sag): the natural-at-the-edge cubic spline whose slope on
+  /// the axis is zero. At least four samples, rho increasing from >= 0. Where the first sample is
+  /// off the axis, the profile begins there. Throws InputError otherwise.
+  static MirrorProfile tabulated(const std::vector<Eigen::Vector2d>& samples);
+
+  /// Valid for rho in [minRho(), maxRho()].
+  Point at(double rho) const;
+
+  /// The profile's domain, in metres from the axis. The conic is unbounded where K <= -1.
+  double minRho() const;
+  double maxRho() const;
+
+ private:
+  struct Conic {
+    double curvature;
+    double one_plus_conic_constant;
+    std::vector<double> coefficients;
+  };
+  struct Spline {
+    std::vector<double> rho;
+    std::vector<double> sag;
+    std::vector<double> second_derivative;
+  };
+
+  explicit MirrorProfile(std::variant<Conic, Spline> shape) : shape_(std::move(shape)) {}
+  static Point evaluate(const Conic& conic, double rho);
+  static Point evaluate(const Spline& spline, double rho);
+
+  std::variant<Conic, Spline> shape_;
+};
+
+}  // namespace omnitag

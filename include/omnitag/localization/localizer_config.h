@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+
+#include "omnitag/common/yaml_reader.h"
+#include "omnitag/localization/motion_model.h"
+#include "omnitag/localization/pose_estimator.h"
+#include "omnitag/marker/marker_association.h"
+#include "omnitag/marker/marker_prediction.h"
+#include "omnitag/marker/tag_detector.h"
+#include "omnitag/view/view_planner.h"
+
+namespace omnitag {
+
+/// Every setting of the localizer; config/localizer.yaml documents them for users.
+struct LocalizerConfig {
+  VisibilityConfig visibility;
+  ViewPlannerConfig view;
+  TagDetectorConfig detector;
+  AssociationConfig association;
+  EstimatorConfig estimator;
+  MotionModelConfig motion;
+};
+
+/// Reads the groups `visibility`, `view`, `detector`, `association`, `estimation` and `motion` and
+/// the key `estimator` (triangulation | reprojection). Absent keys keep their defaults, other keys
+/// of the top level are not looked at. Throws InputError.
+LocalizerConfig readLocalizerConfig(const YamlReader& reader);
+
+}  // namespace omnitag

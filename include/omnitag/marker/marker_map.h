@@ -1,0 +1,45 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <string>
+#include <vector>
+
+namespace omnitag {
+
+/// The four corners that the AprilTag library reports, in its order. In the marker's frame, times
+/// half its size: (-1, -1), (1, -1), (1, 1), (-1, 1); that is counter-clockwise from the lower left
+/// as a person sees them who looks at the marker upright.
+template <typename Point>
+using Corners = std::array<Point, 4>;
+
+/// A marker that hangs in the world. Its frame: origin at its centre, x to the right and y up as a
+/// person sees it who looks at it upright, z out of its face toward that person.
+struct Marker {
+  std::string family;
+  int id = 0;
+  /// Unique in the map where given.
+  std::string name;
+  /// m, edge of the square between the corners that the library reports.
+  double size = 0.0;
+  Eigen::Isometry3d map_from_marker = Eigen::Isometry3d::Identity();
+
+  Eigen::Vector3d center() const { return map_from_marker.translation(); }
+  /// Unit vector out of the marker's face, in the map.
+  Eigen::Vector3d normal() const { return map_from_marker.linear().col(2); }
+  /// In the map.
+  Corners<Eigen::Vector3d> corners() const;
+};
+
+/// Where the markers hang. An entry is named by its index; the same id may stand on several.
+struct MarkerMap {
+  std::string frame_id;
+  std::vector<Marker> markers;
+};
+
+/// Orientation of a marker on a vertical surface: `yaw` is the heading of its outward normal in the
+/// map, `roll` turns it in its own plane, counter-clockwise as seen by a person who looks at it
+/// (radians).
+Eigen::Quaterniond uprightOrientation(double yaw, double roll);
+
+}  // namespace omnitag

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "omnitag/common/yaml_reader.h"
+#include "omnitag/marker/marker_map.h"
+
+namespace omnitag {
+
+/// Settings of the AprilTag library's detector. The names are the library's own.
+struct TagDetectorConfig {
+  /// Reduces the view before quads are searched; 1 keeps its resolution.
+  double quad_decimate = 1.0;
+  /// Gaussian blur of the view, standard deviation in pixels of the view; negative sharpens.
+  double quad_sigma = 0.0;
+  /// Moves the edges of a quad to the strongest gradient.
+  bool refine_edges = true;
+  double decode_sharpening = 0.25;
+  int min_cluster_pixels = 5;
+  int max_nmaxima = 10;
+  /// rad, quads with a corner sharper than this are not looked at.
+  double critical_angle = 0.1745;
+  double max_line_fit_mse = 10.0;
+  /// Grey levels between the white and the black of a marker. The library's own default, 5, finds
+  /// quads in the noise and takes three to ten times longer.
+  int min_white_black_diff = 25;
+  bool deglitch = false;
+  /// Wrong bits that are corrected. Families with very many ids get fewer, so that the library's
+  /// decoding table stays under 64 MB.
+  int max_hamming = 2;
+  /// Detections whose bits stand out less from their threshold (grey levels) are not reported.
+  double min_decision_margin = 10.0;
+};
+
+/// Reads the keys above; absent ones keep their defaults. Throws InputError.
+TagDetectorConfig readTagDetectorConfig(const YamlReader& reader);
+
+/// A marker read in a view. Positions are pixels of that view, the centre of its top-left pixel at
+/// (0, 0).
+struct TagDetection {
+  std::string family;
+  int id = 0;
+  int hamming = 0;
+  double decision_margin = 0.0;
+  Corners<Eigen::Vector2d> corners;
+  Eigen::Vector2d center;
+};
+
+/// The names of all families of the installed AprilTag library that maps can use.
+const std::set<std::string>& tagFamilies();
+
+/// How many ids a family has; throws InputError for an unknown family.
+int tagCount(const std::string& family);
+
+/// Finds AprilTags in small grey images. Not safe to use from two threads at once: give each thread
+/// its own (the library's own threads are not used).
+class TagDetector {
+ public:
+  /// Throws InputError for a family that the library does not have.
+  TagDetector(const TagDetectorConfig& config, const std::set<std::string>& families);
+  ~TagDetector();
+  TagDetector(TagDetector&&) noexcept;
+  TagDetector& operator=(TagDetector&&) noexcept;
+
+  /// `image`: CV_8UC1, at least 8 x 8 pixels; smaller ones hold no tag.
+  std::vector<TagDetection> detect(const cv::Mat& image) const;
+
+ private:
+  struct Library;
+  std::unique_ptr<Library> library_;
+};
+
+}  // namespace omnitag

@@ -1,0 +1,82 @@
+#include "omnitag/camera/image_plane.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "omnitag/common/angle.h"
+
+namespace omnitag {
+
+ImagePlane::ImagePlane(const Eigen::Matrix2d& affine, const Eigen::Vector2d& principal_point,
+                       const Distortion& distortion)
+    : affine_(affine),
+      inverse_affine_(affine.inverse()),
+      principal_point_(principal_point),
+      distortion_(distortion),
+      is_distorted_(std::any_of(distortion.begin(), distortion.end(),
+                                [](double coefficient) { return coefficient != 0.0; })) {}
+
+Eigen::Vector2d ImagePlane::pixelFromIdeal(const Eigen::Vector2d& ideal,
+                                           Eigen::Matrix2d* jacobian) const {
+  if (!is_distorted_) {
+    if (jacobian != nullptr) *jacobian = affine_;
+    return affine_ * ideal + principal_point_;
+  }
+  const Eigen::Vector2d distorted = distort(ideal, jacobian);
+  if (jacobian != nullptr) *jacobian = affine_ * *jacobian;
+  return affine_ * distorted + principal_point_;
+}
+
+std::optional<Eigen::Vector2d> ImagePlane::idealFromPixel(const Eigen::Vector2d& pixel) const {
+  const Eigen::Vector2d distorted = inverse_affine_ * (pixel - principal_point_);
+  if (!is_distorted_) return distorted;
+  constexpr int kMaxIterations = 30;
+  constexpr double kTolerance = 1e-13;
+  Eigen::Vector2d ideal = distorted;
+  for (int i = 0; i < kMaxIterations; ++i) {
+    Eigen::Matrix2d jacobian;
+    const Eigen::Vector2d error = distort(ideal, &jacobian) - distorted;
+    if (!(jacobian.determinant() > 0.0)) return std::nullopt;
+    const Eigen::Vector2d step = jacobian.inverse() * error;
+    ideal -= step;
+    if (step.norm() <= kTolerance * (1.0 + ideal.norm())) return ideal;
+  }
+  return std::nullopt;
+}
+
+bool ImagePlane::isInvertibleUpTo(double radius) const {
+  constexpr int kRadii = 64;
+  constexpr int kAzimuths = 32;
+  for (int i = 0; i <= kRadii && is_distorted_; ++i) {
+    for (int k = 0; k < kAzimuths; ++k) {
+      const double azimuth = 2.0 * kPi * k / kAzimuths;
+      const Eigen::Vector2d ideal =
+          radius * i / kRadii * Eigen::Vector2d(std::cos(azimuth), std::sin(azimuth));
+      Eigen::Matrix2d jacobian;
+      distort(ideal, &jacobian);
+      if (!(jacobian.determinant() > 0.0)) return false;
+    }
+  }
+  return true;
+}
+
+double ImagePlane::scale() const { return std::sqrt(std::abs(affine_.determinant())); }
+
+Eigen::Vector2d ImagePlane::distort(const Eigen::Vector2d& ideal, Eigen::Matrix2d* jacobian) const {
+  const auto& [k1, k2, p1, p2, k3] = distortion_;
+  const double x = ideal.x();
+  const double y = ideal.y();
+  const double r2 = x * x + y * y;
+  const double radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
+  if (jacobian != nullptr) {
+    const double radial_r2 = k1 + r2 * (2.0 * k2 + r2 * 3.0 * k3);
+    const double cross = 2.0 * x * y * radial_r2 + 2.0 * (p1 * x + p2 * y);
+    *jacobian << radial + 2.0 * x * x * radial_r2 + 2.0 * p1 * y + 6.0 * p2 * x, cross, cross,
+        radial + 2.0 * y * y * radial_r2 + 6.0 * p1 * y + 2.0 * p2 * x;
+  }
+  return {x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
+          y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y};
+}
+
+}  // namespace omnitag

@@ -1,0 +1,31 @@
+#include "omnitag/common/pose2.h"
+
+#include "omnitag/common/angle.h"
+
+namespace omnitag {
+
+Eigen::Isometry3d Pose2::toIsometry() const {
+  return Eigen::Translation3d(x, y, 0.0) * Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ());
+}
+
+Pose2 Pose2::fromIsometry(const Eigen::Isometry3d& pose) {
+  const Eigen::Vector3d x_axis = pose.linear().col(0);
+  return {pose.translation().x(), pose.translation().y(), std::atan2(x_axis.y(), x_axis.x())};
+}
+
+Pose2 operator*(const Pose2& a_from_b, const Pose2& b_from_c) {
+  const double c = std::cos(a_from_b.yaw);
+  const double s = std::sin(a_from_b.yaw);
+  return {a_from_b.x + c * b_from_c.x - s * b_from_c.y,
+          a_from_b.y + s * b_from_c.x + c * b_from_c.y,
+          normalizeAngle(a_from_b.yaw + b_from_c.yaw)};
+}
+
+Pose2 inverse(const Pose2& a_from_b) {
+  const double c = std::cos(a_from_b.yaw);
+  const double s = std::sin(a_from_b.yaw);
+  return {-c * a_from_b.x - s * a_from_b.y, s * a_from_b.x - c * a_from_b.y,
+          normalizeAngle(-a_from_b.yaw)};
+}
+
+}  // namespace omnitag
