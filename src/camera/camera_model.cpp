@@ -11,8 +11,8 @@ std::optional<Eigen::Vector2d> CameraModel::pixelFromPoint(
   if (!image) return std::nullopt;
 
   // On the axis the azimuth is undefined and any will do: the image is its centre.
-  const Eigen::Vector2d radial = distance > 0.0 ? Eigen::Vector2d(point.head<2>() / distance)
-                                                : Eigen::Vector2d::UnitX();
+  const Eigen::Vector2d radial =
+      distance > 0.0 ? Eigen::Vector2d(point.head<2>() / distance) : Eigen::Vector2d::UnitX();
   const Eigen::Vector2d ideal = image->radius * radial;
   if (jacobian == nullptr) {
     const Eigen::Vector2d pixel = image_plane_.pixelFromIdeal(ideal);

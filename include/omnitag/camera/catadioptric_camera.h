@@ -42,11 +42,12 @@ class CatadioptricCamera final : public CameraModel {
   const Mirror& mirror() const { return mirror_; }
 
  private:
-  /// The ray of the lens that meets the mirror at rho, after its reflection.
+  /// The ray of the lens that meets the mirror at rho, after its reflection. Vectors are
+  /// (distance from the axis, height along it).
   struct Reflection {
-    double height;           // of the point of reflection, along the axis
-    double slope;            // of the mirror there
-    Eigen::Vector2d ray;     // reflected ray, as long as the lens's ray
+    double height;
+    double slope;
+    Eigen::Vector2d ray;
     Eigen::Vector2d ray_by_rho;
   };
   Reflection reflectAt(double rho) const;
@@ -56,11 +57,16 @@ class CatadioptricCamera final : public CameraModel {
 
   Mirror mirror_;
   double min_rho_;
-  double min_radius_;
-  double max_radius_;
+  double min_radius_ = 0.0;
+  double max_radius_ = 0.0;
+  Reflection at_rim_{};
+
+  // Starting points for the forward projection: rho over the elevation of the reflected ray.
   std::vector<double> rho_by_elevation_;
-  double elevation_step_ = 0.0;
   double first_elevation_ = 0.0;
+  double elevation_step_ = 0.0;
+  double middle_rho_ = 0.0;
+  double middle_height_ = 0.0;
 };
 
 }  // namespace omnitag

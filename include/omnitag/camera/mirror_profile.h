@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -24,9 +25,9 @@ class MirrorProfile {
   static MirrorProfile conic(double radius_of_curvature, double conic_constant,
                              std::vector<double> coefficients = {});
 
-  /// A smooth curve through samples (rho, sag): the natural-at-the-edge cubic spline whose slope on
-  /// the axis is zero. At least four samples, rho increasing from >= 0. Where the first sample is
-  /// off the axis, the profile begins there. Throws InputError otherwise.
+  /// A smooth curve through samples (rho, sag) in metres: the cubic spline whose slope on the axis
+  /// is zero. Where the first sample is off the axis, the profile begins there. Throws InputError
+  /// unless there are at least four samples, rho increasing from >= 0.
   static MirrorProfile tabulated(const std::vector<Eigen::Vector2d>& samples);
 
   /// Valid for rho in [minRho(), maxRho()].

@@ -34,8 +34,8 @@ class ContourTable {
   double distance() const { return distance_; }
   double maxAzimuthOffset() const { return max_azimuth_offset_; }
 
-  /// One azimuth offset of the table, for fast access to many radii: radii[k] belongs to radius_main
-  /// = first + k * step.
+  /// One azimuth offset of the table, for fast access to many radii: radii[k] belongs to
+  /// radius_main = first + k * step.
   struct Column {
     std::vector<float> radii;
     double first;
