@@ -37,7 +37,7 @@ STYLE = {
     "axes.spines.top": False, "axes.spines.right": False, "axes.axisbelow": True,
     "axes.grid": True, "grid.color": PALE, "grid.linewidth": 0.6,
     "xtick.color": INK, "ytick.color": INK, "text.color": INK,
-    "legend.frameon": False, "legend.fontsize": 10,
+    "legend.edgecolor": "none", "legend.framealpha": 0.85, "legend.fontsize": 10,
 }
 
 
@@ -70,12 +70,12 @@ def _route(evaluation: Evaluation, marker_map: Optional[MarkerMap],
 
     view.plot(*evaluation.reference.positions[:, :2].T, color=SKY, linewidth=5, alpha=0.55,
               solid_capstyle="round", label="true route", zorder=2)
-    _draw_bearings(view, evaluation, marker_map, detections)
     view.plot(*_broken_at_gaps(evaluation, evaluation.positions).T, color=INK, linewidth=0.8,
               zorder=4)
     points = view.scatter(*evaluation.positions.T, c=scale * evaluation.distances, s=26,
                           cmap=ERROR_COLOURS, edgecolors=INK, linewidths=0.5, zorder=5, vmin=0.0,
                           label="estimated poses")
+    _draw_worst_frame(view, evaluation, marker_map, detections)
     figure.colorbar(points, ax=view, location="bottom", shrink=0.5, aspect=40, pad=0.02,
                     label="position error [{}]".format(unit))
     if marker_map is not None:
@@ -110,9 +110,9 @@ def _draw_marker(axes: Axes, marker: Marker) -> None:
                   va="center", fontsize=9.5, zorder=7)
 
 
-def _draw_bearings(axes: Axes, evaluation: Evaluation, marker_map: Optional[MarkerMap],
-                   detections: List[Detection]) -> None:
-    """The bearings measured in the frame of the largest error, as far as its markers."""
+def _draw_worst_frame(axes: Axes, evaluation: Evaluation, marker_map: Optional[MarkerMap],
+                      detections: List[Detection]) -> None:
+    """A ring about the largest error, and the bearings measured there, as far as their markers."""
     frame = evaluation.worst_frame
     used = [detection for detection in detections
             if detection.accepted and detection.stamp == evaluation.stamps[frame]]
@@ -126,12 +126,12 @@ def _draw_bearings(axes: Axes, evaluation: Evaluation, marker_map: Optional[Mark
         else:
             along = np.array([np.cos(direction), np.sin(direction)])
             segments.append((position, position + np.hypot(*to_marker) * along))
-    if segments:
-        axes.add_collection(LineCollection(segments, colors=ORANGE, linewidths=1.5, zorder=3,
-                                           label="bearings there"))
     axes.scatter(*position, s=190, facecolors="none", edgecolors=VERMILION, linewidths=2.2,
                  zorder=8, label="largest error, {}".format(
                      length(evaluation.distances[frame])))
+    if segments:
+        axes.add_collection(LineCollection(segments, colors=ORANGE, linewidths=1.5, zorder=3,
+                                           label="its bearings"))
 
 
 def _draw_heading(axes: Axes, evaluation: Evaluation) -> None:
@@ -175,6 +175,7 @@ def _draw_histogram(axes: Axes, evaluation: Evaluation) -> None:
     axes.set(title="Error distribution", xlabel="position error [{}]".format(unit),
              ylabel="frames")
     axes.set_xlim(left=0.0)
+    axes.margins(y=0.25)  # room for the legend
     axes.yaxis.get_major_locator().set_params(integer=True)
     axes.legend(loc="upper right")
 
@@ -276,7 +277,7 @@ def _residuals(_evaluation: Evaluation, _: Optional[MarkerMap],
                           label="{} {:.3f} px".format(
                               "median" if share == 50 else "95th percentile", value))
     histogram.legend(loc="upper right")
-    image.set(title="Markers in the panoramic image", xlabel="u [px]", ylabel="v [px]",
+    image.set(title="Markers in the image", xlabel="u [px]", ylabel="v [px]",
               aspect="equal")
     image.invert_yaxis()
     image.margins(0.08)
@@ -284,6 +285,7 @@ def _residuals(_evaluation: Evaluation, _: Optional[MarkerMap],
     histogram.set(title="Residual of the markers used", ylabel="markers",
                   xlabel="root mean square of a marker's corners [px]")
     histogram.set_xlim(left=0.0)
+    histogram.margins(y=0.25)  # room for the legend
     return figure
 
 
