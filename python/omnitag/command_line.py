@@ -58,10 +58,13 @@ class Progress:
     def __enter__(self) -> "Progress":
         return self
 
-    def __exit__(self, *_: object) -> None:
-        end = "\r\033[K" if self._stream.isatty() else ""
-        self._stream.write("{}{}: {} of {} in {:.1f} s\n".format(
-            end, self._title, self._done, self._total, time.monotonic() - self._start))
+    def __exit__(self, exception_type: Optional[type], *_: object) -> None:
+        if self._stream.isatty():
+            self._stream.write("\r\033[K")
+        # An error is to be the only line.
+        if exception_type is None:
+            self._stream.write("{}: {} of {} in {:.1f} s\n".format(
+                self._title, self._done, self._total, time.monotonic() - self._start))
         self._stream.flush()
 
     def advance(self, steps: int = 1) -> None:

@@ -32,10 +32,9 @@ GAP_PERIODS = 1.5  # further apart than this many usual periods: estimates are m
 
 STYLE = {
     "figure.dpi": 110, "savefig.dpi": 150, "font.family": "DejaVu Sans", "font.size": 11,
-    "axes.titlesize": 13, "axes.titleweight": "bold", "axes.titlelocation": "left",
-    "axes.titlecolor": INK, "axes.labelcolor": INK, "axes.edgecolor": GREY,
-    "axes.spines.top": False, "axes.spines.right": False, "axes.axisbelow": True,
-    "axes.grid": True, "grid.color": PALE, "grid.linewidth": 0.6,
+    "axes.titlesize": 13, "axes.titleweight": "bold", "axes.labelcolor": INK,
+    "axes.edgecolor": GREY, "axes.spines.top": False, "axes.spines.right": False,
+    "axes.axisbelow": True, "axes.grid": True, "grid.color": PALE, "grid.linewidth": 0.6,
     "xtick.color": INK, "ytick.color": INK, "text.color": INK,
     "legend.edgecolor": "none", "legend.framealpha": 0.85, "legend.fontsize": 10,
 }
@@ -84,7 +83,8 @@ def _route(evaluation: Evaluation, marker_map: Optional[MarkerMap],
     _draw_heading(view, evaluation)
     view.set_aspect("equal", adjustable="datalim")
     view.margins(0.08)
-    view.set(title="Route in the map", xlabel="x [m]", ylabel="y [m]")
+    view.set_title("Route in the map", loc="left")
+    view.set(xlabel="x [m]", ylabel="y [m]")
     view.legend(loc="lower left", bbox_to_anchor=(0.28, 1.0), ncol=4, borderaxespad=0.3,
                 handlelength=1.6, columnspacing=1.4)
 
@@ -159,7 +159,8 @@ def _draw_error_cloud(axes: Axes, evaluation: Evaluation) -> None:
               label="RMSE {:.3g} {}".format(rmse, unit))
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     axes.axvline(0.0, color=GREY, linewidth=0.8)
-    axes.set(title="Position error", xlabel="x error [{}]".format(unit),
+    axes.set_title("Position error", loc="left")
+    axes.set(xlabel="x error [{}]".format(unit),
              ylabel="y error [{}]".format(unit), xlim=(-reach, reach), ylim=(-reach, reach),
              aspect="equal")
     axes.legend(loc="upper right")
@@ -172,8 +173,8 @@ def _draw_histogram(axes: Axes, evaluation: Evaluation) -> None:
         value = evaluation.figures()["position_" + name]
         axes.axvline(scale * value, color=colour, linestyle=style, linewidth=1.8,
                      label="{} {}".format("RMSE" if name == "rmse" else name, length(value)))
-    axes.set(title="Error distribution", xlabel="position error [{}]".format(unit),
-             ylabel="frames")
+    axes.set_title("Error distribution", loc="left")
+    axes.set(xlabel="position error [{}]".format(unit), ylabel="frames")
     axes.set_xlim(left=0.0)
     axes.margins(y=0.25)  # room for the legend
     axes.yaxis.get_major_locator().set_params(integer=True)
@@ -198,7 +199,8 @@ def _errors(evaluation: Evaluation, _: Optional[MarkerMap],
     axes[0].plot(time, distances, color=BLUE, marker=".", linewidth=1.3)
     axes[0].axhline(scale * figures["position_rmse"], color=VERMILION, linestyle="--",
                     label="RMSE " + length(figures["position_rmse"]))
-    axes[0].set(title="Position error", ylabel="[{}]".format(unit))
+    axes[0].set_title("Position error", loc="left")
+    axes[0].set_ylabel("[{}]".format(unit))
     axes[0].set_ylim(bottom=0.0)
 
     rms = figures["heading_rmse_deg"]
@@ -206,7 +208,8 @@ def _errors(evaluation: Evaluation, _: Optional[MarkerMap],
                     label="RMS {:.4f}°".format(rms))
     axes[1].axhline(0.0, color=GREY, linewidth=0.8)
     axes[1].plot(time, headings, color=BLUE, marker=".", linewidth=1.3)
-    axes[1].set(title="Heading error", ylabel="[°]")
+    axes[1].set_title("Heading error", loc="left")
+    axes[1].set_ylabel("[°]")
 
     if detections:
         stamps, counts = np.unique([detection.stamp for detection in detections
@@ -214,7 +217,8 @@ def _errors(evaluation: Evaluation, _: Optional[MarkerMap],
         width = 0.8 * np.median(np.diff(stamps)) * 1e-9 if len(stamps) > 1 else 0.1
         axes[2].bar((stamps - begin) * 1e-9, counts, width=width, color=SKY,
                     label="mean {:.1f}".format(np.mean(counts)) if len(counts) else None)
-        axes[2].set(title="Markers used", ylabel="per frame")
+        axes[2].set_title("Markers used", loc="left")
+        axes[2].set_ylabel("per frame")
         axes[2].yaxis.get_major_locator().set_params(integer=True)
 
     _shade_gaps(axes, evaluation)
@@ -277,13 +281,13 @@ def _residuals(_evaluation: Evaluation, _: Optional[MarkerMap],
                           label="{} {:.3f} px".format(
                               "median" if share == 50 else "95th percentile", value))
     histogram.legend(loc="upper right")
-    image.set(title="Markers in the image", xlabel="u [px]", ylabel="v [px]",
-              aspect="equal")
+    image.set_title("Markers in the image", loc="left")
+    image.set(xlabel="u [px]", ylabel="v [px]", aspect="equal")
     image.invert_yaxis()
     image.margins(0.08)
     image.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncol=2, borderaxespad=0.2)
-    histogram.set(title="Residual of the markers used", ylabel="markers",
-                  xlabel="root mean square of a marker's corners [px]")
+    histogram.set_title("Residual of the markers used", loc="left")
+    histogram.set(ylabel="markers", xlabel="root mean square of a marker's corners [px]")
     histogram.set_xlim(left=0.0)
     histogram.margins(y=0.25)  # room for the legend
     return figure
