@@ -61,14 +61,14 @@ class Marker:
 class MarkerMap:
     """Markers in the frame `frame_id`, in the order of the file."""
 
-    frame_id: str
     markers: Tuple[Marker, ...]
+    frame_id: str = "map"
 
 
 def load_marker_map(path: str) -> MarkerMap:
     """Read a marker map; raises InputError naming file, line and key."""
     root = read_yaml(path).mapping(MAP_KEYS)
-    frame_id = root["frame_id"].text()
+    frame_id = root["frame_id"].text() if "frame_id" in root else MarkerMap.frame_id
     defaults = {}
     if "family" in root:
         defaults["family"] = _family(root["family"])
@@ -88,7 +88,7 @@ def load_marker_map(path: str) -> MarkerMap:
         markers.append(marker)
     if not markers:
         raise root["markers"].error("at least one marker", "an empty list")
-    return MarkerMap(frame_id, tuple(markers))
+    return MarkerMap(tuple(markers), frame_id)
 
 
 def rotation_from_yaw_and_roll(yaw: float, roll: float = 0.0) -> np.ndarray:

@@ -27,6 +27,11 @@ class MarkerMapTest(FileTest):
         self.assertEqual(first.position.tolist(), [1.0, 2.5, 0.8])
         self.assertEqual((second.family, second.size, second.label), ("tag16h5", 1.0, "door"))
 
+    def test_frame_id_is_map_by_default(self):
+        entry = "  - {id: 1, position: [0, 0, 0], yaw: 0}\n"
+        self.assertEqual(self.load(HEAD.replace("frame_id: map\n", "") + entry).frame_id, "map")
+        self.assertEqual(self.load(HEAD.replace(": map", ": hall") + entry).frame_id, "hall")
+
     def test_upright_marker_that_faces_along_x(self):
         # Who looks at it looks along -x: right is +y, up is +z.
         marker = self.marker("id: 0, position: [4, 0, 1], yaw: 0, size: 2")
@@ -99,7 +104,7 @@ class MarkerMapTest(FileTest):
                 ("frame_id: map\n  family: [\n", "map.yaml:2: ", "YAML"),
                 (HEAD + "  []\n", "map.yaml:5: ", "at least one marker"),
                 (HEAD, "map.yaml:4: ", "a list of markers", "nothing"),
-                (HEAD.replace("frame_id: map\n", "") + entry, "'frame_id'"),
+                (HEAD.replace("frame_id: map", "frame_id:") + entry, "map.yaml:1: ", "frame_id"),
                 (HEAD.replace("size: 0.30\n", "") + entry, "map.yaml:4: ", "'size'"),
                 (HEAD.replace("family: tag36h11\n", "") + entry, "map.yaml:4: ", "'family'"),
                 ("unit: m\n" + HEAD + entry, "map.yaml:1: ", "unit", "unknown"),
