@@ -1,0 +1,159 @@
+"""The marker map: which tags hang where."""
+
+from dataclasses import dataclass
+from typing import Dict, Tuple
+
+import numpy as np
+
+from omnitag.tag_bitmap import FAMILIES, tag_family
+from omnitag.yaml_file import Mapping, Value, read_yaml
+
+MAP_KEYS = ("frame_id", "family", "size", "markers")
+MARKER_KEYS = ("id", "name", "family", "size", "position", "yaw", "roll", "orientation")
+QUATERNION_TOLERANCE = 1e-3
+
+# In the AprilTag library's order, in units of half the size, in the marker's frame.
+_CORNER_SIGNS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
+
+
+@dataclass(frozen=True)
+class Marker:
+    """One entry of the map.
+
+    The marker's frame: origin at its centre, x to the right and y up as a person sees it who looks
+    at it upright, z out of its face.
+    """
+
+    id: int
+    family: str
+    name: str  # empty where the map gives none
+    size: float  # m, edge of the square between the corners that the detector reports
+    map_from_marker: np.ndarray  # (4, 4)
+
+    @property
+    def position(self) -> np.ndarray:
+        """The centre in the map, in m."""
+        return self.map_from_marker[:3, 3]
+
+    @property
+    def normal(self) -> np.ndarray:
+        """The outward normal in the map, of unit length."""
+        return self.map_from_marker[:3, 2]
+
+    @property
+    def corners(self) -> np.ndarray:
+        """(4, 3), in m: the corners in the map, in the AprilTag library's order.
+
+        Seen by a person who looks at the marker upright: lower left, lower right, upper right,
+        upper left.
+        """
+        in_marker = np.zeros((4, 3))
+        in_marker[:, :2] = 0.5 * self.size * _CORNER_SIGNS
+        return in_marker @ self.map_from_marker[:3, :3].T + self.position
+
+    @property
+    def label(self) -> str:
+        """What to call it: its name, else its id."""
+        return self.name or str(self.id)
+
+
+@dataclass(frozen=True)
+class MarkerMap:
+    """Markers in the frame `frame_id`, in the order of the file."""
+
+    markers: Tuple[Marker, ...]
+    frame_id: str = "map"
+
+
+def load_marker_map(path: str) -> MarkerMap:
+    """Read a marker map; raises InputError naming file, line and key."""
+    root = read_yaml(path).mapping(MAP_KEYS)
+    frame_id = root["frame_id"].text() if "frame_id" in root else MarkerMap.frame_id
+    defaults = {}
+    if "family" in root:
+        defaults["family"] = _family(root["family"])
+    if "size" in root:
+        defaults["size"] = _size(root["size"])
+    markers = []
+    names: Dict[str, int] = {}
+    for value in root["markers"].items("a list of markers"):
+        entry = value.mapping(MARKER_KEYS)
+        marker = _marker(entry, defaults)
+        if marker.name:
+            if marker.name in names:
+                raise entry["name"].error(
+                    "a name of its own",
+                    "'{}', the name of markers[{}]".format(marker.name, names[marker.name]))
+            names[marker.name] = len(markers)
+        markers.append(marker)
+    if not markers:
+        raise root["markers"].error("at least one marker", "an empty list")
+    return MarkerMap(tuple(markers), frame_id)
+
+
+def rotation_from_yaw_and_roll(yaw: float, roll: float = 0.0) -> np.ndarray:
+    """map_from_marker, (3, 3), of a marker on a vertical surface; angles in rad."""
+    sine, cosine = np.sin(yaw), np.cos(yaw)
+    upright = np.array([[-sine, 0.0, cosine], [cosine, 0.0, sine], [0.0, 1.0, 0.0]])
+    return upright @ np.array([[np.cos(roll), -np.sin(roll), 0.0],
+                               [np.sin(roll), np.cos(roll), 0.0], [0.0, 0.0, 1.0]])
+
+
+def rotation_from_quaternion(quaternion: np.ndarray) -> np.ndarray:
+    """(3, 3), of a unit quaternion x, y, z, w."""
+    x, y, z, w = quaternion
+    return np.array([
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
+        [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
+        [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)]])
+
+
+def _marker(entry: Mapping, defaults: dict) -> Marker:
+    if "family" in entry or "family" not in defaults:
+        family = _family(entry["family"])
+    else:
+        family = defaults["family"]
+    if "size" in entry or "size" not in defaults:
+        size = _size(entry["size"])
+    else:
+        size = defaults["size"]
+    tag_id = entry["id"].integer()
+    last_id = tag_family(family).number_of_ids - 1
+    if not 0 <= tag_id <= last_id:
+        raise entry["id"].error("0 to {} in {}".format(last_id, family))
+    map_from_marker = np.eye(4)
+    map_from_marker[:3, :3] = _rotation(entry)
+    map_from_marker[:3, 3] = entry["position"].reals(3)
+    name = entry["name"].text() if "name" in entry else ""
+    return Marker(tag_id, family, name, size, map_from_marker)
+
+
+def _rotation(entry: Mapping) -> np.ndarray:
+    if "orientation" not in entry:
+        if "yaw" not in entry:
+            raise entry.error("'yaw' or 'orientation'", "neither")
+        return rotation_from_yaw_and_roll(entry["yaw"].real(),
+                                          entry["roll"].real() if "roll" in entry else 0.0)
+    for key in ("yaw", "roll"):
+        if key in entry:
+            raise entry[key].error("either yaw and roll or orientation", "both")
+    quaternion = np.array(entry["orientation"].reals(4))
+    length = np.linalg.norm(quaternion)
+    if abs(length - 1.0) > QUATERNION_TOLERANCE:
+        raise entry["orientation"].error("a quaternion of length 1",
+                                         "length {:.6g}".format(length))
+    return rotation_from_quaternion(quaternion / length)
+
+
+def _family(value: Value) -> str:
+    family = value.text()
+    if family not in FAMILIES:
+        raise value.error("one of " + ", ".join(FAMILIES))
+    return family
+
+
+def _size(value: Value) -> float:
+    size = value.real()
+    if size <= 0.0:
+        raise value.error("a positive number of metres")
+    return size

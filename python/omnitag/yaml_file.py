@@ -1,0 +1,137 @@
+"""YAML files whose errors name file, line and key."""
+
+import math
+import re
+from typing import Dict, Iterator, List, Optional, Sequence
+
+import yaml
+
+from omnitag.command_line import InputError
+
+_INTEGER = re.compile(r"[-+]?(0|[1-9][0-9]*)")
+
+
+class Value:
+    """A value of a YAML file together with its place.
+
+    Reads the node graph rather than constructed Python values: those have lost their lines, a
+    repeated key goes unnoticed in them, and `1e-3` is a string to PyYAML.
+    """
+
+    def __init__(self, path: str, key: str, node: yaml.Node) -> None:
+        self._path = path
+        self._key = key
+        self._node = node
+
+    def error(self, expected: str, found: Optional[str] = None) -> InputError:
+        """The error to raise at this place; `found` describes the value unless given."""
+        key = self._key + ": " if self._key else ""
+        return InputError("{}:{}: {}expected {}, found {}".format(
+            self._path, self._node.start_mark.line + 1, key, expected, found or self._describe()))
+
+    def text(self) -> str:
+        """A string that is not empty."""
+        if not isinstance(self._node, yaml.ScalarNode) or not self._node.value.strip():
+            raise self.error("a string")
+        return self._node.value
+
+    def integer(self) -> int:
+        """A decimal integer."""
+        if not self._is_plain() or not _INTEGER.fullmatch(self._node.value):
+            raise self.error("an integer")
+        return int(self._node.value)
+
+    def real(self) -> float:
+        """A finite number; an integer will do."""
+        try:
+            number = float(self._node.value) if self._is_plain() else math.nan
+        except ValueError:
+            number = math.nan
+        if not math.isfinite(number):
+            raise self.error("a finite number")
+        return number
+
+    def reals(self, count: int) -> List[float]:
+        """A list of `count` finite numbers."""
+        expected = "a list of {} numbers".format(count)
+        items = list(self.items(expected))
+        if len(items) != count:
+            raise self.error(expected, "{} values".format(len(items)))
+        return [item.real() for item in items]
+
+    def items(self, expected: str = "a list") -> "Iterator[Value]":
+        """The elements of a list."""
+        if not isinstance(self._node, yaml.SequenceNode):
+            raise self.error(expected)
+        return (Value(self._path, "{}[{}]".format(self._key, index), node)
+                for index, node in enumerate(self._node.value))
+
+    def mapping(self, keys: Sequence[str]) -> "Mapping":
+        """A mapping that has none but these keys."""
+        if not isinstance(self._node, yaml.MappingNode):
+            raise self.error("a mapping of keys to values")
+        values = {}
+        for key_node, node in self._node.value:
+            name = key_node.value if isinstance(key_node, yaml.ScalarNode) else "a key of parts"
+            at_key = Value(self._path, self._join(name), key_node)
+            if name not in keys:
+                raise at_key.error("one of the keys " + ", ".join(keys), "this unknown key")
+            if name in values:
+                raise at_key.error("each key once", "it again")
+            values[name] = Value(self._path, self._join(name), node)
+        return Mapping(self, values)
+
+    def _join(self, name: str) -> str:
+        return "{}.{}".format(self._key, name) if self._key else name
+
+    def _is_plain(self) -> bool:
+        return isinstance(self._node, yaml.ScalarNode) and self._node.style is None
+
+    def _describe(self) -> str:
+        if isinstance(self._node, yaml.SequenceNode):
+            return "a list"
+        if isinstance(self._node, yaml.MappingNode):
+            return "a mapping"
+        return "'{}'".format(self._node.value) if self._node.value else "nothing"
+
+
+class Mapping:
+    """The keys of a mapping, each present one with its value and place."""
+
+    def __init__(self, place: Value, values: Dict[str, Value]) -> None:
+        self._place = place
+        self._values = values
+
+    def __contains__(self, key: str) -> bool:
+        return key in self._values
+
+    def get(self, key: str) -> Optional[Value]:
+        """The value of a key that may be missing."""
+        return self._values.get(key)
+
+    def __getitem__(self, key: str) -> Value:
+        """The value of a key; raises InputError where it is missing."""
+        if key not in self._values:
+            raise self.error("the key '{}'".format(key), "none")
+        return self._values[key]
+
+    def error(self, expected: str, found: str) -> InputError:
+        """The error to raise about the mapping as a whole."""
+        return self._place.error(expected, found)
+
+
+def read_yaml(path: str) -> Value:
+    """The one document of a file; raises InputError where it is no YAML."""
+    try:
+        with open(path, encoding="utf-8") as file:
+            node = yaml.compose(file, Loader=yaml.SafeLoader)
+    except yaml.MarkedYAMLError as error:
+        line = "{}:".format(error.problem_mark.line + 1) if error.problem_mark else ""
+        raise InputError("{}:{} expected YAML, found: {}".format(path, line, error.problem))
+    except (yaml.YAMLError, UnicodeDecodeError):
+        raise InputError("{}: expected YAML, found characters that are not allowed".format(path))
+    except OSError as error:
+        raise InputError("{}: cannot be read: {}".format(path, error.strerror))
+    if node is None:
+        raise InputError("{}: expected YAML, found an empty file".format(path))
+    return Value(path, "", node)

@@ -1,0 +1,123 @@
+import re
+import unittest
+import zlib
+
+from source_tree import FileTest
+
+import numpy as np
+from omnitag.tag_bitmap import FAMILIES, tag_bitmap, tag_family
+
+MM_PER_POINT = 25.4 / 72.0
+HEAD = "frame_id: map\nfamily: tag36h11\nsize: 0.1\nmarkers:\n"
+
+# The code of tag36h11 id 0 in the family's first publication: 6 x 6 bits, row by row, 1 is white.
+TAG36H11_0 = 0xD5D628584
+
+
+def white_modules_of_tag36h11_0():
+    """The bits within a black border, which is within a white one; row 0 is the upper edge."""
+    modules = np.pad(np.zeros((8, 8), dtype=bool), 1, constant_values=True)
+    modules[2:8, 2:8] = np.array([int(bit) for bit in "{:036b}".format(TAG36H11_0)]).reshape(6, 6)
+    return modules
+
+
+class TagBitmapTest(FileTest):
+    def test_widths_and_counts(self):
+        # Bits, border and count as published with the families.
+        for name, ids, at_border, total in (("tag16h5", 30, 6, 8), ("tag25h9", 35, 7, 9),
+                                            ("tag36h11", 587, 8, 10),
+                                            ("tagStandard41h12", 2115, 5, 9)):
+            family = tag_family(name)
+            self.assertEqual((family.number_of_ids, family.width_at_border, family.total_width),
+                             (ids, at_border, total))
+
+    def test_pattern(self):
+        np.testing.assert_array_equal(tag_bitmap("tag36h11", 0).modules,
+                                      white_modules_of_tag36h11_0())
+
+    def test_every_family_draws(self):
+        for name in FAMILIES:
+            bitmap = tag_bitmap(name, tag_family(name).number_of_ids - 1)
+            self.assertEqual(bitmap.modules.shape, (bitmap.family.total_width,) * 2)
+
+    def test_unknown_tags_are_refused(self):
+        with self.assert_error("tag36h11", "'aruco'"):
+            tag_family("aruco")
+        for tag_id in (-1, 587):
+            with self.assert_error("0 to 586", str(tag_id)):
+                tag_bitmap("tag36h11", tag_id)
+
+
+def filled_boxes(content):
+    """Bounding boxes in points of the subpaths of a PDF content stream that are closed."""
+    boxes = []
+    for subpath in re.findall(rb"(?:[-\d. ]+ [ml]\n)+h", content):
+        points = np.array([[float(number) for number in line.split()[:2]]
+                           for line in subpath.splitlines()[:-1]])
+        boxes.append((*points.min(axis=0), *points.max(axis=0)))
+    return np.array(boxes)
+
+
+class PrintMarkersTest(FileTest):
+    def pages(self, entries, *arguments):
+        """Page size in mm and boxes of the closed paths in mm, of each page."""
+        result = self.run_tool("print_markers", "--map", self.write("map.yaml", HEAD + entries),
+                               "--output", self.path("m.pdf"), *arguments)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with open(self.path("m.pdf"), "rb") as file:
+            pdf = file.read()
+        sizes = [tuple(float(number) * MM_PER_POINT for number in box.split()[2:])
+                 for box in re.findall(rb"/MediaBox \[([^\]]*)\]", pdf)]
+        contents = [zlib.decompress(stream) for stream in
+                    re.findall(rb"/FlateDecode[^>]*>>\s*stream\n(.*?)\nendstream", pdf, re.DOTALL)]
+        boxes = [filled_boxes(content) * MM_PER_POINT for content in contents]
+        return sizes, [box for box in boxes if len(box) > 4]
+
+    def test_one_page_for_each_family_id_and_size(self):
+        sizes, boxes = self.pages(
+            "  - {id: 1, position: [0, 0, 0], yaw: 0}\n"
+            "  - {id: 1, name: again, position: [1, 0, 0], yaw: 0}\n"
+            "  - {id: 1, size: 0.05, position: [2, 0, 0], yaw: 0}\n"
+            "  - {id: 1, family: tag16h5, position: [3, 0, 0], yaw: 0}\n")
+        self.assertEqual(len(boxes), 3)
+        np.testing.assert_allclose(sizes, [(210.0, 297.0)] * 3, atol=0.01)
+
+    def test_true_size(self):
+        _, (boxes,) = self.pages("  - {id: 0, position: [0, 0, 0], yaw: 0}\n")
+        widths = boxes[:, 2] - boxes[:, 0]
+        modules = boxes[np.abs(widths - 100.0 / 8.0) < 1e-3]
+        self.assertEqual(len(modules), np.count_nonzero(~white_modules_of_tag36h11_0()))
+        left, bottom = modules[:, :2].min(axis=0)
+        right, top = modules[:, 2:].max(axis=0)
+        self.assertAlmostEqual(right - left, 100.0, places=3)
+        self.assertAlmostEqual(top - bottom, 100.0, places=3)
+        drawn = np.ones((10, 10), dtype=bool)
+        for x, y in np.rint((modules[:, :2] - (left, bottom)) / 12.5).astype(int):
+            drawn[8 - y, x + 1] = False
+        np.testing.assert_array_equal(drawn, white_modules_of_tag36h11_0())
+
+    def test_a_tag_that_is_too_large(self):
+        big = "  - {id: 5, size: 0.2, position: [0, 0, 0], yaw: 0}\n"
+        path = self.write("map.yaml", HEAD + big)
+        self.assert_refused(
+            self.run_tool("print_markers", "--map", path, "--output", self.path("no.pdf")),
+            "map.yaml", "id 5", "0.2 m", "a4 has 210 x 297", "fits is a3")
+        with self.assertRaises(FileNotFoundError):
+            open(self.path("no.pdf"), "rb")
+        self.assertEqual(len(self.pages(big, "--paper", "a3")[0]), 1)
+        (width, height), = self.pages(big, "--paper", "fit")[0]
+        self.assertTrue(250.0 < width < 280.0 and 290.0 < height < 320.0)
+
+    def test_bad_input(self):
+        good = self.write("map.yaml", HEAD + "  - {id: 5, position: [0, 0, 0], yaw: 0}\n")
+        self.assert_refused(self.run_tool("print_markers", "--map", "none.yaml", "--output",
+                                          self.path("m.pdf")), "none.yaml")
+        self.assert_refused(self.run_tool("print_markers", "--map", good, "--output",
+                                          self.path("none/m.pdf")), "none/m.pdf")
+        output = ("--output", self.path("m.pdf"))
+        for arguments in ((), ("--map", good), ("--map", good, *output, "--paper", "b5")):
+            self.assertEqual(self.run_tool("print_markers", *arguments).returncode, 2)
+
+
+if __name__ == "__main__":
+    unittest.main()
