@@ -7,12 +7,15 @@
 #include <string>
 #include <vector>
 
-#include "omnitag/camera/camera_model.h"
+#include "omnitag/camera/mounted_camera.h"
 #include "omnitag/common/pose2.h"
 #include "omnitag/localization/localizer_config.h"
+#include "omnitag/localization/motion_model.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/marker/marker_prediction.h"
+#include "omnitag/marker/tag_detector.h"
 #include "omnitag/view/view.h"
+#include "omnitag/view/view_warper.h"
 
 namespace omnitag {
 
@@ -81,6 +84,7 @@ struct FrameResult {
   std::vector<MarkerDetection> detections;
   Timings timings;
 
+  /// How many of the detections the pose stands on.
   int acceptedMarkers() const;
 };
 
@@ -92,10 +96,12 @@ class Localizer {
   /// Throws InputError where the map names a family that the AprilTag library does not have.
   Localizer(std::shared_ptr<const CameraModel> camera, MarkerMap map,
             const LocalizerConfig& config);
-  ~Localizer();
 
   /// Takes base_link's pose in the map from outside, at the stamp of the next frame.
   void setPose(const PoseEstimate& map_from_base);
+
+  /// The same without a covariance: the configured initial deviations are taken.
+  void setPose(const Pose2& map_from_base);
 
   /// Forgets the pose; the next frames search.
   void forgetPose();
@@ -104,12 +110,26 @@ class Localizer {
   /// keeps its state.
   FrameResult process(const Frame& frame);
 
-  const MarkerMap& map() const;
-  const CameraModel& camera() const;
+  const MarkerMap& map() const { return map_; }
+  const CameraModel& camera() const { return *camera_; }
+  const LocalizerConfig& config() const { return config_; }
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  struct Look;
+  Look look(const Frame& frame, const MountedCamera& camera, FrameResult* result) const;
+  void solve(const MountedCamera& camera, const PoseEstimate& predicted, const Look& look,
+             FrameResult* result);
+
+  std::shared_ptr<const CameraModel> camera_;
+  MarkerMap map_;
+  LocalizerConfig config_;
+  ViewWarper warper_;
+  TagDetector detector_;
+  MotionModel motion_;
+  /// A pose that was set and waits for the next frame.
+  std::optional<PoseEstimate> given_pose_;
+  bool has_pose_ = false;
+  std::optional<double> last_stamp_;
 };
 
 }  // namespace omnitag

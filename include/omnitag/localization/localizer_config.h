@@ -1,7 +1,5 @@
 #pragma once
 
-#include <string>
-
 #include "omnitag/common/yaml_reader.h"
 #include "omnitag/localization/motion_model.h"
 #include "omnitag/localization/pose_estimator.h"
@@ -12,18 +10,18 @@
 
 namespace omnitag {
 
-/// Every setting of the localizer; config/localizer.yaml documents them for users.
+/// Every setting of the localizer; config/localizer.yaml is their manual.
 struct LocalizerConfig {
   VisibilityConfig visibility;
   ViewPlannerConfig view;
   TagDetectorConfig detector;
   AssociationConfig association;
-  EstimatorConfig estimator;
+  EstimatorConfig estimation;
   MotionModelConfig motion;
 };
 
-/// Reads the groups `visibility`, `view`, `detector`, `association`, `estimation` and `motion` and
-/// the key `estimator` (triangulation | reprojection). Absent keys keep their defaults, other keys
+/// Reads the groups `visibility`, `view`, `detector`, `association`, `estimation` and `motion`, and
+/// the key `estimator` (triangulation | reprojection). Absent keys keep their defaults; other keys
 /// of the top level are not looked at. Throws InputError.
 LocalizerConfig readLocalizerConfig(const YamlReader& reader);
 

@@ -1,30 +1,35 @@
 #pragma once
 
-#include <Eigen/Geometry>
 #include <cstddef>
 #include <vector>
 
-#include "omnitag/camera/camera_model.h"
+#include "omnitag/camera/mounted_camera.h"
 #include "omnitag/common/angle.h"
+#include "omnitag/common/pose2.h"
 #include "omnitag/common/yaml_reader.h"
 #include "omnitag/marker/marker_map.h"
+#include "omnitag/view/view.h"
 
 namespace omnitag {
 
-/// Which markers are worth looking for.
+/// Which markers are worth looking for, and how far around their predicted places.
 struct VisibilityConfig {
   /// m, from the camera to the marker.
   double max_range = 20.0;
   /// rad, between the marker's normal and the direction to the camera.
   double max_incidence = radians(75.0);
-  /// Length of the marker's longest edge in the panorama, in pixels; the decoder reads none below.
-  double min_edge_pixels = 10.0;
+  /// Length of the marker's longest edge in the panorama, in pixels.
+  double min_edge_pixels = 12.0;
+  /// Standard deviations of the predicted pose that a view leaves around a marker.
+  double margin_deviations = 3.5;
+  /// Pixels of the panorama that a view leaves at least.
+  double min_margin_pixels = 2.0;
 };
 
 /// Reads the keys above; absent ones keep their defaults. Throws InputError.
 VisibilityConfig readVisibilityConfig(const YamlReader& reader);
 
-/// A mapped marker as a pose of the camera lets it appear.
+/// A mapped marker as a predicted pose of the robot lets it appear.
 struct PredictedMarker {
   std::size_t map_entry = 0;
   /// Pixels of the panoramic image.
@@ -34,12 +39,20 @@ struct PredictedMarker {
   double range = 0.0;
   /// rad, between the marker's normal and the direction to the camera.
   double incidence = 0.0;
+  /// Pixels by which the marker may be away from its predicted place, along the tangent and along
+  /// the radius of the panorama.
+  double tangential_margin = 0.0;
+  double radial_margin = 0.0;
 };
 
 /// The markers that the camera should see: facing it, within range, large enough, and whole within
 /// the optics' field and the image.
-std::vector<PredictedMarker> predictMarkers(const MarkerMap& map, const CameraModel& camera,
-                                            const Eigen::Isometry3d& camera_from_map,
+std::vector<PredictedMarker> predictMarkers(const MarkerMap& map, const MountedCamera& camera,
+                                            const PoseEstimate& map_from_base,
                                             const VisibilityConfig& config);
+
+/// The part of the panorama in which a marker is to be looked for: its corners, the white border
+/// without which it cannot be read, and its margins.
+ViewTarget viewTarget(const PredictedMarker& marker, const CameraModel& camera);
 
 }  // namespace omnitag

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -7,49 +8,69 @@
 
 namespace omnitag {
 
-/// The paper's look-up table: the image contours of horizontal lines.
+/// The paper's look-up tables E, F and F^-1 (Section 5, Eqns 3-5), computed once per camera: where
+/// points and horizontal lines of the world image.
 ///
-/// A line across the optical axis is given by its nearest point to the axis, which images at
-/// radius_main (at the azimuth theta_main); a point of it that lies azimuth_offset away images at
-/// `radius` (the paper's R_main, d theta and R_i, Section 5, Eqns 3-5). A camera without a single
-/// viewpoint has another contour for every distance of the line, so the table is computed for one
-/// working distance; doc/camera_models.md gives the error at others.
+/// A line across the optical axis ("horizontal" where the axis is vertical) is given by its nearest
+/// point to the axis, which images at radius_main in the direction theta_main. A point of the line
+/// that lies azimuth_offset away from that direction images at `radius` (R_main, d theta, R_i in
+/// the paper). Without a single viewpoint lines at other distances have slightly other contours;
+/// the contours are those of lines at `distance`. doc/camera_models.md gives the error.
 ///
-/// All radii are of the ideal image plane. Immutable once built.
+/// All radii are of the ideal image plane, all angles in radians, all lengths in metres. Immutable,
+/// and self-contained once built.
 class ContourTable {
  public:
-  /// The nearest point of the lines is `distance` metres from the axis. The table reaches
-  /// max_azimuth_offset (rad, < pi / 2) to both sides.
-  ContourTable(const CameraModel& camera, double distance,
-               double max_azimuth_offset = kMaxAzimuthOffset);
-
-  /// R_i = F^-1(R_main, d theta) of Eqn 4, interpolated bilinearly; NaN where the camera does not
-  /// see that point or the table does not reach.
-  double radius(double radius_main, double azimuth_offset) const;
-
-  /// R_main = F(R_i, d theta) of Eqn 3, exactly; nothing where the camera does not see the line's
-  /// nearest point.
-  std::optional<double> radiusMain(double radius, double azimuth_offset) const;
-
-  double distance() const { return distance_; }
-  double maxAzimuthOffset() const { return max_azimuth_offset_; }
-
-  /// One azimuth offset of the table, for fast access to many radii: radii[k] belongs to
-  /// radius_main = first + k * step.
-  struct Column {
-    std::vector<float> radii;
-    double first;
-    double step;
-
-    double radius(double radius_main) const;
-  };
-  Column column(double azimuth_offset) const;
-
+  /// The contours reach this far to both sides of theta_main.
   static constexpr double kMaxAzimuthOffset = 1.05;
 
+  ContourTable(const CameraModel& camera, double distance);
+
+  /// E: radius at which a point images that is `distance` away from the axis, at `height` along it.
+  /// NaN where the camera does not see it.
+  double imageRadius(double distance, double height) const;
+
+  /// The inverse of E at a given distance: the height of what images at `radius`. Radii beyond the
+  /// camera's field give the height at the field's edge.
+  double height(double radius, double distance) const;
+
+  /// F^-1: R_i over R_main and d theta. NaN where the camera sees no such point.
+  double radius(double radius_main, double azimuth_offset) const;
+
+  /// F: R_main over R_i and d theta. NaN where the camera does not see the line's nearest point.
+  double radiusMain(double radius, double azimuth_offset) const;
+
+  double minRadius() const { return min_radius_; }
+  double maxRadius() const { return max_radius_; }
+  double distance() const { return distance_; }
+
+  /// F^-1 at one azimuth offset as a function of R_main, for those who need it for many radii.
+  class Contours {
+   public:
+    double radius(double radius_main) const;
+
+   private:
+    friend class ContourTable;
+    const ContourTable* table_ = nullptr;
+    const float* nearer_ = nullptr;
+    const float* farther_ = nullptr;
+    float fraction_ = 0.0F;
+  };
+  /// Valid as long as the table lives.
+  Contours contours(double azimuth_offset) const;
+
  private:
-  const CameraModel* camera_;
+  double positionOf(double radius) const;
+
   double distance_;
+  double min_radius_;
+  double max_radius_;
+  double radius_step_;
+  /// The lines of sight of evenly spaced radii, and whether height grows with the radius.
+  std::vector<MeridionalRay> rays_;
+  bool height_grows_;
+  /// R_i by azimuth offset, then by R_main.
+  std::vector<float> radii_;
 };
 
 }  // namespace omnitag

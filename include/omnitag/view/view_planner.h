@@ -1,0 +1,33 @@
+#pragma once
+
+#include <vector>
+
+#include "omnitag/common/angle.h"
+#include "omnitag/common/yaml_reader.h"
+#include "omnitag/view/contour_table.h"
+#include "omnitag/view/view.h"
+
+namespace omnitag {
+
+/// How views are laid around what is looked for.
+struct ViewPlannerConfig {
+  /// Pixels of a view per pixel of the panorama along the tangent, where the panorama resolves
+  /// best. Below 1 a view loses what the panorama holds; much above it only costs time.
+  double oversampling = 1.5;
+  /// Pixels, width and height of a view at most; larger ones are made coarser.
+  int max_size = 480;
+  /// rad, views are not merged to more than this to both sides of their middle.
+  double max_merged_half_width = radians(30.0);
+};
+
+/// Reads the keys above; absent ones keep their defaults. Throws InputError.
+ViewPlannerConfig readViewPlannerConfig(const YamlReader& reader);
+
+/// Views that together cover all targets, overlapping ones merged where that leaves fewer pixels to
+/// look at. A target that reaches farther than the table's contours is cut there.
+///
+/// `pixels_per_unit`: pixels of the panorama per unit of the ideal image plane.
+std::vector<View> planViews(const std::vector<ViewTarget>& targets, const ContourTable& table,
+                            double pixels_per_unit, bool axis_up, const ViewPlannerConfig& config);
+
+}  // namespace omnitag

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+
+#include "omnitag/camera/camera_model.h"
+#include "omnitag/view/contour_table.h"
+#include "omnitag/view/view.h"
+
+namespace omnitag {
+
+/// Takes views out of the panorama and positions in them back to it, both through the same look-up
+/// table: a position read in a view goes back to exactly where its pixels came from, whatever the
+/// table's error.
+class ViewWarper {
+ public:
+  /// `working_distance`: m, distance of the horizontal lines whose contours the table holds.
+  ViewWarper(std::shared_ptr<const CameraModel> camera, double working_distance);
+
+  /// The view's image (CV_8UC1), interpolated bilinearly; black where the panorama shows nothing of
+  /// the world. `panorama`: CV_8UC1, as large as the camera's image.
+  cv::Mat warp(const cv::Mat& panorama, const View& view) const;
+
+  /// The panorama's pixel that a position of the view was taken from; nothing where it shows
+  /// nothing of the world.
+  std::optional<Eigen::Vector2d> panoramaFromView(const View& view,
+                                                  const Eigen::Vector2d& position) const;
+
+  /// The position in the view that a pixel of the panorama goes to, which may lie outside of the
+  /// view; nothing where the table does not reach.
+  std::optional<Eigen::Vector2d> viewFromPanorama(const View& view,
+                                                  const Eigen::Vector2d& pixel) const;
+
+  const ContourTable& table() const { return table_; }
+
+ private:
+  std::shared_ptr<const CameraModel> camera_;
+  ContourTable table_;
+};
+
+}  // namespace omnitag

@@ -1,0 +1,34 @@
+#include "omnitag/localization/localizer_config.h"
+
+#include <string>
+
+namespace omnitag {
+
+LocalizerConfig readLocalizerConfig(const YamlReader& reader) {
+  LocalizerConfig config;
+  if (reader.has("visibility")) {
+    config.visibility = readVisibilityConfig(reader.mapping("visibility"));
+  }
+  if (reader.has("view")) config.view = readViewPlannerConfig(reader.mapping("view"));
+  if (reader.has("detector")) config.detector = readTagDetectorConfig(reader.mapping("detector"));
+  if (reader.has("association")) {
+    config.association = readAssociationConfig(reader.mapping("association"));
+  }
+  if (reader.has("estimation")) {
+    config.estimation = readEstimatorConfig(reader.mapping("estimation"));
+  }
+  if (reader.has("motion")) config.motion = readMotionModelConfig(reader.mapping("motion"));
+  if (reader.has("estimator")) {
+    const std::string estimator = reader.text("estimator");
+    if (estimator == "triangulation") {
+      config.estimation.kind = EstimatorKind::kTriangulation;
+    } else if (estimator == "reprojection") {
+      config.estimation.kind = EstimatorKind::kReprojection;
+    } else {
+      reader.refuse("estimator", "triangulation or reprojection");
+    }
+  }
+  return config;
+}
+
+}  // namespace omnitag

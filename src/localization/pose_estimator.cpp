@@ -1,0 +1,179 @@
+#include "omnitag/localization/pose_estimator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "omnitag/common/angle.h"
+#include "omnitag/localization/triangulation.h"
+
+namespace omnitag {
+namespace {
+
+std::vector<MarkerObservation> chosen(const std::vector<MarkerObservation>& observations,
+                                      const std::vector<bool>& used) {
+  std::vector<MarkerObservation> subset;
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    if (used[i]) subset.push_back(observations[i]);
+  }
+  return subset;
+}
+
+/// Pixels, RMS over the corners of each observation.
+std::vector<double> residualsAt(const Pose2& pose, const MarkerMap& map,
+                                const MountedCamera& camera,
+                                const std::vector<MarkerObservation>& observations) {
+  std::vector<double> residuals;
+  for (const MarkerObservation& observation : observations) {
+    const Corners<Eigen::Vector3d> corners = map.markers[observation.map_entry].corners();
+    double squares = 0.0;
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      const auto pixel = camera.pixelFromMap(pose, corners[k]);
+      squares += pixel ? (*pixel - observation.corners[k]).squaredNorm()
+                       : std::numeric_limits<double>::infinity();
+    }
+    residuals.push_back(std::sqrt(squares / static_cast<double>(corners.size())));
+  }
+  return residuals;
+}
+
+/// The line of sight of an observation's centre, seen from above.
+std::optional<LandmarkSight> sightOf(const MarkerObservation& observation, const MarkerMap& map,
+                                     const MountedCamera& camera, double corner_noise) {
+  const std::optional<Ray> ray = camera.rayInBase(observation.center);
+  if (!ray || ray->direction.head<2>().norm() < 1e-6) return std::nullopt;
+  LandmarkSight sight;
+  sight.landmark = map.markers[observation.map_entry].center().head<2>();
+  sight.viewpoint = ray->origin.head<2>();
+  sight.bearing = std::atan2(ray->direction.y(), ray->direction.x());
+  // The centre is as good as the mean of four corners; a pixel at this radius turns that far.
+  const ImagePlane& plane = camera.model().imagePlane();
+  const double radius = (observation.center - plane.principalPoint()).norm();
+  sight.bearing_deviation = 0.5 * corner_noise / std::max(radius, 1.0);
+  return sight;
+}
+
+/// Triangulates from the best-agreeing observations: as long as one is beyond the limit and more
+/// than three are left, the worst is left out.
+std::optional<PoseSolution> triangulateRobustly(const MarkerMap& map, const MountedCamera& camera,
+                                                const std::vector<MarkerObservation>& observations,
+                                                double initial_yaw, const EstimatorConfig& config) {
+  PoseSolution solution;
+  solution.used.assign(observations.size(), true);
+  while (true) {
+    std::vector<LandmarkSight> sights;
+    for (std::size_t i = 0; i < observations.size(); ++i) {
+      const auto sight =
+          solution.used[i] ? sightOf(observations[i], map, camera, config.reprojection.corner_noise)
+                           : std::nullopt;
+      if (sight) sights.push_back(*sight);
+    }
+    const std::optional<PoseEstimate> estimate = triangulate(sights, initial_yaw);
+    if (!estimate) return std::nullopt;
+    solution.map_from_base = *estimate;
+    solution.residuals = residualsAt(estimate->pose, map, camera, observations);
+
+    std::size_t worst = 0;
+    double worst_residual = -1.0;
+    for (std::size_t i = 0; i < observations.size(); ++i) {
+      if (solution.used[i] && solution.residuals[i] > worst_residual) {
+        worst = i;
+        worst_residual = solution.residuals[i];
+      }
+    }
+    if (worst_residual <= config.max_residual) return solution;
+    if (sights.size() <= 3) return std::nullopt;
+    solution.used[worst] = false;
+  }
+}
+
+/// Refines with a robust width that starts wide, so that a start far off sees all markers, and
+/// narrows down to the configured one.
+std::optional<ReprojectionFit> refineFrom(const Pose2& start, const MarkerMap& map,
+                                          const MountedCamera& camera,
+                                          const std::vector<MarkerObservation>& observations,
+                                          const std::optional<PoseEstimate>& prior,
+                                          const ReprojectionConfig& config) {
+  constexpr double kWidest = 32.0;  // pixels
+  constexpr double kNarrowing = 4.0;
+  Pose2 pose = start;
+  for (double width = kWidest; width > config.robust_width; width /= kNarrowing) {
+    ReprojectionConfig wide = config;
+    wide.robust_width = width;
+    const auto fit = refineByReprojection(map, camera, observations, pose, prior, wide);
+    if (fit) pose = fit->map_from_base.pose;
+  }
+  return refineByReprojection(map, camera, observations, pose, prior, config);
+}
+
+/// How many times larger than expected the squared residuals are, at least 1: a map that is not as
+/// exact as the corners must not make the pose look more certain than it is.
+double varianceFactor(const std::vector<double>& residuals, double corner_noise) {
+  double squares = 0.0;
+  for (const double residual : residuals) squares += 8.0 * residual * residual / 2.0;
+  const double freedom = 8.0 * static_cast<double>(residuals.size()) - 3.0;
+  return std::max(1.0, squares / (corner_noise * corner_noise) / freedom);
+}
+
+std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera& camera,
+                                      const std::vector<MarkerObservation>& observations,
+                                      const std::optional<PoseEstimate>& prior,
+                                      const EstimatorConfig& config) {
+  std::vector<Pose2> starts;
+  if (prior) starts.push_back(prior->pose);
+  const auto triangulated =
+      triangulateRobustly(map, camera, observations, prior ? prior->pose.yaw : 0.0, config);
+  if (triangulated) starts.push_back(triangulated->map_from_base.pose);
+
+  std::optional<ReprojectionFit> best;
+  auto agreeing = [&config](const ReprojectionFit& fit) {
+    return std::count_if(fit.residuals.begin(), fit.residuals.end(),
+                         [&config](double r) { return r <= config.max_residual; });
+  };
+  for (const Pose2& start : starts) {
+    auto fit = refineFrom(start, map, camera, observations, prior, config.reprojection);
+    if (fit && (!best || agreeing(*fit) > agreeing(*best))) best = std::move(fit);
+  }
+  if (!best || agreeing(*best) == 0) return std::nullopt;
+
+  // What disagrees is left out altogether, which may bring others back into agreement.
+  PoseSolution solution;
+  solution.residuals = best->residuals;
+  for (const double residual : best->residuals) {
+    solution.used.push_back(residual <= config.max_residual);
+  }
+  const std::vector<MarkerObservation> subset = chosen(observations, solution.used);
+  const auto fit = refineByReprojection(map, camera, subset, best->map_from_base.pose, prior,
+                                        config.reprojection);
+  if (!fit) return std::nullopt;
+  solution.map_from_base = fit->map_from_base;
+  solution.map_from_base.covariance *=
+      varianceFactor(fit->residuals, config.reprojection.corner_noise);
+  solution.residuals = residualsAt(fit->map_from_base.pose, map, camera, observations);
+  return solution;
+}
+
+}  // namespace
+
+EstimatorConfig readEstimatorConfig(const YamlReader& reader) {
+  reader.allowOnly({"corner_noise", "robust_width", "max_residual"});
+  EstimatorConfig config;
+  reader.read("corner_noise", &config.reprojection.corner_noise, kPositive);
+  reader.read("robust_width", &config.reprojection.robust_width, kPositive);
+  reader.read("max_residual", &config.max_residual, kPositive);
+  return config;
+}
+
+std::optional<PoseSolution> estimatePose(const MarkerMap& map, const MountedCamera& camera,
+                                         const std::vector<MarkerObservation>& observations,
+                                         const std::optional<PoseEstimate>& prior,
+                                         const EstimatorConfig& config) {
+  if (observations.empty()) return std::nullopt;
+  if (config.kind == EstimatorKind::kTriangulation) {
+    return triangulateRobustly(map, camera, observations, prior ? prior->pose.yaw : 0.0, config);
+  }
+  return reproject(map, camera, observations, prior, config);
+}
+
+}  // namespace omnitag

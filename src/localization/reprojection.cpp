@@ -1,0 +1,145 @@
+#include "omnitag/localization/reprojection.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "omnitag/common/angle.h"
+
+namespace omnitag {
+namespace {
+
+/// The problem linearised at a pose: J^T W J, J^T W r and the cost that the step should lower.
+struct Linearization {
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+  double cost = 0.0;
+  std::vector<double> residuals;
+};
+
+Eigen::Vector3d difference(const Pose2& a, const Pose2& b) {
+  return {a.x - b.x, a.y - b.y, normalizeAngle(a.yaw - b.yaw)};
+}
+
+class Problem {
+ public:
+  Problem(const MarkerMap& map, const MountedCamera& camera,
+          const std::vector<MarkerObservation>& observations,
+          const std::optional<PoseEstimate>& prior, const ReprojectionConfig& config)
+      : camera_(camera), observations_(observations), prior_(prior), config_(config) {
+    corners_.reserve(observations.size());
+    for (const MarkerObservation& observation : observations) {
+      corners_.push_back(map.markers[observation.map_entry].corners());
+    }
+    if (prior_) prior_information_ = prior_->covariance.inverse();
+  }
+
+  Linearization linearize(const Pose2& pose) const {
+    Linearization linear;
+    if (prior_) {
+      const Eigen::Vector3d error = difference(pose, prior_->pose);
+      linear.information = prior_information_;
+      linear.gradient = prior_information_ * error;
+      linear.cost = 0.5 * error.dot(prior_information_ * error);
+    }
+    for (std::size_t i = 0; i < observations_.size(); ++i) addMarker(pose, i, &linear);
+    return linear;
+  }
+
+ private:
+  void addMarker(const Pose2& pose, std::size_t index, Linearization* linear) const {
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+    double squares = 0.0;
+    for (std::size_t k = 0; k < corners_[index].size(); ++k) {
+      Eigen::Matrix<double, 2, 3> by_pose;
+      const auto pixel = camera_.pixelFromMap(pose, corners_[index][k], &by_pose);
+      if (!pixel) {
+        linear->residuals.push_back(std::numeric_limits<double>::infinity());
+        linear->cost += cost(kHiddenResidual * kHiddenResidual);
+        return;
+      }
+      const Eigen::Vector2d residual = *pixel - observations_[index].corners[k];
+      squares += residual.squaredNorm();
+      information += by_pose.transpose() * by_pose;
+      gradient += by_pose.transpose() * residual;
+    }
+    const double mean_square = squares / 4.0;
+    linear->residuals.push_back(std::sqrt(mean_square));
+    linear->cost += cost(mean_square);
+    // Derivative of `cost` with respect to half of the sum of squares.
+    const double width_square = config_.robust_width * config_.robust_width;
+    const double weight =
+        1.0 / (1.0 + mean_square / width_square) / (config_.corner_noise * config_.corner_noise);
+    linear->information += weight * information;
+    linear->gradient += weight * gradient;
+  }
+
+  /// Cauchy's function of a marker's mean squared corner residual.
+  double cost(double mean_square) const {
+    const double ratio = config_.robust_width / config_.corner_noise;
+    return 2.0 * ratio * ratio *
+           std::log1p(mean_square / (config_.robust_width * config_.robust_width));
+  }
+
+  /// Pixels; a marker that the pose hides costs as much as one this far off.
+  static constexpr double kHiddenResidual = 1e3;
+
+  const MountedCamera& camera_;
+  const std::vector<MarkerObservation>& observations_;
+  const std::optional<PoseEstimate>& prior_;
+  const ReprojectionConfig& config_;
+  std::vector<Corners<Eigen::Vector3d>> corners_;
+  Eigen::Matrix3d prior_information_ = Eigen::Matrix3d::Zero();
+};
+
+}  // namespace
+
+std::optional<ReprojectionFit> refineByReprojection(
+    const MarkerMap& map, const MountedCamera& camera,
+    const std::vector<MarkerObservation>& observations, const Pose2& initial,
+    const std::optional<PoseEstimate>& prior, const ReprojectionConfig& config) {
+  constexpr int kMaxIterations = 100;
+  constexpr double kTolerance = 1e-10;  // m and rad
+  const Problem problem(map, camera, observations, prior, config);
+
+  Pose2 pose = initial;
+  Linearization linear = problem.linearize(pose);
+  double damping = 1e-6;
+  for (int i = 0; i < kMaxIterations; ++i) {
+    Eigen::Matrix3d damped = linear.information;
+    damped.diagonal() *= 1.0 + damping;
+    const Eigen::LLT<Eigen::Matrix3d> factors(damped);
+    if (factors.info() != Eigen::Success) return std::nullopt;
+    const Eigen::Vector3d step = -factors.solve(linear.gradient);
+    if (!step.allFinite()) return std::nullopt;
+    const Pose2 candidate{pose.x + step.x(), pose.y + step.y(),
+                          normalizeAngle(pose.yaw + step.z())};
+    Linearization candidate_linear = problem.linearize(candidate);
+    const bool is_better = candidate_linear.cost <= linear.cost;
+    if (is_better) {
+      pose = candidate;
+      linear = std::move(candidate_linear);
+      damping = std::max(damping * 0.1, 1e-9);
+    } else {
+      damping = std::max(damping * 10.0, 1e-4);
+    }
+    if (step.norm() < kTolerance) break;
+  }
+
+  // An information matrix without a direction says nothing about the pose along it.
+  constexpr double kSmallestEigenvalue = 1e-9;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(linear.information);
+  if (!(eigen.eigenvalues()(0) > kSmallestEigenvalue * eigen.eigenvalues()(2))) {
+    return std::nullopt;
+  }
+  ReprojectionFit fit;
+  fit.map_from_base.pose = pose;
+  fit.map_from_base.covariance = linear.information.inverse();
+  fit.residuals = std::move(linear.residuals);
+  return fit;
+}
+
+}  // namespace omnitag

@@ -1,0 +1,111 @@
+#include "omnitag/localization/triangulation.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "omnitag/common/angle.h"
+
+namespace omnitag {
+namespace {
+
+Eigen::Rotation2Dd rotation(double yaw) { return Eigen::Rotation2Dd(yaw); }
+
+/// The lines of sight at a given heading, a x + b y + c = 0 for the robot's position (x, y), and
+/// their derivatives with respect to the heading.
+struct Lines {
+  Eigen::MatrixX2d normals;  // rows (a, b)
+  Eigen::VectorXd offsets;   // c
+  Eigen::MatrixX2d normals_by_yaw;
+  Eigen::VectorXd offsets_by_yaw;
+  Eigen::VectorXd offsets_by_yaw_twice;
+};
+
+Lines linesAt(const std::vector<LandmarkSight>& sights, double yaw) {
+  const auto count = static_cast<Eigen::Index>(sights.size());
+  Lines lines{Eigen::MatrixX2d(count, 2), Eigen::VectorXd(count), Eigen::MatrixX2d(count, 2),
+              Eigen::VectorXd(count), Eigen::VectorXd(count)};
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const LandmarkSight& sight = sights[static_cast<std::size_t>(i)];
+    const double phi = yaw + sight.bearing;
+    const Eigen::Vector2d normal(std::sin(phi), -std::cos(phi));
+    const Eigen::Vector2d normal_by_yaw(std::cos(phi), std::sin(phi));
+    // The line passes the landmark; the robot stands where the viewpoint is, less its mounting.
+    // Both the normal and the mounting turn with the heading, so their product stays.
+    lines.normals.row(i) = normal;
+    lines.normals_by_yaw.row(i) = normal_by_yaw;
+    const double mounting = normal.dot(rotation(yaw) * sight.viewpoint);
+    lines.offsets(i) = mounting - normal.dot(sight.landmark);
+    lines.offsets_by_yaw(i) = -normal_by_yaw.dot(sight.landmark);
+    lines.offsets_by_yaw_twice(i) = normal.dot(sight.landmark);
+  }
+  return lines;
+}
+
+}  // namespace
+
+std::optional<PoseEstimate> triangulate(const std::vector<LandmarkSight>& sights,
+                                        double initial_yaw) {
+  if (sights.size() < 3) return std::nullopt;
+
+  constexpr int kMaxIterations = 50;
+  constexpr double kTolerance = 1e-12;
+  constexpr double kMaxStep = 0.2;
+  constexpr double kSmallestDeterminant = 1e-9;
+  double yaw = initial_yaw;
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();
+  Lines lines;
+  for (int i = 0; i < kMaxIterations; ++i) {
+    lines = linesAt(sights, yaw);
+    const Eigen::Matrix2d normal_matrix = lines.normals.transpose() * lines.normals;
+    const auto count = static_cast<double>(sights.size());
+    if (normal_matrix.determinant() < kSmallestDeterminant * count * count) return std::nullopt;
+    const Eigen::Matrix2d inverse = normal_matrix.inverse();
+    position = -inverse * (lines.normals.transpose() * lines.offsets);  // Eqn 1
+
+    // Newton on half of Eqn 2 as a function of the heading alone, the position following Eqn 1.
+    const Eigen::VectorXd distance = lines.normals * position + lines.offsets;
+    const Eigen::VectorXd distance_by_yaw = lines.normals_by_yaw * position + lines.offsets_by_yaw;
+    const Eigen::VectorXd distance_by_yaw_twice =
+        -lines.normals * position + lines.offsets_by_yaw_twice;
+    const double gradient = distance.dot(distance_by_yaw);
+    const Eigen::Vector2d mixed =
+        lines.normals.transpose() * distance_by_yaw + lines.normals_by_yaw.transpose() * distance;
+    const double curvature = distance_by_yaw.squaredNorm() + distance.dot(distance_by_yaw_twice) -
+                             mixed.dot(inverse * mixed);
+    // Where the curve bends down, Newton would climb to a maximum: go downhill instead.
+    double step = curvature > 0.0 ? -gradient / curvature : -std::copysign(kMaxStep, gradient);
+    step = std::clamp(step, -kMaxStep, kMaxStep);
+    yaw += step;
+    if (std::abs(step) < kTolerance) break;
+    if (i + 1 == kMaxIterations) return std::nullopt;
+  }
+
+  for (const LandmarkSight& sight : sights) {
+    const Eigen::Vector2d viewpoint = position + rotation(yaw) * sight.viewpoint;
+    const double phi = yaw + sight.bearing;
+    const Eigen::Vector2d direction(std::cos(phi), std::sin(phi));
+    if (direction.dot(sight.landmark - viewpoint) <= 0.0) return std::nullopt;
+  }
+
+  // Each distance errs by its bearing's error times its range; the pose is linear in them.
+  const auto count = static_cast<Eigen::Index>(sights.size());
+  Eigen::MatrixX3d jacobian(count, 3);
+  jacobian << lines.normals, lines.normals_by_yaw * position + lines.offsets_by_yaw;
+  Eigen::VectorXd deviations(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const LandmarkSight& sight = sights[static_cast<std::size_t>(i)];
+    const double range = (position + rotation(yaw) * sight.viewpoint - sight.landmark).norm();
+    deviations(i) = range * sight.bearing_deviation;
+  }
+  const Eigen::Matrix3d normal_matrix = jacobian.transpose() * jacobian;
+  const Eigen::FullPivLU<Eigen::Matrix3d> factors(normal_matrix);
+  if (!factors.isInvertible()) return std::nullopt;
+  const Eigen::Matrix3Xd gain = factors.inverse() * jacobian.transpose();
+  PoseEstimate estimate;
+  estimate.pose = {position.x(), position.y(), normalizeAngle(yaw)};
+  estimate.covariance = gain * deviations.cwiseAbs2().asDiagonal() * gain.transpose();
+  return estimate;
+}
+
+}  // namespace omnitag

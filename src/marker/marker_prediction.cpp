@@ -1,0 +1,119 @@
+#include "omnitag/marker/marker_prediction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace omnitag {
+namespace {
+
+/// Widest white border of the library's families, one module on each side of the few modules that
+/// tag16h5 has between its corners, as a share of the size.
+constexpr double kQuietZone = 0.2;
+
+double longestEdge(const Corners<Eigen::Vector2d>& corners) {
+  double longest = 0.0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    longest = std::max(longest, (corners[(i + 1) % corners.size()] - corners[i]).norm());
+  }
+  return longest;
+}
+
+std::optional<PredictedMarker> predict(const Marker& marker, const MountedCamera& camera,
+                                       const PoseEstimate& map_from_base,
+                                       const Eigen::Vector3d& viewpoint,
+                                       const VisibilityConfig& config) {
+  const Eigen::Vector3d to_camera = viewpoint - marker.center();
+  PredictedMarker predicted;
+  predicted.range = to_camera.norm();
+  if (predicted.range > config.max_range) return std::nullopt;
+  predicted.incidence =
+      std::atan2(marker.normal().cross(to_camera).norm(), marker.normal().dot(to_camera));
+  if (predicted.incidence > config.max_incidence) return std::nullopt;
+
+  Eigen::Matrix<double, 2, 3> center_by_pose;
+  const auto center = camera.pixelFromMap(map_from_base.pose, marker.center(), &center_by_pose);
+  if (!center) return std::nullopt;
+  predicted.center = *center;
+  const Corners<Eigen::Vector3d> corners = marker.corners();
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const auto pixel = camera.pixelFromMap(map_from_base.pose, corners[i]);
+    if (!pixel) return std::nullopt;
+    predicted.corners[i] = *pixel;
+  }
+  if (longestEdge(predicted.corners) < config.min_edge_pixels) return std::nullopt;
+
+  const Eigen::Matrix2d covariance =
+      center_by_pose * map_from_base.covariance * center_by_pose.transpose();
+  const Eigen::Vector2d radial =
+      (predicted.center - camera.model().imagePlane().principalPoint()).normalized();
+  const Eigen::Vector2d tangential(-radial.y(), radial.x());
+  const auto margin = [&covariance, &config](const Eigen::Vector2d& direction) {
+    const double variance = std::max(0.0, direction.dot(covariance * direction));
+    return std::max(config.min_margin_pixels, config.margin_deviations * std::sqrt(variance));
+  };
+  predicted.tangential_margin = margin(tangential);
+  predicted.radial_margin = margin(radial);
+  return predicted;
+}
+
+}  // namespace
+
+VisibilityConfig readVisibilityConfig(const YamlReader& reader) {
+  reader.allowOnly(
+      {"max_range", "max_incidence", "min_edge_pixels", "margin_deviations", "min_margin_pixels"});
+  VisibilityConfig config;
+  reader.read("max_range", &config.max_range, kPositive);
+  reader.read("max_incidence", &config.max_incidence, {0.0, 0.5 * kPi});
+  reader.read("min_edge_pixels", &config.min_edge_pixels, kNonNegative);
+  reader.read("margin_deviations", &config.margin_deviations, kPositive);
+  reader.read("min_margin_pixels", &config.min_margin_pixels, kNonNegative);
+  return config;
+}
+
+std::vector<PredictedMarker> predictMarkers(const MarkerMap& map, const MountedCamera& camera,
+                                            const PoseEstimate& map_from_base,
+                                            const VisibilityConfig& config) {
+  const Eigen::Vector3d viewpoint = camera.mapFromCamera(map_from_base.pose).translation();
+  std::vector<PredictedMarker> predicted;
+  for (std::size_t entry = 0; entry < map.markers.size(); ++entry) {
+    auto marker = predict(map.markers[entry], camera, map_from_base, viewpoint, config);
+    if (!marker) continue;
+    marker->map_entry = entry;
+    predicted.push_back(*marker);
+  }
+  return predicted;
+}
+
+ViewTarget viewTarget(const PredictedMarker& marker, const CameraModel& camera) {
+  const ImagePlane& plane = camera.imagePlane();
+  const auto polar = [&plane](const Eigen::Vector2d& pixel) {
+    const Eigen::Vector2d ideal = plane.idealFromPixel(pixel).value_or(Eigen::Vector2d::Zero());
+    return Eigen::Vector2d(std::atan2(ideal.y(), ideal.x()), ideal.norm());
+  };
+  const Eigen::Vector2d center = polar(marker.center);
+  double min_offset = 0.0;
+  double max_offset = 0.0;
+  ViewTarget target;
+  target.min_radius = target.max_radius = center.y();
+  for (const Eigen::Vector2d& corner : marker.corners) {
+    const Eigen::Vector2d with_border = polar(corner + 2.0 * kQuietZone * (corner - marker.center));
+    const double offset = normalizeAngle(with_border.x() - center.x());
+    min_offset = std::min(min_offset, offset);
+    max_offset = std::max(max_offset, offset);
+    target.min_radius = std::min(target.min_radius, with_border.y());
+    target.max_radius = std::max(target.max_radius, with_border.y());
+  }
+  const double scale = plane.scale();
+  target.azimuth = normalizeAngle(center.x() + 0.5 * (min_offset + max_offset));
+  target.half_width =
+      0.5 * (max_offset - min_offset) + marker.tangential_margin / (scale * center.y());
+  target.min_radius =
+      std::max(camera.minRadius(), target.min_radius - marker.radial_margin / scale);
+  target.max_radius =
+      std::min(camera.maxRadius(), target.max_radius + marker.radial_margin / scale);
+  target.distance = marker.range;
+  return target;
+}
+
+}  // namespace omnitag

@@ -1,0 +1,103 @@
+#include "omnitag/view/view_planner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace omnitag {
+namespace {
+
+struct Group {
+  ViewTarget target;
+  std::vector<std::size_t> members;
+};
+
+View viewOf(const Group& group, const ContourTable& table, double pixels_per_unit, bool axis_up,
+            const ViewPlannerConfig& config) {
+  const ViewTarget& target = group.target;
+  View view;
+  view.azimuth = target.azimuth;
+  view.distance = target.distance;
+  view.axis_up = axis_up;
+  view.targets = group.members;
+
+  // The rectangle's heights must take in the target's middle as well as its sides, which are
+  // farther away.
+  const double half_width = std::min(target.half_width, ContourTable::kMaxAzimuthOffset);
+  const double side_distance = target.distance / std::cos(half_width);
+  const auto [bottom, top] = std::minmax({table.height(target.min_radius, target.distance),
+                                          table.height(target.max_radius, target.distance),
+                                          table.height(target.min_radius, side_distance),
+                                          table.height(target.max_radius, side_distance)});
+  view.middle_height = 0.5 * (bottom + top);
+
+  const double width = 2.0 * std::tan(half_width);
+  const double height = (top - bottom) / target.distance;
+  const double best_resolution = target.max_radius * pixels_per_unit;  // pixels per radian
+  view.focal_length =
+      std::min(config.oversampling * best_resolution, config.max_size / std::max(width, height));
+  view.size = {static_cast<int>(std::ceil(width * view.focal_length)),
+               static_cast<int>(std::ceil(height * view.focal_length))};
+  return view;
+}
+
+Group merged(const Group& a, const Group& b) {
+  const double offset = normalizeAngle(b.target.azimuth - a.target.azimuth);
+  const double low = std::min(-a.target.half_width, offset - b.target.half_width);
+  const double high = std::max(a.target.half_width, offset + b.target.half_width);
+  Group group;
+  group.target.azimuth = normalizeAngle(a.target.azimuth + 0.5 * (low + high));
+  group.target.half_width = 0.5 * (high - low);
+  group.target.min_radius = std::min(a.target.min_radius, b.target.min_radius);
+  group.target.max_radius = std::max(a.target.max_radius, b.target.max_radius);
+  group.target.distance = 0.5 * (a.target.distance + b.target.distance);
+  group.members = a.members;
+  group.members.insert(group.members.end(), b.members.begin(), b.members.end());
+  return group;
+}
+
+}  // namespace
+
+ViewPlannerConfig readViewPlannerConfig(const YamlReader& reader) {
+  reader.allowOnly({"oversampling", "max_size", "max_merged_half_width"});
+  ViewPlannerConfig config;
+  reader.read("oversampling", &config.oversampling, {0.25, 8.0});
+  reader.read("max_size", &config.max_size, {32, 4096});
+  reader.read("max_merged_half_width", &config.max_merged_half_width,
+              {0.0, ContourTable::kMaxAzimuthOffset});
+  return config;
+}
+
+std::vector<View> planViews(const std::vector<ViewTarget>& targets, const ContourTable& table,
+                            double pixels_per_unit, bool axis_up, const ViewPlannerConfig& config) {
+  const auto plan = [&](const Group& group) {
+    return viewOf(group, table, pixels_per_unit, axis_up, config);
+  };
+  std::vector<std::pair<Group, View>> planned;
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    Group group{targets[i], {i}};
+    View view = plan(group);
+    // Each merger may make another one worth while, so start over after it.
+    for (std::size_t k = 0; k < planned.size();) {
+      Group candidate = merged(planned[k].first, group);
+      View candidate_view = plan(candidate);
+      if (candidate.target.half_width <= config.max_merged_half_width &&
+          candidate_view.size.area() <= view.size.area() + planned[k].second.size.area()) {
+        group = std::move(candidate);
+        view = std::move(candidate_view);
+        planned.erase(planned.begin() + static_cast<std::ptrdiff_t>(k));
+        k = 0;
+      } else {
+        ++k;
+      }
+    }
+    planned.emplace_back(std::move(group), std::move(view));
+  }
+
+  std::vector<View> views;
+  views.reserve(planned.size());
+  for (auto& [group, view] : planned) views.push_back(std::move(view));
+  return views;
+}
+
+}  // namespace omnitag

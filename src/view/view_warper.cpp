@@ -1,0 +1,79 @@
+#include "omnitag/view/view_warper.h"
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "omnitag/common/angle.h"
+
+namespace omnitag {
+namespace {
+
+/// Bilinear; black outside. cv::remap would round positions to 1/32 pixel, which shows in corners.
+std::uint8_t sample(const cv::Mat& image, double u, double v) {
+  if (!(u >= 0.0 && v >= 0.0 && u < image.cols - 1 && v < image.rows - 1)) return 0;
+  const int column = static_cast<int>(u);
+  const int row = static_cast<int>(v);
+  const double right = u - column;
+  const double below = v - row;
+  const std::uint8_t* top = image.ptr<std::uint8_t>(row) + column;
+  const std::uint8_t* bottom = top + image.step[0];
+  const double value = (1.0 - below) * ((1.0 - right) * top[0] + right * top[1]) +
+                       below * ((1.0 - right) * bottom[0] + right * bottom[1]);
+  return static_cast<std::uint8_t>(value + 0.5);
+}
+
+}  // namespace
+
+ViewWarper::ViewWarper(std::shared_ptr<const CameraModel> camera, double working_distance)
+    : camera_(std::move(camera)), table_(*camera_, working_distance) {}
+
+cv::Mat ViewWarper::warp(const cv::Mat& panorama, const View& view) const {
+  struct Column {
+    ContourTable::Contours contours;
+    Eigen::Vector2d direction;
+  };
+  std::vector<Column> columns;
+  columns.reserve(static_cast<std::size_t>(view.size.width));
+  for (int i = 0; i < view.size.width; ++i) {
+    const double offset = view.azimuthOffset(i);
+    const double azimuth = view.azimuth + offset;
+    columns.push_back({table_.contours(offset), {std::cos(azimuth), std::sin(azimuth)}});
+  }
+
+  cv::Mat image(view.size, CV_8UC1);
+  for (int j = 0; j < view.size.height; ++j) {
+    const double radius_main = table_.imageRadius(view.distance, view.height(j));
+    auto* row = image.ptr<std::uint8_t>(j);
+    for (const Column& column : columns) {
+      const double radius = column.contours.radius(radius_main);
+      const Eigen::Vector2d pixel = camera_->imagePlane().pixelFromIdeal(radius * column.direction);
+      *row++ = sample(panorama, pixel.x(), pixel.y());
+    }
+  }
+  return image;
+}
+
+std::optional<Eigen::Vector2d> ViewWarper::panoramaFromView(const View& view,
+                                                            const Eigen::Vector2d& position) const {
+  const double offset = view.azimuthOffset(position.x());
+  const double radius_main = table_.imageRadius(view.distance, view.height(position.y()));
+  const double radius = table_.radius(radius_main, offset);
+  if (std::isnan(radius)) return std::nullopt;
+  const double azimuth = view.azimuth + offset;
+  const Eigen::Vector2d pixel = camera_->imagePlane().pixelFromIdeal(
+      radius * Eigen::Vector2d(std::cos(azimuth), std::sin(azimuth)));
+  return camera_->isInImage(pixel) ? std::optional(pixel) : std::nullopt;
+}
+
+std::optional<Eigen::Vector2d> ViewWarper::viewFromPanorama(const View& view,
+                                                            const Eigen::Vector2d& pixel) const {
+  const std::optional<Eigen::Vector2d> ideal = camera_->imagePlane().idealFromPixel(pixel);
+  if (!ideal) return std::nullopt;
+  const double offset = normalizeAngle(std::atan2(ideal->y(), ideal->x()) - view.azimuth);
+  const double radius_main = table_.radiusMain(ideal->norm(), offset);
+  if (std::isnan(radius_main)) return std::nullopt;
+  return Eigen::Vector2d(view.column(offset), view.row(table_.height(radius_main, view.distance)));
+}
+
+}  // namespace omnitag
