@@ -1,5 +1,6 @@
 #include "omnitag/localization/motion_model.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
 
@@ -79,8 +80,9 @@ void MotionModel::correct(const PoseEstimate& map_from_base) {
 }
 
 bool MotionModel::isTrustworthy() const {
+  const Eigen::Matrix2d position_covariance = covariance_.topLeftCorner<2, 2>();
   const double position_variance =
-      covariance_.topLeftCorner<2, 2>().eigenvalues().real().maxCoeff();
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(position_covariance).eigenvalues()(1);
   const bool is_certain = std::sqrt(position_variance) <= config_.max_position_deviation &&
                           std::sqrt(covariance_(2, 2)) <= config_.max_heading_deviation;
   const bool is_fresh =

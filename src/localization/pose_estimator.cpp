@@ -47,43 +47,53 @@ std::optional<LandmarkSight> sightOf(const MarkerObservation& observation, const
   sight.landmark = map.markers[observation.map_entry].center().head<2>();
   sight.viewpoint = ray->origin.head<2>();
   sight.bearing = std::atan2(ray->direction.y(), ray->direction.x());
-  // The centre is as good as the mean of four corners; a pixel at this radius turns that far.
+  // A pixel at this radius turns that far. The centre is where the diagonals meet, each of which
+  // errs by as much as its corners.
   const ImagePlane& plane = camera.model().imagePlane();
   const double radius = (observation.center - plane.principalPoint()).norm();
-  sight.bearing_deviation = 0.5 * corner_noise / std::max(radius, 1.0);
+  sight.bearing_deviation = corner_noise / std::max(radius, 1.0);
   return sight;
 }
 
-/// Triangulates from the best-agreeing observations: as long as one is beyond the limit and more
-/// than three are left, the worst is left out.
+/// Triangulates, first with equal confidence, then again with sights counting less whose corners
+/// are off. As long as one is beyond the limit and more than three are left, the worst is left out.
 std::optional<PoseSolution> triangulateRobustly(const MarkerMap& map, const MountedCamera& camera,
                                                 const std::vector<MarkerObservation>& observations,
                                                 double initial_yaw, const EstimatorConfig& config) {
+  constexpr int kRounds = 3;
+  std::vector<LandmarkSight> sights;
+  for (const MarkerObservation& observation : observations) {
+    const auto sight = sightOf(observation, map, camera, config.reprojection.corner_noise);
+    if (!sight) return std::nullopt;
+    sights.push_back(*sight);
+  }
   PoseSolution solution;
   solution.used.assign(observations.size(), true);
   while (true) {
-    std::vector<LandmarkSight> sights;
+    std::vector<std::size_t> used;
     for (std::size_t i = 0; i < observations.size(); ++i) {
-      const auto sight =
-          solution.used[i] ? sightOf(observations[i], map, camera, config.reprojection.corner_noise)
-                           : std::nullopt;
-      if (sight) sights.push_back(*sight);
+      if (solution.used[i]) used.push_back(i);
     }
-    const std::optional<PoseEstimate> estimate = triangulate(sights, initial_yaw);
-    if (!estimate) return std::nullopt;
-    solution.map_from_base = *estimate;
-    solution.residuals = residualsAt(estimate->pose, map, camera, observations);
-
-    std::size_t worst = 0;
-    double worst_residual = -1.0;
-    for (std::size_t i = 0; i < observations.size(); ++i) {
-      if (solution.used[i] && solution.residuals[i] > worst_residual) {
-        worst = i;
-        worst_residual = solution.residuals[i];
+    std::vector<LandmarkSight> used_sights;
+    for (const std::size_t i : used) used_sights.push_back(sights[i]);
+    double yaw = initial_yaw;
+    for (int round = 0; round < kRounds; ++round) {
+      const std::optional<PoseEstimate> estimate = triangulate(used_sights, yaw);
+      if (!estimate) return std::nullopt;
+      solution.map_from_base = *estimate;
+      solution.residuals = residualsAt(estimate->pose, map, camera, observations);
+      yaw = estimate->pose.yaw;
+      for (std::size_t k = 0; k < used.size(); ++k) {
+        const double ratio = solution.residuals[used[k]] / config.reprojection.robust_width;
+        used_sights[k].weight = 1.0 / (1.0 + ratio * ratio);
       }
     }
-    if (worst_residual <= config.max_residual) return solution;
-    if (sights.size() <= 3) return std::nullopt;
+    const std::size_t worst =
+        *std::max_element(used.begin(), used.end(), [&solution](std::size_t a, std::size_t b) {
+          return solution.residuals[a] < solution.residuals[b];
+        });
+    if (solution.residuals[worst] <= config.max_residual) return solution;
+    if (used.size() <= 3) return std::nullopt;
     solution.used[worst] = false;
   }
 }
@@ -95,8 +105,8 @@ std::optional<ReprojectionFit> refineFrom(const Pose2& start, const MarkerMap& m
                                           const std::vector<MarkerObservation>& observations,
                                           const std::optional<PoseEstimate>& prior,
                                           const ReprojectionConfig& config) {
-  constexpr double kWidest = 32.0;  // pixels
-  constexpr double kNarrowing = 4.0;
+  constexpr double kWidest = 16.0;  // pixels
+  constexpr double kNarrowing = 8.0;
   Pose2 pose = start;
   for (double width = kWidest; width > config.robust_width; width /= kNarrowing) {
     ReprojectionConfig wide = config;
@@ -109,31 +119,31 @@ std::optional<ReprojectionFit> refineFrom(const Pose2& start, const MarkerMap& m
 
 /// How many times larger than expected the squared residuals are, at least 1: a map that is not as
 /// exact as the corners must not make the pose look more certain than it is.
-double varianceFactor(const std::vector<double>& residuals, double corner_noise) {
-  double squares = 0.0;
-  for (const double residual : residuals) squares += 8.0 * residual * residual / 2.0;
-  const double freedom = 8.0 * static_cast<double>(residuals.size()) - 3.0;
-  return std::max(1.0, squares / (corner_noise * corner_noise) / freedom);
+double varianceFactor(const ReprojectionFit& fit) {
+  constexpr double kResidualsPerMarker = 8.0;
+  const double freedom = kResidualsPerMarker * static_cast<double>(fit.residuals.size()) - 3.0;
+  return std::max(1.0, fit.weighted_squares / freedom);
 }
 
 std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera& camera,
                                       const std::vector<MarkerObservation>& observations,
                                       const std::optional<PoseEstimate>& prior,
                                       const EstimatorConfig& config) {
-  std::vector<Pose2> starts;
-  if (prior) starts.push_back(prior->pose);
-  const auto triangulated =
-      triangulateRobustly(map, camera, observations, prior ? prior->pose.yaw : 0.0, config);
-  if (triangulated) starts.push_back(triangulated->map_from_base.pose);
-
-  std::optional<ReprojectionFit> best;
-  auto agreeing = [&config](const ReprojectionFit& fit) {
+  const auto agreeing = [&config](const ReprojectionFit& fit) {
     return std::count_if(fit.residuals.begin(), fit.residuals.end(),
                          [&config](double r) { return r <= config.max_residual; });
   };
-  for (const Pose2& start : starts) {
+  const auto all = static_cast<std::ptrdiff_t>(observations.size());
+  std::optional<ReprojectionFit> best;
+  const auto tryFrom = [&](const Pose2& start) {
     auto fit = refineFrom(start, map, camera, observations, prior, config.reprojection);
     if (fit && (!best || agreeing(*fit) > agreeing(*best))) best = std::move(fit);
+  };
+  if (prior) tryFrom(prior->pose);
+  if (!best || agreeing(*best) < all) {
+    const auto triangulated =
+        triangulateRobustly(map, camera, observations, prior ? prior->pose.yaw : 0.0, config);
+    if (triangulated) tryFrom(triangulated->map_from_base.pose);
   }
   if (!best || agreeing(*best) == 0) return std::nullopt;
 
@@ -148,8 +158,7 @@ std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera&
                                         config.reprojection);
   if (!fit) return std::nullopt;
   solution.map_from_base = fit->map_from_base;
-  solution.map_from_base.covariance *=
-      varianceFactor(fit->residuals, config.reprojection.corner_noise);
+  solution.map_from_base.covariance *= varianceFactor(*fit);
   solution.residuals = residualsAt(fit->map_from_base.pose, map, camera, observations);
   return solution;
 }

@@ -16,6 +16,7 @@ struct Linearization {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
   double cost = 0.0;
+  double weighted_squares = 0.0;
   std::vector<double> residuals;
 };
 
@@ -50,41 +51,31 @@ class Problem {
 
  private:
   void addMarker(const Pose2& pose, std::size_t index, Linearization* linear) const {
-    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+    const double noise_square = config_.corner_noise * config_.corner_noise;
+    const double width_square = config_.robust_width * config_.robust_width;
     double squares = 0.0;
     for (std::size_t k = 0; k < corners_[index].size(); ++k) {
       Eigen::Matrix<double, 2, 3> by_pose;
       const auto pixel = camera_.pixelFromMap(pose, corners_[index][k], &by_pose);
-      if (!pixel) {
-        linear->residuals.push_back(std::numeric_limits<double>::infinity());
-        linear->cost += cost(kHiddenResidual * kHiddenResidual);
-        return;
+      Eigen::Vector2d residual(kHiddenResidual, 0.0);
+      if (pixel) {
+        residual = *pixel - observations_[index].corners[k];
+        // The derivative of Cauchy's function below by half of the square.
+        const double weight = 1.0 / ((1.0 + residual.squaredNorm() / width_square) * noise_square);
+        linear->information += weight * by_pose.transpose() * by_pose;
+        linear->gradient += weight * by_pose.transpose() * residual;
+        linear->weighted_squares += weight * residual.squaredNorm();
+        squares += residual.squaredNorm();
+      } else {
+        squares = std::numeric_limits<double>::infinity();
       }
-      const Eigen::Vector2d residual = *pixel - observations_[index].corners[k];
-      squares += residual.squaredNorm();
-      information += by_pose.transpose() * by_pose;
-      gradient += by_pose.transpose() * residual;
+      linear->cost +=
+          0.5 * width_square / noise_square * std::log1p(residual.squaredNorm() / width_square);
     }
-    const double mean_square = squares / 4.0;
-    linear->residuals.push_back(std::sqrt(mean_square));
-    linear->cost += cost(mean_square);
-    // Derivative of `cost` with respect to half of the sum of squares.
-    const double width_square = config_.robust_width * config_.robust_width;
-    const double weight =
-        1.0 / (1.0 + mean_square / width_square) / (config_.corner_noise * config_.corner_noise);
-    linear->information += weight * information;
-    linear->gradient += weight * gradient;
+    linear->residuals.push_back(std::sqrt(squares / 4.0));
   }
 
-  /// Cauchy's function of a marker's mean squared corner residual.
-  double cost(double mean_square) const {
-    const double ratio = config_.robust_width / config_.corner_noise;
-    return 2.0 * ratio * ratio *
-           std::log1p(mean_square / (config_.robust_width * config_.robust_width));
-  }
-
-  /// Pixels; a marker that the pose hides costs as much as one this far off.
+  /// Pixels; a corner that the pose hides costs as much as one this far off.
   static constexpr double kHiddenResidual = 1e3;
 
   const MountedCamera& camera_;
@@ -139,6 +130,7 @@ std::optional<ReprojectionFit> refineByReprojection(
   fit.map_from_base.pose = pose;
   fit.map_from_base.covariance = linear.information.inverse();
   fit.residuals = std::move(linear.residuals);
+  fit.weighted_squares = linear.weighted_squares;
   return fit;
 }
 

@@ -11,8 +11,8 @@ namespace {
 
 Eigen::Rotation2Dd rotation(double yaw) { return Eigen::Rotation2Dd(yaw); }
 
-/// The lines of sight at a given heading, a x + b y + c = 0 for the robot's position (x, y), and
-/// their derivatives with respect to the heading.
+/// The lines of sight at a given heading, a x + b y + c = 0 for the robot's position (x, y), times
+/// the root of their weights, and their derivatives with respect to the heading.
 struct Lines {
   Eigen::MatrixX2d normals;  // rows (a, b)
   Eigen::VectorXd offsets;   // c
@@ -28,8 +28,9 @@ Lines linesAt(const std::vector<LandmarkSight>& sights, double yaw) {
   for (Eigen::Index i = 0; i < count; ++i) {
     const LandmarkSight& sight = sights[static_cast<std::size_t>(i)];
     const double phi = yaw + sight.bearing;
-    const Eigen::Vector2d normal(std::sin(phi), -std::cos(phi));
-    const Eigen::Vector2d normal_by_yaw(std::cos(phi), std::sin(phi));
+    const double scale = std::sqrt(sight.weight);
+    const Eigen::Vector2d normal = scale * Eigen::Vector2d(std::sin(phi), -std::cos(phi));
+    const Eigen::Vector2d normal_by_yaw = scale * Eigen::Vector2d(std::cos(phi), std::sin(phi));
     // The line passes the landmark; the robot stands where the viewpoint is, less its mounting.
     // Both the normal and the mounting turn with the heading, so their product stays.
     lines.normals.row(i) = normal;
@@ -88,23 +89,27 @@ std::optional<PoseEstimate> triangulate(const std::vector<LandmarkSight>& sights
     if (direction.dot(sight.landmark - viewpoint) <= 0.0) return std::nullopt;
   }
 
-  // Each distance errs by its bearing's error times its range; the pose is linear in them.
+  // Each distance errs by its bearing's error times its range; the pose is linear in them. Where
+  // the distances are larger than that, so is the covariance.
   const auto count = static_cast<Eigen::Index>(sights.size());
   Eigen::MatrixX3d jacobian(count, 3);
   jacobian << lines.normals, lines.normals_by_yaw * position + lines.offsets_by_yaw;
+  const Eigen::VectorXd distance = lines.normals * position + lines.offsets;
   Eigen::VectorXd deviations(count);
   for (Eigen::Index i = 0; i < count; ++i) {
     const LandmarkSight& sight = sights[static_cast<std::size_t>(i)];
     const double range = (position + rotation(yaw) * sight.viewpoint - sight.landmark).norm();
-    deviations(i) = range * sight.bearing_deviation;
+    deviations(i) = std::sqrt(sight.weight) * range * sight.bearing_deviation;
   }
-  const Eigen::Matrix3d normal_matrix = jacobian.transpose() * jacobian;
-  const Eigen::FullPivLU<Eigen::Matrix3d> factors(normal_matrix);
+  const Eigen::FullPivLU<Eigen::Matrix3d> factors(jacobian.transpose() * jacobian);
   if (!factors.isInvertible()) return std::nullopt;
   const Eigen::Matrix3Xd gain = factors.inverse() * jacobian.transpose();
+  const double freedom = std::max(1.0, static_cast<double>(sights.size()) - 3.0);
+  const double squares = (distance.array() / deviations.array()).square().sum();
   PoseEstimate estimate;
   estimate.pose = {position.x(), position.y(), normalizeAngle(yaw)};
-  estimate.covariance = gain * deviations.cwiseAbs2().asDiagonal() * gain.transpose();
+  estimate.covariance = std::max(1.0, squares / freedom) * gain *
+                        deviations.cwiseAbs2().asDiagonal() * gain.transpose();
   return estimate;
 }
 

@@ -65,7 +65,7 @@ double ContourTable::height(double radius, double distance) const {
 }
 
 double ContourTable::radius(double radius_main, double azimuth_offset) const {
-  return contours(azimuth_offset).radius(radius_main);
+  return static_cast<double>(contours(azimuth_offset).radius(placeOf(radius_main)));
 }
 
 double ContourTable::radiusMain(double radius, double azimuth_offset) const {
@@ -79,7 +79,6 @@ double ContourTable::radiusMain(double radius, double azimuth_offset) const {
 ContourTable::Contours ContourTable::contours(double azimuth_offset) const {
   const double position = std::abs(azimuth_offset) / kOffsetStep;
   Contours contours;
-  contours.table_ = this;
   if (!(position <= kOffsets - 1)) return contours;
   const int nearer = std::min(static_cast<int>(position), kOffsets - 2);
   contours.nearer_ = radii_.data() + static_cast<std::size_t>(nearer) * kRadii;
@@ -88,17 +87,11 @@ ContourTable::Contours ContourTable::contours(double azimuth_offset) const {
   return contours;
 }
 
-double ContourTable::Contours::radius(double radius_main) const {
-  const double position = table_->positionOf(radius_main);
-  if (nearer_ == nullptr || !(position >= 0.0 && position <= kRadii - 1)) return kNaN;
-  const int k = std::min(static_cast<int>(position), kRadii - 2);
-  const double fraction = position - k;
-  const auto blend = [fraction, k](const float* radii) {
-    return (1.0 - fraction) * static_cast<double>(radii[k]) +
-           fraction * static_cast<double>(radii[k + 1]);
-  };
-  const auto to_farther = static_cast<double>(fraction_);
-  return (1.0 - to_farther) * blend(nearer_) + to_farther * blend(farther_);
+ContourTable::Place ContourTable::placeOf(double radius_main) const {
+  const double position = positionOf(radius_main);
+  if (!(position >= 0.0 && position <= kRadii - 1)) return {};
+  const int index = std::min(static_cast<int>(position), kRadii - 2);
+  return {index, static_cast<float>(position - index)};
 }
 
 double ContourTable::positionOf(double radius) const {

@@ -10,17 +10,21 @@ namespace omnitag {
 namespace {
 
 /// Bilinear; black outside. cv::remap would round positions to 1/32 pixel, which shows in corners.
-std::uint8_t sample(const cv::Mat& image, double u, double v) {
-  if (!(u >= 0.0 && v >= 0.0 && u < image.cols - 1 && v < image.rows - 1)) return 0;
+std::uint8_t sample(const cv::Mat& image, float u, float v) {
+  if (!(u >= 0.0F && v >= 0.0F && u < static_cast<float>(image.cols - 1) &&
+        v < static_cast<float>(image.rows - 1))) {
+    return 0;
+  }
   const int column = static_cast<int>(u);
   const int row = static_cast<int>(v);
-  const double right = u - column;
-  const double below = v - row;
+  const float right = u - static_cast<float>(column);
+  const float below = v - static_cast<float>(row);
   const std::uint8_t* top = image.ptr<std::uint8_t>(row) + column;
   const std::uint8_t* bottom = top + image.step[0];
-  const double value = (1.0 - below) * ((1.0 - right) * top[0] + right * top[1]) +
-                       below * ((1.0 - right) * bottom[0] + right * bottom[1]);
-  return static_cast<std::uint8_t>(value + 0.5);
+  const auto blend = [right](const std::uint8_t* pixels) {
+    return pixels[0] + right * static_cast<float>(pixels[1] - pixels[0]);
+  };
+  return static_cast<std::uint8_t>(blend(top) + below * (blend(bottom) - blend(top)) + 0.5F);
 }
 
 }  // namespace
@@ -29,26 +33,25 @@ ViewWarper::ViewWarper(std::shared_ptr<const CameraModel> camera, double working
     : camera_(std::move(camera)), table_(*camera_, working_distance) {}
 
 cv::Mat ViewWarper::warp(const cv::Mat& panorama, const View& view) const {
-  struct Column {
-    ContourTable::Contours contours;
-    Eigen::Vector2d direction;
-  };
-  std::vector<Column> columns;
-  columns.reserve(static_cast<std::size_t>(view.size.width));
+  const ImagePlane& plane = camera_->imagePlane();
+  std::vector<ContourTable::Contours> contours;
+  std::vector<Eigen::Vector2d> directions;
   for (int i = 0; i < view.size.width; ++i) {
     const double offset = view.azimuthOffset(i);
     const double azimuth = view.azimuth + offset;
-    columns.push_back({table_.contours(offset), {std::cos(azimuth), std::sin(azimuth)}});
+    contours.push_back(table_.contours(offset));
+    directions.emplace_back(std::cos(azimuth), std::sin(azimuth));
   }
 
   cv::Mat image(view.size, CV_8UC1);
   for (int j = 0; j < view.size.height; ++j) {
-    const double radius_main = table_.imageRadius(view.distance, view.height(j));
+    const ContourTable::Place radius_main =
+        table_.placeOf(table_.imageRadius(view.distance, view.height(j)));
     auto* row = image.ptr<std::uint8_t>(j);
-    for (const Column& column : columns) {
-      const double radius = column.contours.radius(radius_main);
-      const Eigen::Vector2d pixel = camera_->imagePlane().pixelFromIdeal(radius * column.direction);
-      *row++ = sample(panorama, pixel.x(), pixel.y());
+    for (std::size_t i = 0; i < contours.size(); ++i) {
+      const auto radius = static_cast<double>(contours[i].radius(radius_main));
+      const Eigen::Vector2d pixel = plane.pixelFromIdeal(radius * directions[i]);
+      row[i] = sample(panorama, static_cast<float>(pixel.x()), static_cast<float>(pixel.y()));
     }
   }
   return image;

@@ -13,9 +13,10 @@ namespace omnitag {
 /// How corners are weighed.
 struct ReprojectionConfig {
   /// Pixels of the panorama, standard deviation of a corner's position along each axis.
-  double corner_noise = 0.1;
-  /// Pixels, RMS over a marker's corners: from here on a marker counts less and less.
-  double robust_width = 0.5;
+  double corner_noise = 0.06;
+  /// Pixels: a corner that is farther off than this counts less and less, as does one at an edge
+  /// that something covers.
+  double robust_width = 0.25;
 };
 
 /// A fitted pose and how well each observation agrees with it.
@@ -23,13 +24,14 @@ struct ReprojectionFit {
   PoseEstimate map_from_base;
   /// Pixels, RMS over the corners of each observation; infinity where the pose hides a corner.
   std::vector<double> residuals;
+  /// Sum over all corners of their squared residuals in corner noises, each with its robust weight.
+  double weighted_squares = 0.0;
 };
 
 /// Refines a pose so that the mapped corners image where they were measured: least squares over all
-/// corners in the panoramic image (Levenberg-Marquardt), each marker weighed down as a whole by
-/// Cauchy's function where its corners are far off. Where there is a prior, it takes part with its
-/// covariance. The covariance is the inverse of the information that the corners (and the prior)
-/// have about the pose.
+/// corners in the panoramic image (Levenberg-Marquardt), each weighed down by Cauchy's function
+/// where it is far off. Where there is a prior, it takes part with its covariance. The covariance
+/// is the inverse of the information that the corners (and the prior) have about the pose.
 ///
 /// Two markers, one or none are the same code; nothing where what is there leaves the pose
 /// undetermined, or where the pose hides all that was observed.

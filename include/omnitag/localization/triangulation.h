@@ -19,19 +19,23 @@ struct LandmarkSight {
   double bearing = 0.0;
   /// rad, standard deviation of the bearing.
   double bearing_deviation = 0.0;
+  /// How much the sight counts; the paper's equal confidence is 1 for all.
+  double weight = 1.0;
 };
 
 /// The paper's triangulation (Section 4): the pose whose lines of sight pass nearest to their
-/// landmarks, as the sum of squared perpendicular distances (Eqn 2). For a given heading the
-/// position follows in closed form (Eqn 1); the heading is found by Newton's iteration. The paper's
-/// line is taken with a = sin phi, b = -cos phi and c = -(a X + b Y), phi being the direction of
-/// sight in the map and (X, Y) the landmark, moved back by the viewpoint's place on the robot.
+/// landmarks, as the weighted sum of squared perpendicular distances (Eqn 2). For a given heading
+/// the position follows in closed form (Eqn 1); the heading is found by Newton's iteration. The
+/// paper's line is taken with a = sin phi, b = -cos phi and c = -(a X + b Y), phi being the
+/// direction of sight in the map and (X, Y) the landmark, moved back by the viewpoint's place on
+/// the robot.
 ///
 /// Starts from `initial_yaw`, which must be within about 45 degrees. Landmarks that a solution has
 /// behind the robot, which a line cannot tell from those before it, make it fail. Nothing as well
 /// with fewer than three sights, or where they leave the pose undetermined.
 ///
-/// The covariance is that of independent bearing errors.
+/// The covariance is that of independent bearing errors, larger where the sights miss their
+/// landmarks by more than that.
 std::optional<PoseEstimate> triangulate(const std::vector<LandmarkSight>& sights,
                                         double initial_yaw);
 

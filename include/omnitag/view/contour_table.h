@@ -1,7 +1,6 @@
 #pragma once
 
-#include <memory>
-#include <optional>
+#include <limits>
 #include <vector>
 
 #include "omnitag/camera/camera_model.h"
@@ -44,14 +43,29 @@ class ContourTable {
   double maxRadius() const { return max_radius_; }
   double distance() const { return distance_; }
 
+  /// A radius R_main as a place between two columns of the table; none (index -1) off the table.
+  struct Place {
+    int index = -1;
+    float fraction = 0.0F;
+  };
+  Place placeOf(double radius_main) const;
+
   /// F^-1 at one azimuth offset as a function of R_main, for those who need it for many radii.
   class Contours {
    public:
-    double radius(double radius_main) const;
+    /// NaN where the camera sees no such point.
+    float radius(const Place& radius_main) const {
+      const auto i = radius_main.index;
+      if (nearer_ == nullptr || i < 0) return std::numeric_limits<float>::quiet_NaN();
+      const auto blend = [&radius_main, i](const float* radii) {
+        return radii[i] + radius_main.fraction * (radii[i + 1] - radii[i]);
+      };
+      const float near = blend(nearer_);
+      return near + fraction_ * (blend(farther_) - near);
+    }
 
    private:
     friend class ContourTable;
-    const ContourTable* table_ = nullptr;
     const float* nearer_ = nullptr;
     const float* farther_ = nullptr;
     float fraction_ = 0.0F;
