@@ -9,6 +9,12 @@
 namespace omnitag {
 namespace {
 
+std::string oneLine(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < ' '; }, ' ');
+  return text;
+}
+
 /// What stands at a node, short enough for one line.
 std::string found(const YAML::Node& node) {
   if (!node.IsDefined()) return "nothing";
@@ -24,9 +30,7 @@ std::string found(const YAML::Node& node) {
       break;
   }
   constexpr std::size_t kLongest = 60;
-  std::string text = node.Scalar();
-  std::replace_if(
-      text.begin(), text.end(), [](unsigned char c) { return c < ' '; }, ' ');
+  const std::string text = oneLine(node.Scalar());
   return "'" + (text.size() > kLongest ? text.substr(0, kLongest) + "..." : text) + "'";
 }
 
@@ -92,10 +96,7 @@ YamlReader::YamlReader(YAML::Node node, std::string origin, std::string path)
   }
 }
 
-bool YamlReader::has(const std::string& key) const {
-  const YAML::Node child = node_[key];
-  return child.IsDefined() && !child.IsNull();
-}
+bool YamlReader::has(const std::string& key) const { return node_[key].IsDefined(); }
 
 void YamlReader::allowOnly(std::initializer_list<std::string_view> keys) const {
   for (const auto& entry : node_) {
@@ -204,7 +205,7 @@ void YamlReader::refuse(const std::string& message) const {
 }
 
 YAML::Node YamlReader::required(const std::string& key, const std::string& expected) const {
-  if (!has(key)) refuse(key, expected);
+  if (!has(key) || node_[key].IsNull()) refuse(key, expected);
   return node_[key];
 }
 
@@ -214,7 +215,7 @@ std::string YamlReader::place(const YAML::Node& node) const {
 }
 
 std::string YamlReader::pathOf(const std::string& key) const {
-  return path_.empty() ? key : path_ + "." + key;
+  return (path_.empty() ? "" : path_ + ".") + oneLine(key);
 }
 
 }  // namespace omnitag
