@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ios>
 #include <set>
 #include <sstream>
 #include <utility>
@@ -63,6 +64,8 @@ YamlReader YamlReader::fromFile(const std::string& path) {
   try {
     return {YAML::LoadFile(path), path};
   } catch (const YAML::BadFile&) {
+    throw InputError(path + ": cannot be read");
+  } catch (const std::ios_base::failure&) {  // e.g. a directory
     throw InputError(path + ": cannot be read");
   } catch (const YAML::Exception& error) {
     throw InputError(path + ":" + std::to_string(error.mark.line + 1) + ": " + error.msg);
@@ -164,7 +167,10 @@ std::vector<std::vector<double>> YamlReader::table(const std::string& key,
 }
 
 YamlReader YamlReader::mapping(const std::string& key) const {
-  return {required(key, "a mapping of keys"), origin_, pathOf(key)};
+  const std::string expected = "a mapping of keys";
+  const YAML::Node child = required(key, expected);
+  if (!child.IsMap()) refuse(key, expected);
+  return {child, origin_, pathOf(key)};
 }
 
 std::vector<YamlReader> YamlReader::mappings(const std::string& key) const {
@@ -195,9 +201,8 @@ void YamlReader::read(const std::string& key, std::string* value) const {
 }
 
 void YamlReader::refuse(const std::string& key, const std::string& expected) const {
-  const YAML::Node child = node_[key];
-  throw InputError(place(child.IsDefined() ? child : node_) + ": " + pathOf(key) + ": expected " +
-                   expected + ", found " + found(child));
+  throw InputError(placeOf(key) + ": " + pathOf(key) + ": expected " + expected + ", found " +
+                   found(node_[key]));
 }
 
 void YamlReader::refuse(const std::string& message) const {
@@ -212,6 +217,14 @@ YAML::Node YamlReader::required(const std::string& key, const std::string& expec
 std::string YamlReader::place(const YAML::Node& node) const {
   const YAML::Mark mark = node.Mark();
   return mark.is_null() ? origin_ : origin_ + ":" + std::to_string(mark.line + 1);
+}
+
+std::string YamlReader::placeOf(const std::string& key) const {
+  for (const auto& entry : node_) {
+    if (entry.first.Scalar() != key) continue;
+    return place(entry.first.Mark().is_null() ? entry.second : entry.first);
+  }
+  return place(node_);
 }
 
 std::string YamlReader::pathOf(const std::string& key) const {

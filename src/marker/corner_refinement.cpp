@@ -79,15 +79,25 @@ std::optional<Profile> profileAcross(const cv::Mat& image, const Line& edge, dou
   return profile;
 }
 
-Line refineEdge(const cv::Mat& image, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+/// The edge between the corners `index` and `index` + 1, moved to where the image has it.
+Line refineEdge(const cv::Mat& image, const Corners<Eigen::Vector2d>& corners, std::size_t index,
                 int modules_per_edge) {
+  const Eigen::Vector2d& from = corners[index];
+  const Eigen::Vector2d& to = corners[(index + 1) % 4];
+  const Eigen::Vector2d& beyond = corners[(index + 2) % 4];
+  const Eigen::Vector2d& before = corners[(index + 3) % 4];
   const Line edge = Line::Through(from, to);
   const double length = (to - from).norm();
-  // Blur reaches no farther; more would only add noise.
+
+  // Blur reaches no farther than this; more would only add noise.
   constexpr double kLongestReach = 3.0;
-  const double reach = std::min(0.5 * length / modules_per_edge, kLongestReach);
-  // Close to a corner the next edge mingles in.
-  const double margin = std::min(reach + 1.0, 0.25 * length);
+  const double depth = std::min(edge.distance(before), edge.distance(beyond));
+  const double reach = std::min(0.5 * depth / modules_per_edge, kLongestReach);
+  // Close to a corner the neighbouring edge mingles in, all the more where it leans over.
+  const double lean_before = (before - from).dot(edge.direction()) / edge.distance(before);
+  const double lean_beyond = (beyond - to).dot(edge.direction()) / edge.distance(beyond);
+  const double lean = std::max(std::abs(lean_before), std::abs(lean_beyond));
+  const double margin = std::min(1.5 + reach * lean, 0.25 * length);
   const int places = std::max(8, static_cast<int>(length));
 
   std::vector<Profile> profiles;
@@ -129,7 +139,7 @@ Corners<Eigen::Vector2d> refineCorners(const cv::Mat& image,
   for (int pass = 0; pass < kPasses; ++pass) {
     std::array<Line, 4> edges;
     for (std::size_t i = 0; i < edges.size(); ++i) {
-      edges[i] = refineEdge(image, refined[i], refined[(i + 1) % 4], modules_per_edge);
+      edges[i] = refineEdge(image, refined, i, modules_per_edge);
     }
     for (std::size_t i = 0; i < edges.size(); ++i) {
       refined[i] = edges[(i + 3) % 4].intersectionPoint(Eigen::Hyperplane<double, 2>(edges[i]));

@@ -76,6 +76,8 @@ class YamlReader {
  private:
   YAML::Node required(const std::string& key, const std::string& expected) const;
   std::string place(const YAML::Node& node) const;
+  /// Where a key stands; an empty value would be said to stand on the next line.
+  std::string placeOf(const std::string& key) const;
   std::string pathOf(const std::string& key) const;
 
   YAML::Node node_;
