@@ -61,7 +61,7 @@ std::optional<double> greyAt(const cv::Mat& image, const Eigen::Vector2d& point)
 /// From `reach` before the edge to `reach` behind it.
 std::optional<Profile> profileAcross(const cv::Mat& image, const Line& edge, double along,
                                      double reach) {
-  constexpr double kStep = 0.25;
+  constexpr double kStep = 0.5;
   const Eigen::Vector2d normal = edge.direction().unitOrthogonal();
   const int steps = std::max(4, static_cast<int>(std::ceil(2.0 * reach / kStep)));
   Profile profile;

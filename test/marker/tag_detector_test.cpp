@@ -73,26 +73,30 @@ TagDrawing drawTag(const std::string& family_name, int id) {
 /// A tag in front of a white wall. `image_from_tag` maps the tag's plane, where its corners are
 /// `kTagCorners`, to pixels. A pixel is the mean over its area, whose middle has whole coordinates.
 cv::Mat render(const TagDrawing& tag, const Eigen::Matrix3d& image_from_tag, cv::Size size) {
-  constexpr int kSamples = 8;
+  // A Fibonacci lattice: a grid would let edges along its rows pass only in steps.
+  constexpr int kSamples = 89;
+  constexpr int kGenerator = 55;
   const Eigen::Matrix3d tag_from_image = image_from_tag.inverse();
-  const int margin = (tag.modules.cols - tag.border_width) / 2;
+  const double modules_per_unit = 0.5 * tag.border_width;
+  const double middle = 0.5 * tag.modules.cols;
   cv::Mat image(size, CV_8UC1);
   for (int v = 0; v < size.height; ++v) {
     for (int u = 0; u < size.width; ++u) {
       double sum = 0.0;
-      for (int i = 0; i < kSamples * kSamples; ++i) {
-        const double du = (i % kSamples + 0.5) / kSamples - 0.5;
-        const double dv = (i / kSamples + 0.5) / kSamples - 0.5;
+      for (int i = 0; i < kSamples; ++i) {
+        const double du = (i + 0.5) / kSamples - 0.5;
+        const double dv = (i * kGenerator % kSamples + 0.5) / kSamples - 0.5;
         const Eigen::Vector2d point =
             (tag_from_image * Eigen::Vector3d(u + du, v + dv, 1.0)).hnormalized();
-        const double module_width = 2.0 / tag.border_width;
-        const int column = margin + static_cast<int>(std::floor((point.x() + 1.0) / module_width));
-        const int row = margin + static_cast<int>(std::floor((1.0 - point.y()) / module_width));
+        const double column = std::floor(middle + point.x() * modules_per_unit);
+        const double row = std::floor(middle - point.y() * modules_per_unit);
         const bool on_tag =
-            column >= 0 && column < tag.modules.cols && row >= 0 && row < tag.modules.rows;
-        sum += on_tag ? tag.modules.at<std::uint8_t>(row, column) : 255.0;
+            column >= 0.0 && column < tag.modules.cols && row >= 0.0 && row < tag.modules.rows;
+        sum += on_tag
+                   ? tag.modules.at<std::uint8_t>(static_cast<int>(row), static_cast<int>(column))
+                   : 255.0;
       }
-      image.at<std::uint8_t>(v, u) = cv::saturate_cast<std::uint8_t>(sum / (kSamples * kSamples));
+      image.at<std::uint8_t>(v, u) = cv::saturate_cast<std::uint8_t>(sum / kSamples);
     }
   }
   return image;
