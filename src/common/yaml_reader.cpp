@@ -2,12 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ios>
 #include <set>
 #include <sstream>
 #include <utility>
 
 namespace omnitag {
 namespace {
+
+std::string oneLine(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < ' '; }, ' ');
+  return text;
+}
 
 /// What stands at a node, short enough for one line.
 std::string found(const YAML::Node& node) {
@@ -24,9 +31,7 @@ std::string found(const YAML::Node& node) {
       break;
   }
   constexpr std::size_t kLongest = 60;
-  std::string text = node.Scalar();
-  std::replace_if(
-      text.begin(), text.end(), [](unsigned char c) { return c < ' '; }, ' ');
+  const std::string text = oneLine(node.Scalar());
   return "'" + (text.size() > kLongest ? text.substr(0, kLongest) + "..." : text) + "'";
 }
 
@@ -60,6 +65,8 @@ YamlReader YamlReader::fromFile(const std::string& path) {
     return {YAML::LoadFile(path), path};
   } catch (const YAML::BadFile&) {
     throw InputError(path + ": cannot be read");
+  } catch (const std::ios_base::failure&) {  // e.g. a directory
+    throw InputError(path + ": cannot be read");
   } catch (const YAML::Exception& error) {
     throw InputError(path + ":" + std::to_string(error.mark.line + 1) + ": " + error.msg);
   }
@@ -92,10 +99,7 @@ YamlReader::YamlReader(YAML::Node node, std::string origin, std::string path)
   }
 }
 
-bool YamlReader::has(const std::string& key) const {
-  const YAML::Node child = node_[key];
-  return child.IsDefined() && !child.IsNull();
-}
+bool YamlReader::has(const std::string& key) const { return node_[key].IsDefined(); }
 
 void YamlReader::allowOnly(std::initializer_list<std::string_view> keys) const {
   for (const auto& entry : node_) {
@@ -163,7 +167,10 @@ std::vector<std::vector<double>> YamlReader::table(const std::string& key,
 }
 
 YamlReader YamlReader::mapping(const std::string& key) const {
-  return {required(key, "a mapping of keys"), origin_, pathOf(key)};
+  const std::string expected = "a mapping of keys";
+  const YAML::Node child = required(key, expected);
+  if (!child.IsMap()) refuse(key, expected);
+  return {child, origin_, pathOf(key)};
 }
 
 std::vector<YamlReader> YamlReader::mappings(const std::string& key) const {
@@ -194,9 +201,8 @@ void YamlReader::read(const std::string& key, std::string* value) const {
 }
 
 void YamlReader::refuse(const std::string& key, const std::string& expected) const {
-  const YAML::Node child = node_[key];
-  throw InputError(place(child.IsDefined() ? child : node_) + ": " + pathOf(key) + ": expected " +
-                   expected + ", found " + found(child));
+  throw InputError(placeOf(key) + ": " + pathOf(key) + ": expected " + expected + ", found " +
+                   found(node_[key]));
 }
 
 void YamlReader::refuse(const std::string& message) const {
@@ -204,7 +210,7 @@ void YamlReader::refuse(const std::string& message) const {
 }
 
 YAML::Node YamlReader::required(const std::string& key, const std::string& expected) const {
-  if (!has(key)) refuse(key, expected);
+  if (!has(key) || node_[key].IsNull()) refuse(key, expected);
   return node_[key];
 }
 
@@ -213,8 +219,16 @@ std::string YamlReader::place(const YAML::Node& node) const {
   return mark.is_null() ? origin_ : origin_ + ":" + std::to_string(mark.line + 1);
 }
 
+std::string YamlReader::placeOf(const std::string& key) const {
+  for (const auto& entry : node_) {
+    if (entry.first.Scalar() != key) continue;
+    return place(entry.first.Mark().is_null() ? entry.second : entry.first);
+  }
+  return place(node_);
+}
+
 std::string YamlReader::pathOf(const std::string& key) const {
-  return path_.empty() ? key : path_ + "." + key;
+  return (path_.empty() ? "" : path_ + ".") + oneLine(key);
 }
 
 }  // namespace omnitag

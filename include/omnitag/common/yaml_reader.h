@@ -43,6 +43,7 @@ class YamlReader {
   YamlReader(YAML::Node node, std::string origin, std::string path = "");
 
   const std::string& origin() const { return origin_; }
+  /// Whether the key is there, be it with an empty value.
   bool has(const std::string& key) const;
 
   /// Refuses every key that is not listed, so that a misspelt one does not go unnoticed.
@@ -59,7 +60,8 @@ class YamlReader {
   YamlReader mapping(const std::string& key) const;
   std::vector<YamlReader> mappings(const std::string& key) const;
 
-  /// Optional keys: `value` keeps what it holds where the key is absent.
+  /// Optional keys: `value` keeps what it holds where the key is absent. A key that is there must
+  /// have a value.
   void read(const std::string& key, double* value, const Interval& interval = kAnyNumber) const;
   void read(const std::string& key, int* value, const Interval& interval = kAnyNumber) const;
   void read(const std::string& key, bool* value) const;
@@ -74,6 +76,8 @@ class YamlReader {
  private:
   YAML::Node required(const std::string& key, const std::string& expected) const;
   std::string place(const YAML::Node& node) const;
+  /// Where a key stands; an empty value would be said to stand on the next line.
+  std::string placeOf(const std::string& key) const;
   std::string pathOf(const std::string& key) const;
 
   YAML::Node node_;

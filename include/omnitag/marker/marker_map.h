@@ -33,7 +33,7 @@ struct Marker {
 
 /// Where the markers hang. An entry is named by its index; the same id may stand on several.
 struct MarkerMap {
-  std::string frame_id;
+  std::string frame_id = "map";
   std::vector<Marker> markers;
 };
 

@@ -14,11 +14,13 @@ namespace omnitag {
 
 /// Settings of the AprilTag library's detector. The names are the library's own.
 struct TagDetectorConfig {
-  /// Reduces the view before quads are searched; 1 keeps its resolution.
+  /// Reduces the view before quads are searched: 1 (keeps its resolution), 1.5 or an integer. With
+  /// other factors the library misplaces what it finds.
   double quad_decimate = 1.0;
-  /// Gaussian blur of the view, standard deviation in pixels of the view; negative sharpens.
+  /// Gaussian blur of the reduced view, standard deviation in its pixels; negative sharpens.
   double quad_sigma = 0.0;
-  /// Moves the edges of a quad to the strongest gradient.
+  /// Moves the edges of a quad to the strongest gradient, and the corners of a decoded tag to where
+  /// its edges really meet (see refineCorners()).
   bool refine_edges = true;
   double decode_sharpening = 0.25;
   int min_cluster_pixels = 5;
@@ -30,8 +32,8 @@ struct TagDetectorConfig {
   /// quads in the noise and takes three to ten times longer.
   int min_white_black_diff = 25;
   bool deglitch = false;
-  /// Wrong bits that are corrected. Families with very many ids get fewer, so that the library's
-  /// decoding table stays under 64 MB.
+  /// Wrong bits that are corrected, 3 at most. Families with very many ids get fewer, so that the
+  /// library's decoding table stays under 64 MB.
   int max_hamming = 2;
   /// Detections whose bits stand out less from their threshold (grey levels) are not reported.
   double min_decision_margin = 10.0;
@@ -67,7 +69,9 @@ class TagDetector {
   TagDetector(TagDetector&&) noexcept;
   TagDetector& operator=(TagDetector&&) noexcept;
 
-  /// `image`: CV_8UC1, at least 8 x 8 pixels; smaller ones hold no tag.
+  /// The tags in an image (CV_8UC1, at most 32767 pixels a side), ordered by id. In an image of
+  /// less than 8 pixels a side, times `quad_decimate`, there is none. Rows may be padded. Throws
+  /// std::invalid_argument for other images.
   std::vector<TagDetection> detect(const cv::Mat& image) const;
 
  private:

@@ -1,0 +1,111 @@
+#include "omnitag/marker/marker_map_file.h"
+
+#include <cmath>
+#include <optional>
+#include <set>
+
+#include "omnitag/common/yaml_reader.h"
+#include "omnitag/marker/tag_detector.h"
+
+namespace omnitag {
+namespace {
+
+/// What the top level of the file says for every marker that does not say otherwise.
+struct Defaults {
+  std::optional<std::string> family;
+  std::optional<double> size;
+};
+
+std::string readFamily(const YamlReader& reader) {
+  std::string known;
+  for (const std::string& family : tagFamilies()) known += (known.empty() ? "" : ", ") + family;
+  if (!reader.has("family")) reader.refuse("family", "one of " + known + " (or a default)");
+  const std::string family = reader.text("family");
+  if (tagFamilies().count(family) == 0) reader.refuse("family", "one of " + known);
+  return family;
+}
+
+double readSize(const YamlReader& reader) {
+  if (!reader.has("size")) reader.refuse("size", "a number > 0 (or a default)");
+  return reader.number("size", kPositive);
+}
+
+int readId(const YamlReader& reader, const std::string& family) {
+  const int id = reader.integer("id", kNonNegative);
+  const int last = tagCount(family) - 1;
+  if (id > last) reader.refuse("id", "an id of " + family + ", 0 to " + std::to_string(last));
+  return id;
+}
+
+Eigen::Quaterniond readOrientation(const YamlReader& reader) {
+  if (reader.has("yaw") && reader.has("orientation")) {
+    reader.refuse("expected either yaw or orientation, found both");
+  }
+  if (reader.has("yaw")) {
+    double roll = 0.0;
+    reader.read("roll", &roll);
+    return uprightOrientation(reader.number("yaw"), roll);
+  }
+  if (!reader.has("orientation")) reader.refuse("expected yaw or orientation, found neither");
+  if (reader.has("roll")) reader.refuse("expected roll beside yaw only, found it with orientation");
+
+  const std::vector<double> xyzw = reader.numbers("orientation", 4);
+  const Eigen::Quaterniond orientation(xyzw[3], xyzw[0], xyzw[1], xyzw[2]);
+  constexpr double kNormTolerance = 1e-3;
+  if (std::abs(orientation.norm() - 1.0) > kNormTolerance) {
+    reader.refuse(
+        "expected orientation to be a quaternion [qx, qy, qz, qw] of norm 1, found norm " +
+        std::to_string(orientation.norm()));
+  }
+  return orientation.normalized();
+}
+
+Marker readMarker(const YamlReader& reader, const Defaults& defaults) {
+  reader.allowOnly({"id", "name", "family", "size", "position", "yaw", "roll", "orientation"});
+  Marker marker;
+  marker.family = defaults.family && !reader.has("family") ? *defaults.family : readFamily(reader);
+  marker.id = readId(reader, marker.family);
+  marker.size = defaults.size && !reader.has("size") ? *defaults.size : readSize(reader);
+  if (reader.has("name")) {
+    marker.name = reader.text("name");
+    if (marker.name.empty()) reader.refuse("name", "a name");
+  }
+  const std::vector<double> position = reader.numbers("position", 3);
+  marker.map_from_marker.translation() << position[0], position[1], position[2];
+  marker.map_from_marker.linear() = readOrientation(reader).toRotationMatrix();
+  return marker;
+}
+
+MarkerMap readMarkerMap(const YamlReader& reader) {
+  reader.allowOnly({"frame_id", "family", "size", "markers"});
+  MarkerMap map;
+  reader.read("frame_id", &map.frame_id);
+  if (map.frame_id.empty()) reader.refuse("frame_id", "the name of a frame");
+
+  Defaults defaults;
+  if (reader.has("family")) defaults.family = readFamily(reader);
+  if (reader.has("size")) defaults.size = readSize(reader);
+
+  std::set<std::string> names;
+  for (const YamlReader& entry : reader.mappings("markers")) {
+    map.markers.push_back(readMarker(entry, defaults));
+    const std::string& name = map.markers.back().name;
+    if (!name.empty() && !names.insert(name).second) {
+      entry.refuse("name", "a name that no other marker has");
+    }
+  }
+  if (map.markers.empty()) reader.refuse("markers", "at least one marker");
+  return map;
+}
+
+}  // namespace
+
+MarkerMap loadMarkerMap(const std::string& path) {
+  return readMarkerMap(YamlReader::fromFile(path));
+}
+
+MarkerMap parseMarkerMap(const std::string& text, const std::string& origin) {
+  return readMarkerMap(YamlReader::fromText(text, origin));
+}
+
+}  // namespace omnitag

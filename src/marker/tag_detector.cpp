@@ -1,0 +1,225 @@
+#include "omnitag/marker/tag_detector.h"
+
+#include <apriltag/apriltag.h>
+#include <apriltag/tag16h5.h>
+#include <apriltag/tag25h9.h>
+#include <apriltag/tag36h11.h>
+#include <apriltag/tagCircle21h7.h>
+#include <apriltag/tagCircle49h12.h>
+#include <apriltag/tagCustom48h12.h>
+#include <apriltag/tagStandard41h12.h>
+#include <apriltag/tagStandard52h13.h>
+// Not in every 3.x release of the library.
+#if __has_include(<apriltag/tag36h10.h>)
+#include <apriltag/tag36h10.h>
+#endif
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include "omnitag/common/angle.h"
+#include "omnitag/marker/corner_refinement.h"
+
+namespace omnitag {
+namespace {
+
+struct FamilyFunctions {
+  const char* name;
+  apriltag_family_t* (*create)();
+  void (*destroy)(apriltag_family_t*);
+};
+
+constexpr FamilyFunctions kFamilies[] = {
+    {"tag16h5", tag16h5_create, tag16h5_destroy},
+    {"tag25h9", tag25h9_create, tag25h9_destroy},
+#if __has_include(<apriltag/tag36h10.h>)
+    {"tag36h10", tag36h10_create, tag36h10_destroy},
+#endif
+    {"tag36h11", tag36h11_create, tag36h11_destroy},
+    {"tagCircle21h7", tagCircle21h7_create, tagCircle21h7_destroy},
+    {"tagCircle49h12", tagCircle49h12_create, tagCircle49h12_destroy},
+    {"tagCustom48h12", tagCustom48h12_create, tagCustom48h12_destroy},
+    {"tagStandard41h12", tagStandard41h12_create, tagStandard41h12_destroy},
+    {"tagStandard52h13", tagStandard52h13_create, tagStandard52h13_destroy},
+};
+
+using FamilyPointer = std::unique_ptr<apriltag_family_t, void (*)(apriltag_family_t*)>;
+
+struct DestroyDetector {
+  void operator()(apriltag_detector_t* detector) const { apriltag_detector_destroy(detector); }
+};
+
+struct DestroyDetections {
+  void operator()(zarray_t* detections) const { apriltag_detections_destroy(detections); }
+};
+
+FamilyPointer createFamily(const std::string& name) {
+  for (const FamilyFunctions& family : kFamilies) {
+    if (name == family.name) return {family.create(), family.destroy};
+  }
+  throw InputError("expected a tag family of the AprilTag library, found '" + name + "'");
+}
+
+/// The library keeps every code with every combination of up to `hamming` wrong bits in a hash
+/// table. It reserves three entries of 16 bytes for each, and counts combinations as if the order
+/// of the bits mattered.
+double decodingTableBytes(const apriltag_family_t& family, int hamming) {
+  double combinations = 1.0;
+  double entries = 1.0;
+  for (int wrong_bits = 1; wrong_bits <= hamming; ++wrong_bits) {
+    combinations *= static_cast<double>(family.nbits) - wrong_bits + 1.0;
+    entries += combinations;
+  }
+  return 3.0 * 16.0 * entries * static_cast<double>(family.ncodes);
+}
+
+int affordableHamming(const apriltag_family_t& family, int wanted) {
+  constexpr double kLargestTable = 64e6;
+  // More wrong bits than this could belong to another id as well.
+  int hamming = std::min(wanted, (static_cast<int>(family.h) - 1) / 2);
+  while (hamming > 0 && decodingTableBytes(family, hamming) > kLargestTable) --hamming;
+  return hamming;
+}
+
+/// The library has the centre of the top-left pixel at (0.5, 0.5).
+Eigen::Vector2d toPixel(const double (&library_point)[2]) {
+  return {library_point[0] - 0.5, library_point[1] - 0.5};
+}
+
+/// Where the diagonals meet.
+Eigen::Vector2d centerOf(const Corners<Eigen::Vector2d>& corners) {
+  using Line = Eigen::Hyperplane<double, 2>;
+  return Line::Through(corners[0], corners[2]).intersection(Line::Through(corners[1], corners[3]));
+}
+
+TagDetection toTagDetection(const apriltag_detection_t& detection) {
+  TagDetection result;
+  result.family = detection.family->name;
+  result.id = detection.id;
+  result.hamming = detection.hamming;
+  result.decision_margin = detection.decision_margin;
+  for (std::size_t i = 0; i < result.corners.size(); ++i) {
+    result.corners[i] = toPixel(detection.p[i]);
+  }
+  return result;
+}
+
+}  // namespace
+
+TagDetectorConfig readTagDetectorConfig(const YamlReader& reader) {
+  reader.allowOnly({"quad_decimate", "quad_sigma", "refine_edges", "decode_sharpening",
+                    "min_cluster_pixels", "max_nmaxima", "critical_angle", "max_line_fit_mse",
+                    "min_white_black_diff", "deglitch", "max_hamming", "min_decision_margin"});
+  TagDetectorConfig config;
+  reader.read("quad_decimate", &config.quad_decimate);
+  const bool integral = config.quad_decimate == std::floor(config.quad_decimate);
+  if ((!integral && config.quad_decimate != 1.5) || config.quad_decimate < 1.0 ||
+      config.quad_decimate > 8.0) {
+    reader.refuse("quad_decimate", "1, 1.5 or an integer from 2 to 8");
+  }
+  reader.read("quad_sigma", &config.quad_sigma, {-3.0, 3.0});
+  reader.read("refine_edges", &config.refine_edges);
+  reader.read("decode_sharpening", &config.decode_sharpening, {0.0, 10.0});
+  reader.read("min_cluster_pixels", &config.min_cluster_pixels, kNonNegative);
+  reader.read("max_nmaxima", &config.max_nmaxima, {4.0, 40.0});
+  reader.read("critical_angle", &config.critical_angle, {0.0, radians(45.0)});
+  reader.read("max_line_fit_mse", &config.max_line_fit_mse, kPositive);
+  reader.read("min_white_black_diff", &config.min_white_black_diff, {0.0, 255.0});
+  reader.read("deglitch", &config.deglitch);
+  reader.read("max_hamming", &config.max_hamming, {0.0, 3.0});
+  reader.read("min_decision_margin", &config.min_decision_margin, {0.0, 255.0});
+  return config;
+}
+
+const std::set<std::string>& tagFamilies() {
+  static const std::set<std::string> names = [] {
+    std::set<std::string> result;
+    for (const FamilyFunctions& family : kFamilies) result.insert(family.name);
+    return result;
+  }();
+  return names;
+}
+
+int tagCount(const std::string& family) { return static_cast<int>(createFamily(family)->ncodes); }
+
+struct TagDetector::Library {
+  Library(const TagDetectorConfig& config, const std::set<std::string>& family_names)
+      : min_decision_margin(config.min_decision_margin),
+        blurs(config.quad_sigma != 0.0 && config.quad_decimate <= 1.0),
+        deglitches(config.deglitch && config.quad_decimate <= 1.0),
+        smallest_side(8.0 * std::max(1.0, config.quad_decimate)) {
+    detector->nthreads = 1;
+    detector->quad_decimate = static_cast<float>(config.quad_decimate);
+    detector->quad_sigma = static_cast<float>(config.quad_sigma);
+    detector->refine_edges = config.refine_edges;
+    detector->decode_sharpening = config.decode_sharpening;
+    detector->qtp.min_cluster_pixels = config.min_cluster_pixels;
+    detector->qtp.max_nmaxima = config.max_nmaxima;
+    // Which of the two is looked at depends on the library's version.
+    detector->qtp.critical_rad = static_cast<float>(config.critical_angle);
+    detector->qtp.cos_critical_rad = static_cast<float>(std::cos(config.critical_angle));
+    detector->qtp.max_line_fit_mse = static_cast<float>(config.max_line_fit_mse);
+    detector->qtp.min_white_black_diff = config.min_white_black_diff;
+    detector->qtp.deglitch = config.deglitch;
+    for (const std::string& name : family_names) {
+      families.push_back(createFamily(name));
+      apriltag_family_t* const family = families.back().get();
+      apriltag_detector_add_family_bits(detector.get(), family,
+                                        affordableHamming(*family, config.max_hamming));
+    }
+  }
+
+  double min_decision_margin;
+  bool blurs;
+  bool deglitches;
+  double smallest_side;
+  // The detector lets go of its families when it is destroyed: they must outlive it.
+  std::vector<FamilyPointer> families;
+  std::unique_ptr<apriltag_detector_t, DestroyDetector> detector{apriltag_detector_create()};
+};
+
+TagDetector::TagDetector(const TagDetectorConfig& config, const std::set<std::string>& families)
+    : library_(std::make_unique<Library>(config, families)) {}
+
+TagDetector::~TagDetector() = default;
+TagDetector::TagDetector(TagDetector&&) noexcept = default;
+TagDetector& TagDetector::operator=(TagDetector&&) noexcept = default;
+
+std::vector<TagDetection> TagDetector::detect(const cv::Mat& image) const {
+  constexpr int kLargestSide = std::numeric_limits<std::int16_t>::max();
+  if (image.type() != CV_8UC1 || std::max(image.cols, image.rows) > kLargestSide) {
+    throw std::invalid_argument("tag detection needs a CV_8UC1 image, at most 32767 pixels a side");
+  }
+  // The library reads outside of images that are smaller than its 4 x 4 pixel tiles.
+  if (std::min(image.cols, image.rows) < library_->smallest_side) return {};
+  if (library_->families.empty()) return {};
+
+  // The library blurs in place, and deglitches as if rows had hardly any padding.
+  const bool needs_copy = library_->blurs || (library_->deglitches && !image.isContinuous());
+  const cv::Mat input = needs_copy ? image.clone() : image;
+  image_u8_t library_image{input.cols, input.rows, static_cast<int>(input.step), input.data};
+
+  const std::unique_ptr<zarray_t, DestroyDetections> detections(
+      apriltag_detector_detect(library_->detector.get(), &library_image));
+  std::vector<TagDetection> result;
+  for (int i = 0; i < zarray_size(detections.get()); ++i) {
+    apriltag_detection_t* detection = nullptr;
+    zarray_get(detections.get(), i, &detection);
+    if (detection->decision_margin < library_->min_decision_margin) continue;
+    TagDetection tag = toTagDetection(*detection);
+    // The library's own refinement is up to 0.3 pixels off in releases before 3.4.3.
+    if (library_->detector->refine_edges) {
+      tag.corners = refineCorners(image, tag.corners, detection->family->width_at_border);
+    }
+    tag.center = centerOf(tag.corners);
+    result.push_back(std::move(tag));
+  }
+  return result;
+}
+
+}  // namespace omnitag
