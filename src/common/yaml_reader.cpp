@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <set>
 #include <sstream>
 #include <utility>
@@ -56,20 +58,22 @@ std::string Interval::description(const std::string& kind) const {
 }
 
 YamlReader YamlReader::fromFile(const std::string& path) {
-  try {
-    return {YAML::LoadFile(path), path};
-  } catch (const YAML::BadFile&) {
-    throw InputError(path + ": cannot be read");
-  } catch (const YAML::Exception& error) {
-    throw InputError(path + ":" + std::to_string(error.mark.line + 1) + ": " + error.msg);
+  std::ifstream file(path);
+  if (!file.is_open() || std::filesystem::is_directory(path)) {
+    throw InputError(path + ": expected a readable file, found " +
+                     (file.is_open() ? "a directory" : "none"));
   }
+  std::ostringstream text;
+  text << file.rdbuf();
+  return fromText(text.str(), path);
 }
 
 YamlReader YamlReader::fromText(const std::string& text, const std::string& origin) {
   try {
     return {YAML::Load(text), origin};
   } catch (const YAML::Exception& error) {
-    throw InputError(origin + ":" + std::to_string(error.mark.line + 1) + ": " + error.msg);
+    throw InputError(origin + ":" + std::to_string(error.mark.line + 1) +
+                     ": cannot be parsed as YAML: " + error.msg);
   }
 }
 
@@ -194,13 +198,16 @@ void YamlReader::read(const std::string& key, std::string* value) const {
 }
 
 void YamlReader::refuse(const std::string& key, const std::string& expected) const {
-  const YAML::Node child = node_[key];
-  throw InputError(place(child.IsDefined() ? child : node_) + ": " + pathOf(key) + ": expected " +
-                   expected + ", found " + found(child));
+  throw InputError(where(key) + ": expected " + expected + ", found " + found(node_[key]));
 }
 
 void YamlReader::refuse(const std::string& message) const {
   throw InputError(place(node_) + ": " + (path_.empty() ? "" : path_ + ": ") + message);
+}
+
+std::string YamlReader::where(const std::string& key) const {
+  const YAML::Node child = node_[key];
+  return place(child.IsDefined() ? child : node_) + ": " + pathOf(key);
 }
 
 YAML::Node YamlReader::required(const std::string& key, const std::string& expected) const {
