@@ -53,7 +53,7 @@ class MirrorProfile {
   };
   struct Spline {
     std::vector<Piece> pieces;
-    double end;
+    double end = 0.0;
   };
 
   explicit MirrorProfile(std::variant<Conic, Spline> shape) : shape_(std::move(shape)) {}
