@@ -37,20 +37,20 @@ MirrorProfile readConic(const YamlReader& mirror, const std::string& profile) {
     double stated = conic_constant;
     mirror.read("conic_constant", &stated);
     if (stated != conic_constant) {
-      mirror.refuse("conic_constant", "the " + profile + " profile's, " +
-                                          (profile == "spherical" ? "0" : "-1") + ", or none");
+      mirror.refuse("conic_constant", std::string(profile == "spherical" ? "0" : "-1") +
+                                          " or none with the " + profile + " profile");
     }
   } else {
     conic_constant = mirror.number("conic_constant");
     if (profile == "hyperbolic" && !(conic_constant < -1.0)) {
-      mirror.refuse("conic_constant", "a number < -1 for a hyperbolic profile");
+      mirror.refuse("conic_constant", "a number < -1 with the hyperbolic profile");
     }
   }
   std::vector<double> coefficients;
   if (profile == "aspheric") {
     coefficients = mirror.numbers("coefficients");
   } else if (mirror.has("coefficients")) {
-    mirror.refuse("coefficients", "them with the aspheric profile only");
+    mirror.refuse("coefficients", "none with the " + profile + " profile");
   }
   return MirrorProfile::conic(mirror.number("radius_of_curvature", kPositive), conic_constant,
                               coefficients);
@@ -64,7 +64,7 @@ MirrorProfile readTabulated(const YamlReader& mirror) {
   try {
     return MirrorProfile::tabulated(samples);
   } catch (const InputError& error) {
-    mirror.refuse(std::string("samples: ") + error.what());
+    throw InputError(mirror.where("samples") + ": " + error.what());
   }
 }
 
@@ -96,7 +96,7 @@ std::shared_ptr<const CameraModel> readCatadioptric(const YamlReader& camera) {
   try {
     return std::make_shared<CatadioptricCamera>(image_size, image_plane, shape);
   } catch (const InputError& error) {
-    mirror.refuse(error.what());
+    throw InputError(camera.origin() + ": " + error.what());
   }
 }
 

@@ -1,19 +1,52 @@
 #include "omnitag/camera/catadioptric_camera.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <string>
 #include <utility>
 
-#include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
 
 namespace omnitag {
 namespace {
 
+/// Samples of the profile that are looked at before a mirror is accepted.
+constexpr int kProfileSteps = 4096;
 constexpr int kElevationSamples = 256;
 
-std::string millimetres(double metres) { return std::to_string(metres * 1e3) + " mm"; }
+/// A bound on Newton and bisection steps that is never reached in practice.
+constexpr int kMaxIterations = 100;
+
+/// Newton doubles the digits with every step: one this small, relative to the mirror, leaves an
+/// error near the machine's precision, and the mirror's curvature does not show along it.
+constexpr double kSmallStep = 1e-8;
+
+std::string text(double number) {
+  std::ostringstream out;
+  out << number;
+  return out.str();
+}
+
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+/// Grows with the elevation of a direction that leads away from the axis: 0 toward the lens, 1
+/// across the axis, 2 away from the lens. It stands in for the angle, without an arc tangent.
+double elevationOf(const Eigen::Vector2d& direction) {
+  return 1.0 + direction.y() / (std::abs(direction.x()) + std::abs(direction.y()));
+}
+
+/// Next position of a Newton iteration for a function that grows from negative to positive between
+/// `low` and `high`, which are drawn together; bisection where Newton leaves them.
+double safeguardedStep(double position, double value, double derivative, double* low,
+                       double* high) {
+  (value < 0.0 ? *low : *high) = position;
+  const double next = position - value / derivative;
+  return next >= *low && next <= *high ? next : 0.5 * (*low + *high);
+}
 
 }  // namespace
 
@@ -21,177 +54,177 @@ CatadioptricCamera::CatadioptricCamera(const ImageSize& image_size, const ImageP
                                        Mirror mirror)
     : CameraModel(image_size, image_plane),
       mirror_(std::move(mirror)),
-      min_rho_(mirror_.profile.minRho()) {
-  if (mirror_.rim_radius <= min_rho_ || mirror_.rim_radius > mirror_.profile.maxRho() ||
-      !std::isfinite(mirror_.profile.at(mirror_.rim_radius).slope)) {
-    throw InputError("expected the rim within the mirror's profile, which ends at " +
-                     millimetres(mirror_.profile.maxRho()) + ", found rim_radius " +
-                     millimetres(mirror_.rim_radius));
-  }
+      min_rho_(mirror_.profile.minRho()),
+      max_rho_(mirror_.rim_radius) {
+  findVisibleRim();
   checkRays();
-
-  at_rim_ = reflectAt(mirror_.rim_radius);
-  max_radius_ = mirror_.rim_radius / at_rim_.height;
-  min_radius_ = min_rho_ / reflectAt(min_rho_).height;
-  middle_rho_ = 0.5 * (min_rho_ + mirror_.rim_radius);
-  middle_height_ = reflectAt(middle_rho_).height;
+  innermost_ = reflectAt(min_rho_);
+  outermost_ = reflectAt(max_rho_);
+  min_radius_ = min_rho_ / innermost_.origin.y();
+  max_radius_ = max_rho_ / outermost_.origin.y();
   if (!imagePlane().isInvertibleUpTo(max_radius_)) {
-    throw InputError("expected a lens distortion that can be inverted up to the mirror's rim");
+    throw InputError(
+        "lens.distortion: expected one that can be inverted up to the mirror's rim, found one that "
+        "folds the image before");
   }
+  tabulateReflections();
+  hideHousing();
+}
 
-  first_elevation_ = elevationAt(min_rho_);
-  const double last_elevation = elevationAt(mirror_.rim_radius);
+void CatadioptricCamera::findVisibleRim() {
+  const double last_rho = mirror_.profile.maxRho();
+  if (!(max_rho_ > min_rho_ && max_rho_ <= last_rho && std::isfinite(max_rho_))) {
+    throw InputError("mirror.rim_radius: expected within the mirror's profile, from " +
+                     text(min_rho_) + " to " + text(last_rho) + ", found " +
+                     text(mirror_.rim_radius));
+  }
+  // A rim that lies a little beyond the silhouette, as the edge of a ball does, is no mistake.
+  constexpr double kMostlyVisible = 0.98;
+  double visible_rho = min_rho_;
+  for (int i = 0; i <= kProfileSteps; ++i) {
+    const double rho = min_rho_ + (mirror_.rim_radius - min_rho_) * i / kProfileSteps;
+    const MirrorProfile::Point point = mirror_.profile.at(rho);
+    const double height = mirror_.apex_distance + point.sag;
+    const bool visible = height > 0.0 && height > rho * point.slope;
+    if (!visible) break;
+    visible_rho = rho;
+  }
+  if (!(visible_rho > kMostlyVisible * mirror_.rim_radius)) {
+    throw InputError("mirror.rim_radius: expected at most " + text(visible_rho) +
+                     ", as the lens sees no more of the mirror, found " + text(mirror_.rim_radius));
+  }
+  max_rho_ = visible_rho;
+}
+
+void CatadioptricCamera::checkRays() const {
+  Eigen::Vector2d last_ray = reflectAt(min_rho_).ray;
+  if (!(last_ray.x() >= 0.0)) {
+    throw InputError(
+        "mirror: expected a convex profile that reflects away from the axis, found rays that cross "
+        "the axis");
+  }
+  for (int i = 1; i <= kProfileSteps; ++i) {
+    const double rho = min_rho_ + (max_rho_ - min_rho_) * i / kProfileSteps;
+    const Eigen::Vector2d ray = reflectAt(rho).ray;
+    if (!(cross(last_ray, ray) > 0.0)) {
+      throw InputError(
+          "mirror: expected a convex profile whose reflected rays diverge, found rays that cross "
+          "at rho " +
+          text(rho));
+    }
+    last_ray = ray;
+  }
+}
+
+void CatadioptricCamera::tabulateReflections() {
+  first_elevation_ = elevationOf(innermost_.ray);
+  const double last_elevation = elevationOf(outermost_.ray);
   elevation_step_ = (last_elevation - first_elevation_) / (kElevationSamples - 1);
   double low = min_rho_;
   for (int i = 0; i < kElevationSamples; ++i) {
     const double target = first_elevation_ + i * elevation_step_;
-    double high = mirror_.rim_radius;
-    for (int k = 0; k < 40; ++k) {
+    double high = max_rho_;
+    while (high - low > kSmallStep * max_rho_) {
       const double middle = 0.5 * (low + high);
-      (elevationAt(middle) < target ? low : high) = middle;
+      (elevationOf(reflectAt(middle).ray) < target ? low : high) = middle;
     }
-    rho_by_elevation_.push_back(low);
+    origin_by_elevation_.push_back(reflectAt(low).origin);
   }
+}
 
-  if (mirror_.housing_radius > 0.0) {
-    const std::optional<RadialImage> edge = imageFromPoint(mirror_.housing_radius, 0.0);
-    if (!edge) {
-      throw InputError(
-          "expected the mirror to reach beyond the camera's own image, found "
-          "housing_radius " +
-          millimetres(mirror_.housing_radius));
-    }
-    min_radius_ = edge->radius;
-    min_rho_ = rayFromRadius(edge->radius)->origin.x();
+void CatadioptricCamera::hideHousing() {
+  const Eigen::Vector2d edge(mirror_.housing_radius, 0.0);
+  // The innermost ray may pass the housing by already.
+  if (edge.x() <= min_rho_ || innermost_.turnTo(edge) >= 0.0) return;
+  const std::optional<RadialImage> image = imageFromPoint(edge.x(), edge.y());
+  if (!image) {
+    throw InputError(
+        "lens.housing_radius: expected less than what the mirror shows beside the lens, found " +
+        text(mirror_.housing_radius));
   }
+  min_radius_ = image->radius;
+  min_rho_ = rayFromRadius(image->radius)->origin.x();
+  innermost_ = reflectAt(min_rho_);
 }
 
 CatadioptricCamera::Reflection CatadioptricCamera::reflectAt(double rho) const {
-  // In (distance from axis, height): the lens's ray v = (rho, z) is reflected about the normal
-  // n = (slope, -1) to v - 2 (v.n)/(n.n) n = v - 2 k n.
+  // The lens's ray v = (rho, z) is reflected about the normal n = (slope, -1) to
+  // v - 2 (v.n) / (n.n) n; times n.n that needs no division.
   const MirrorProfile::Point point = mirror_.profile.at(rho);
   const double slope = point.slope;
   const double z = mirror_.apex_distance + point.sag;
-  const double norm = 1.0 + slope * slope;
-  const double k = (rho * slope - z) / norm;
-  const double k_by_rho = point.curvature * (rho - 2.0 * slope * k) / norm;
-  Reflection reflection;
-  reflection.height = z;
-  reflection.slope = slope;
-  reflection.ray = {rho - 2.0 * k * slope, z + 2.0 * k};
-  reflection.ray_by_rho = {1.0 - 2.0 * (k_by_rho * slope + k * point.curvature),
-                           slope + 2.0 * k_by_rho};
-  return reflection;
+  const double slope2 = slope * slope;
+  return {{rho, z},
+          slope,
+          {rho * (1.0 - slope2) + 2.0 * z * slope, 2.0 * rho * slope - z * (1.0 - slope2)},
+          {1.0 + slope2 + 2.0 * point.curvature * (z - rho * slope),
+           slope * (1.0 + slope2) + 2.0 * point.curvature * (rho + z * slope)}};
 }
 
-double CatadioptricCamera::elevationAt(double rho) const {
-  const Reflection reflection = reflectAt(rho);
-  return std::atan2(reflection.ray.x(), -reflection.ray.y());
-}
-
-void CatadioptricCamera::checkRays() const {
-  constexpr int kSteps = 512;
-  double last_radius = -1.0;
-  double last_elevation = -1.0;
-  for (int i = 0; i <= kSteps; ++i) {
-    const double rho = min_rho_ + (mirror_.rim_radius - min_rho_) * i / kSteps;
-    const Reflection reflection = reflectAt(rho);
-    const double radius = rho / reflection.height;
-    const double elevation = std::atan2(reflection.ray.x(), -reflection.ray.y());
-    if (!(reflection.height > 0.0) || !(radius > last_radius)) {
-      throw InputError("expected a mirror that the lens sees up to its rim, found it hidden from " +
-                       millimetres(rho) + " off the axis");
-    }
-    if (!(elevation > last_elevation)) {
-      throw InputError(
-          "expected a convex mirror whose reflected rays diverge, found rays that "
-          "cross at " +
-          millimetres(rho) + " off the axis");
-    }
-    last_radius = radius;
-    last_elevation = elevation;
+double CatadioptricCamera::startingRho(const Eigen::Vector2d& point) const {
+  // A point's elevation, seen from where it is reflected, tells where it is reflected. Seen from
+  // anywhere on the mirror it does nearly so, and better from there the next time.
+  constexpr int kRounds = 2;
+  Eigen::Vector2d origin = origin_by_elevation_[kElevationSamples / 2];
+  for (int i = 0; i < kRounds; ++i) {
+    const double position = (elevationOf(point - origin) - first_elevation_) / elevation_step_;
+    if (!(position > 0.0)) return origin_by_elevation_.front().x();
+    if (position >= kElevationSamples - 1) return origin_by_elevation_.back().x();
+    const auto below = static_cast<std::size_t>(position);
+    const double fraction = position - static_cast<double>(below);
+    origin =
+        (1.0 - fraction) * origin_by_elevation_[below] + fraction * origin_by_elevation_[below + 1];
   }
-}
-
-double CatadioptricCamera::initialRho(double distance, double height) const {
-  // As if all rays came from the middle of the mirror.
-  const double elevation = std::atan2(distance - middle_rho_, middle_height_ - height);
-  const double position = (elevation - first_elevation_) / elevation_step_;
-  if (!(position > 0.0)) return rho_by_elevation_.front();
-  if (position >= kElevationSamples - 1) return rho_by_elevation_.back();
-  const auto i = static_cast<std::size_t>(position);
-  const double fraction = position - static_cast<double>(i);
-  return (1.0 - fraction) * rho_by_elevation_[i] + fraction * rho_by_elevation_[i + 1];
+  return origin.x();
 }
 
 std::optional<RadialImage> CatadioptricCamera::imageFromPoint(double distance,
                                                               double height) const {
-  // The reflected ray leaves the axis behind, so the point of reflection is nearer to it than the
-  // point is. `turn` is the cross product of the way to the point and the reflected ray: negative
-  // while rho is too small, zero where the law of reflection holds.
-  const auto turnOf = [distance, height](double rho, const Reflection& reflection) {
-    return (distance - rho) * reflection.ray.y() -
-           (height - reflection.height) * reflection.ray.x();
-  };
+  if (!std::isfinite(distance) || !std::isfinite(height)) return std::nullopt;
+  const Eigen::Vector2d point(distance, height);
+
+  // The reflected ray leaves the axis behind: the point of reflection is nearer to it than the
+  // point is.
   double low = min_rho_;
-  double high = std::min(mirror_.rim_radius, distance);
-  if (high < low) return std::nullopt;
-  if (turnOf(low, reflectAt(low)) > 0.0) return std::nullopt;
-  const bool reaches_rim = high == mirror_.rim_radius;
-  if (turnOf(high, reaches_rim ? at_rim_ : reflectAt(high)) < 0.0) return std::nullopt;
+  double high = std::min(max_rho_, distance);
+  if (high < low || innermost_.turnTo(point) > 0.0) return std::nullopt;
+  if ((high == max_rho_ ? outermost_ : reflectAt(high)).turnTo(point) < 0.0) return std::nullopt;
 
-  // Newton doubles the digits with every step, so a step this small leaves no error that counts.
-  constexpr int kMaxIterations = 60;
-  const double tolerance = 1e-8 * mirror_.rim_radius;
-  double rho = std::clamp(initialRho(distance, height), low, high);
-  Reflection reflection = reflectAt(rho);
-  double turn_by_rho = 0.0;
+  double rho = std::clamp(startingRho(point), low, high);
   for (int i = 0; i < kMaxIterations; ++i) {
-    const double turn = turnOf(rho, reflection);
-    turn_by_rho = -reflection.ray.y() + (distance - rho) * reflection.ray_by_rho.y() +
-                  reflection.slope * reflection.ray.x() -
-                  (height - reflection.height) * reflection.ray_by_rho.x();
-    (turn < 0.0 ? low : high) = rho;
-    double next = rho - turn / turn_by_rho;
-    if (!(next >= low && next <= high)) next = 0.5 * (low + high);
-    const double step = std::abs(next - rho);
-    rho = next;
-    reflection = reflectAt(rho);
-    if (step <= tolerance) break;
+    const Reflection reflection = reflectAt(rho);
+    const double turn_by_rho = reflection.turnToByRho(point);
+    const double step =
+        safeguardedStep(rho, reflection.turnTo(point), turn_by_rho, &low, &high) - rho;
+    rho += step;
+    if (std::abs(step) > kSmallStep * max_rho_) continue;
+
+    // A point on the mirror's surface, or on the axis behind it, is on no ray.
+    if (!((point - reflection.origin).dot(reflection.ray) > 0.0)) return std::nullopt;
+    const double z = reflection.origin.y() + reflection.slope * step;
+    const double radius_by_rho = (z - rho * reflection.slope) / (z * z);
+    return RadialImage{rho / z, -radius_by_rho * reflection.ray.y() / turn_by_rho,
+                       radius_by_rho * reflection.ray.x() / turn_by_rho};
   }
-
-  // What lies behind the mirror's surface meets the backward extension of a ray, or none.
-  const Eigen::Vector2d way(distance - rho, height - reflection.height);
-  constexpr double kParallel = 1e-6;
-  const double along = way.dot(reflection.ray);
-  if (!(along > 0.0) || std::abs(turnOf(rho, reflection)) > kParallel * along) return std::nullopt;
-
-  const double z = reflection.height;
-  const double radius_by_rho = (z - rho * reflection.slope) / (z * z);
-  return RadialImage{rho / z, -radius_by_rho * reflection.ray.y() / turn_by_rho,
-                     radius_by_rho * reflection.ray.x() / turn_by_rho};
+  return std::nullopt;
 }
 
 std::optional<MeridionalRay> CatadioptricCamera::rayFromRadius(double radius) const {
   if (!(radius >= min_radius_ && radius <= max_radius_)) return std::nullopt;
   // The lens's ray at this radius meets the mirror where rho = radius * z(rho).
-  constexpr int kMaxIterations = 60;
-  const double tolerance = 1e-15 * mirror_.rim_radius;
   double low = min_rho_;
-  double high = mirror_.rim_radius;
+  double high = max_rho_;
   double rho = std::clamp(radius * mirror_.apex_distance, low, high);
   for (int i = 0; i < kMaxIterations; ++i) {
     const MirrorProfile::Point point = mirror_.profile.at(rho);
     const double error = rho - radius * (mirror_.apex_distance + point.sag);
-    (error < 0.0 ? low : high) = rho;
-    double next = rho - error / (1.0 - radius * point.slope);
-    if (!(next >= low && next <= high)) next = 0.5 * (low + high);
+    const double next = safeguardedStep(rho, error, 1.0 - radius * point.slope, &low, &high);
     const double step = std::abs(next - rho);
     rho = next;
-    if (step <= tolerance) break;
+    if (step <= kSmallStep * max_rho_) break;
   }
   const Reflection reflection = reflectAt(rho);
-  return MeridionalRay{{rho, reflection.height}, reflection.ray.normalized()};
+  return MeridionalRay{reflection.origin, reflection.ray.normalized()};
 }
 
 }  // namespace omnitag

@@ -31,16 +31,29 @@ Eigen::Vector2d ImagePlane::pixelFromIdeal(const Eigen::Vector2d& ideal,
 std::optional<Eigen::Vector2d> ImagePlane::idealFromPixel(const Eigen::Vector2d& pixel) const {
   const Eigen::Vector2d distorted = inverse_affine_ * (pixel - principal_point_);
   if (!is_distorted_) return distorted;
-  constexpr int kMaxIterations = 30;
-  constexpr double kTolerance = 1e-13;
-  Eigen::Vector2d ideal = distorted;
+  // Newton from the centre, where nothing is distorted. A step that crosses the distortion's fold,
+  // or does not bring half of what it promises, is halved.
+  constexpr int kMaxIterations = 100;
+  constexpr double kTolerance = 1e-14;
+  Eigen::Vector2d ideal = Eigen::Vector2d::Zero();
+  Eigen::Vector2d step = distorted;
+  double share = 1.0;
+  double last_error = distorted.norm();
   for (int i = 0; i < kMaxIterations; ++i) {
+    const Eigen::Vector2d next = ideal + share * step;
+    if (share * step.norm() <= kTolerance * (1.0 + next.norm())) return next;
     Eigen::Matrix2d jacobian;
-    const Eigen::Vector2d error = distort(ideal, &jacobian) - distorted;
-    if (!(jacobian.determinant() > 0.0)) return std::nullopt;
-    const Eigen::Vector2d step = jacobian.inverse() * error;
-    ideal -= step;
-    if (step.norm() <= kTolerance * (1.0 + ideal.norm())) return ideal;
+    const Eigen::Vector2d error = distorted - distort(next, &jacobian);
+    const bool follows_promise =
+        error.norm() <= (1.0 - 0.5 * share) * last_error + kTolerance * distorted.norm();
+    if (jacobian.determinant() > 0.0 && follows_promise) {
+      ideal = next;
+      step = jacobian.inverse() * error;
+      share = 1.0;
+      last_error = error.norm();
+    } else {
+      share *= 0.5;
+    }
   }
   return std::nullopt;
 }

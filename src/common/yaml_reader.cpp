@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ios>
+#include <filesystem>
+#include <fstream>
 #include <set>
 #include <sstream>
 #include <utility>
@@ -61,22 +62,22 @@ std::string Interval::description(const std::string& kind) const {
 }
 
 YamlReader YamlReader::fromFile(const std::string& path) {
-  try {
-    return {YAML::LoadFile(path), path};
-  } catch (const YAML::BadFile&) {
-    throw InputError(path + ": cannot be read");
-  } catch (const std::ios_base::failure&) {  // e.g. a directory
-    throw InputError(path + ": cannot be read");
-  } catch (const YAML::Exception& error) {
-    throw InputError(path + ":" + std::to_string(error.mark.line + 1) + ": " + error.msg);
+  std::ifstream file(path);
+  if (!file.is_open() || std::filesystem::is_directory(path)) {
+    throw InputError(path + ": expected a readable file, found " +
+                     (file.is_open() ? "a directory" : "none"));
   }
+  std::ostringstream text;
+  text << file.rdbuf();
+  return fromText(text.str(), path);
 }
 
 YamlReader YamlReader::fromText(const std::string& text, const std::string& origin) {
   try {
     return {YAML::Load(text), origin};
   } catch (const YAML::Exception& error) {
-    throw InputError(origin + ":" + std::to_string(error.mark.line + 1) + ": " + error.msg);
+    throw InputError(origin + ":" + std::to_string(error.mark.line + 1) +
+                     ": cannot be parsed as YAML: " + error.msg);
   }
 }
 
@@ -201,12 +202,15 @@ void YamlReader::read(const std::string& key, std::string* value) const {
 }
 
 void YamlReader::refuse(const std::string& key, const std::string& expected) const {
-  throw InputError(placeOf(key) + ": " + pathOf(key) + ": expected " + expected + ", found " +
-                   found(node_[key]));
+  throw InputError(where(key) + ": expected " + expected + ", found " + found(node_[key]));
 }
 
 void YamlReader::refuse(const std::string& message) const {
   throw InputError(place(node_) + ": " + (path_.empty() ? "" : path_ + ": ") + message);
+}
+
+std::string YamlReader::where(const std::string& key) const {
+  return placeOf(key) + ": " + pathOf(key);
 }
 
 YAML::Node YamlReader::required(const std::string& key, const std::string& expected) const {

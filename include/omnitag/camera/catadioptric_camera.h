@@ -13,10 +13,13 @@ namespace omnitag {
 ///
 /// The mirror's surface lies at z = apex_distance + sag(rho) of the optical frame. The law of
 /// reflection (the paper's Eqns 7-13) is solved for the point of reflection by a safeguarded Newton
-/// iteration on rho, which has one solution since the reflected elevation grows along the profile.
+/// iteration on rho.
 ///
 /// Valid domain: points in front of the mirror that lie within the fan of rays between the blind
-/// spot, where the camera sees itself, and the mirror's rim.
+/// spot, where the camera sees itself, and the mirror's edge: its rim or, where the mirror curves
+/// away from the lens before that, its silhouette. Since the constructor makes sure that the
+/// reflected rays leave the axis behind and that their elevation grows along the visible profile,
+/// no two rays meet, none meets the mirror again, and a point has one image at most.
 class CatadioptricCamera final : public CameraModel {
  public:
   struct Mirror {
@@ -31,7 +34,8 @@ class CatadioptricCamera final : public CameraModel {
   };
 
   /// Throws InputError where the mirror cannot work: the rim beyond the profile's domain or hidden
-  /// from the lens, reflected rays that cross, or a lens distortion that folds within the rim.
+  /// from the lens, reflected rays that cross, a lens distortion that folds within the rim, or a
+  /// housing that fills the view.
   CatadioptricCamera(const ImageSize& image_size, const ImagePlane& image_plane, Mirror mirror);
 
   std::optional<RadialImage> imageFromPoint(double distance, double height) const override;
@@ -42,31 +46,46 @@ class CatadioptricCamera final : public CameraModel {
   const Mirror& mirror() const { return mirror_; }
 
  private:
-  /// The ray of the lens that meets the mirror at rho, after its reflection. Vectors are
-  /// (distance from the axis, height along it).
+  /// The ray of the lens that meets the mirror at some rho, after its reflection. Vectors are
+  /// (distance from the axis, height along it); the ray's length is of no meaning.
   struct Reflection {
-    double height;
+    Eigen::Vector2d origin;
     double slope;
     Eigen::Vector2d ray;
     Eigen::Vector2d ray_by_rho;
+
+    /// Cross product of the way to a point and the ray: zero where the ray hits the point,
+    /// negative where the point must be reflected farther out.
+    double turnTo(const Eigen::Vector2d& point) const {
+      const Eigen::Vector2d way = point - origin;
+      return way.x() * ray.y() - way.y() * ray.x();
+    }
+    double turnToByRho(const Eigen::Vector2d& point) const {
+      const Eigen::Vector2d way = point - origin;
+      return way.x() * ray_by_rho.y() - way.y() * ray_by_rho.x() - ray.y() + slope * ray.x();
+    }
   };
-  Reflection reflectAt(double rho) const;
-  double elevationAt(double rho) const;
-  double initialRho(double distance, double height) const;
+
+  void findVisibleRim();
   void checkRays() const;
+  void tabulateReflections();
+  void hideHousing();
+  Reflection reflectAt(double rho) const;
+  double startingRho(const Eigen::Vector2d& point) const;
 
   Mirror mirror_;
-  double min_rho_;
   double min_radius_ = 0.0;
   double max_radius_ = 0.0;
-  Reflection at_rim_{};
+  /// The visible part of the mirror, m from the axis, and the reflections at both ends.
+  double min_rho_;
+  double max_rho_;
+  Reflection innermost_{};
+  Reflection outermost_{};
 
-  // Starting points for the forward projection: rho over the elevation of the reflected ray.
-  std::vector<double> rho_by_elevation_;
+  /// Points of reflection over the elevation of the reflected ray, in equal steps.
+  std::vector<Eigen::Vector2d> origin_by_elevation_;
   double first_elevation_ = 0.0;
   double elevation_step_ = 0.0;
-  double middle_rho_ = 0.0;
-  double middle_height_ = 0.0;
 };
 
 }  // namespace omnitag

@@ -25,7 +25,8 @@ class ImagePlane {
   Eigen::Vector2d pixelFromIdeal(const Eigen::Vector2d& ideal,
                                  Eigen::Matrix2d* jacobian = nullptr) const;
 
-  /// Inverse of `pixelFromIdeal`; nothing where the distortion cannot be inverted.
+  /// Inverse of `pixelFromIdeal`; nothing where no point of the ideal plane has this pixel. Where
+  /// the distortion folds, several may have: see `isInvertibleUpTo`.
   std::optional<Eigen::Vector2d> idealFromPixel(const Eigen::Vector2d& pixel) const;
 
   /// Whether the distortion keeps its orientation, i.e. can be inverted, up to this radius of the

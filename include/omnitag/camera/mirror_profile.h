@@ -27,7 +27,7 @@ class MirrorProfile {
 
   /// A smooth curve through samples (rho, sag) in metres: the cubic spline whose slope on the axis
   /// is zero. Where the first sample is off the axis, the profile begins there. Throws InputError
-  /// unless there are at least four samples, rho increasing from >= 0.
+  /// unless there are at least four samples, all finite, rho increasing from >= 0.
   static MirrorProfile tabulated(const std::vector<Eigen::Vector2d>& samples);
 
   /// Valid for rho in [minRho(), maxRho()].
@@ -43,15 +43,23 @@ class MirrorProfile {
     double one_plus_conic_constant;
     std::vector<double> coefficients;
   };
+  /// One cubic of the spline, in powers of rho - start; it ends where the next one starts.
+  struct Piece {
+    double start;
+    double sag;
+    double slope;
+    double quadratic;
+    double cubic;
+  };
   struct Spline {
-    std::vector<double> rho;
-    std::vector<double> sag;
-    std::vector<double> second_derivative;
+    std::vector<Piece> pieces;
+    double end = 0.0;
   };
 
   explicit MirrorProfile(std::variant<Conic, Spline> shape) : shape_(std::move(shape)) {}
   static Point evaluate(const Conic& conic, double rho);
   static Point evaluate(const Spline& spline, double rho);
+  static std::vector<double> secondDerivatives(const std::vector<Eigen::Vector2d>& samples);
 
   std::variant<Conic, Spline> shape_;
 };

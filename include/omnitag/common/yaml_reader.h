@@ -73,6 +73,9 @@ class YamlReader {
   /// Refuses the mapping as a whole: "<place>: <message>".
   [[noreturn]] void refuse(const std::string& message) const;
 
+  /// Where a key stands, the beginning of every error about it: "<origin>:<line>: <key>".
+  std::string where(const std::string& key) const;
+
  private:
   YAML::Node required(const std::string& key, const std::string& expected) const;
   std::string place(const YAML::Node& node) const;

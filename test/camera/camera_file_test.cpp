@@ -1,0 +1,302 @@
+#include "omnitag/camera/camera_file.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <ostream>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "omnitag/camera/catadioptric_camera.h"
+#include "omnitag/common/error.h"
+
+namespace omnitag {
+namespace {
+
+constexpr char kSphere[] =
+    "model: catadioptric\n"
+    "image: {width: 500, height: 400}\n"
+    "lens: {fx: 1234, fy: 1230.5, cx: 249.5, cy: 199.5}\n"
+    "mirror:\n"
+    "  profile: spherical\n"
+    "  radius_of_curvature: 0.04\n"
+    "  apex_distance: 0.21\n"
+    "  rim_radius: 0.0375\n";
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t position = text.find(from);
+  EXPECT_NE(position, std::string::npos) << from;
+  return text.replace(position, from.size(), to);
+}
+
+std::string sphereWith(const std::string& from, const std::string& to) {
+  return replaced(kSphere, from, to);
+}
+
+std::string mirrorWith(const std::string& profile) {
+  return sphereWith("profile: spherical\n  radius_of_curvature: 0.04", profile);
+}
+
+double sagAt(const std::string& text, double rho) {
+  const auto camera =
+      std::dynamic_pointer_cast<const CatadioptricCamera>(parseCamera(text, "camera.yaml"));
+  EXPECT_TRUE(camera);
+  return camera->mirror().profile.at(rho).sag;
+}
+
+TEST(CameraFile, describesLensAndMirror) {
+  const auto camera =
+      std::dynamic_pointer_cast<const CatadioptricCamera>(parseCamera(kSphere, "camera.yaml"));
+  ASSERT_TRUE(camera);
+  EXPECT_EQ(camera->imageSize().width, 500);
+  EXPECT_EQ(camera->imageSize().height, 400);
+  EXPECT_EQ(camera->imagePlane().affine()(0, 0), 1234.0);
+  EXPECT_EQ(camera->imagePlane().affine()(1, 1), 1230.5);
+  EXPECT_EQ(camera->imagePlane().affine()(0, 1), 0.0);
+  EXPECT_EQ(camera->imagePlane().principalPoint(), Eigen::Vector2d(249.5, 199.5));
+  EXPECT_FALSE(camera->imagePlane().isDistorted());
+  EXPECT_EQ(camera->mirror().apex_distance, 0.21);
+  EXPECT_EQ(camera->mirror().rim_radius, 0.0375);
+  EXPECT_EQ(camera->mirror().housing_radius, 0.0);
+}
+
+TEST(CameraFile, readsEveryProfile) {
+  EXPECT_NEAR(sagAt(kSphere, 0.024), 0.04 - 0.032, 1e-15);
+  EXPECT_NEAR(sagAt(sphereWith("spherical", "spherical\n  conic_constant: 0"), 0.024), 0.008,
+              1e-15);
+  EXPECT_NEAR(sagAt(sphereWith("spherical", "parabolic"), 0.02), 0.005, 1e-15);
+  EXPECT_NEAR(sagAt(sphereWith("spherical", "parabolic\n  conic_constant: -1.0"), 0.02), 0.005,
+              1e-15);
+  // rho^2 - 3 s^2 - 0.08 s = 0
+  EXPECT_NEAR(sagAt(sphereWith("spherical", "hyperbolic\n  conic_constant: -4"), 0.02),
+              (-0.08 + std::sqrt(0.0064 + 12.0 * 0.0004)) / 6.0, 1e-15);
+  EXPECT_NEAR(sagAt(sphereWith("spherical",
+                               "aspheric\n  conic_constant: -1\n  coefficients: [100, -20000]"),
+                    0.02),
+              0.005 + 100.0 * 1.6e-7 - 2e4 * 6.4e-11, 1e-15);
+  EXPECT_NEAR(sagAt(mirrorWith("profile: tabulated\n"
+                               "  samples: [[0, 0], [0.01, 0.001], [0.02, 0.004], [0.04, 0.016]]"),
+                    0.03),
+              0.009, 1e-15);
+}
+
+TEST(CameraFile, readsDistortionAndHousing) {
+  const auto camera = std::dynamic_pointer_cast<const CatadioptricCamera>(
+      parseCamera(sphereWith("199.5}",
+                             "199.5, distortion: [-0.1, 0, 0.001, 0, 2], "
+                             "housing_radius: 0.03}"),
+                  "camera.yaml"));
+  ASSERT_TRUE(camera);
+  const ImagePlane::Distortion expected{-0.1, 0.0, 0.001, 0.0, 2.0};
+  EXPECT_EQ(camera->imagePlane().distortion(), expected);
+  EXPECT_EQ(camera->mirror().housing_radius, 0.03);
+  EXPECT_GT(camera->minRadius(), 0.0);
+}
+
+TEST(CameraFile, takesIntegersForReals) {
+  const auto camera = parseCamera(
+      "model: catadioptric\n"
+      "image: {width: 500, height: 400}\n"
+      "lens: {fx: 1000, fy: 1000, cx: 250, cy: 200, distortion: [0, 0, 0, 0, 0]}\n"
+      "mirror: {profile: hyperbolic, radius_of_curvature: 1, conic_constant: -2, "
+      "apex_distance: 5, rim_radius: 1}\n",
+      "camera.yaml");
+  EXPECT_EQ(camera->imagePlane().principalPoint(), Eigen::Vector2d(250.0, 200.0));
+}
+
+TEST(CameraFile, isWhatTheDocumentationShows) {
+  std::ifstream document(PACKAGE_DIR "/doc/camera_models.md");
+  std::set<std::string> profiles;
+  std::string line;
+  while (std::getline(document, line)) {
+    if (line != "```yaml") continue;
+    std::string example;
+    while (std::getline(document, line) && line != "```") {
+      example += line + "\n";
+      if (line.find("profile: ") != std::string::npos) profiles.insert(line);
+    }
+    EXPECT_NO_THROW(parseCamera(example, "doc/camera_models.md")) << example;
+  }
+  EXPECT_EQ(profiles.size(), 5u);
+}
+
+struct Refusal {
+  std::string name;
+  std::string text;
+  std::vector<std::string> fragments;
+};
+
+void PrintTo(const Refusal& refusal, std::ostream* out) { *out << refusal.name; }
+
+class BadCameraFile : public testing::TestWithParam<Refusal> {};
+
+TEST_P(BadCameraFile, isRefusedInOneLineThatTellsWhy) {
+  std::string message;
+  try {
+    parseCamera(GetParam().text, "camera.yaml");
+  } catch (const InputError& error) {
+    message = error.what();
+  }
+  EXPECT_EQ(message.find("camera.yaml"), 0u) << message;
+  EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+  for (const std::string& fragment : GetParam().fragments) {
+    EXPECT_NE(message.find(fragment), std::string::npos) << message << "\n lacks: " << fragment;
+  }
+  for (const std::string once : {"expected", "found", "camera.yaml"}) {
+    EXPECT_EQ(message.find(once), message.rfind(once)) << "twice '" << once << "': " << message;
+  }
+}
+
+Refusal badRadius(const std::string& name, const std::string& value) {
+  return {
+      name,
+      sphereWith("0.04", value),
+      {"camera.yaml:6: mirror.radius_of_curvature: expected a number > 0, found '" + value + "'"}};
+}
+
+Refusal badTable(const std::string& name, const std::string& samples,
+                 const std::vector<std::string>& fragments) {
+  return {name, mirrorWith("profile: tabulated\n  samples: " + samples), fragments};
+}
+
+std::vector<Refusal> refusals() {
+  const auto lensWith = [](const std::string& more) {
+    return sphereWith("199.5}", "199.5, " + more + "}");
+  };
+  return {
+      {"MissingKey",
+       sphereWith("  radius_of_curvature: 0.04\n", ""),
+       {"camera.yaml:5: mirror.radius_of_curvature: expected a number > 0, found nothing"}},
+      {"MissingMapping",
+       sphereWith("image: {width: 500, height: 400}\n", ""),
+       {"camera.yaml:1: image: expected a mapping of keys, found nothing"}},
+      {"MissingProfile", sphereWith("  profile: spherical\n", ""), {"mirror.profile: expected"}},
+      {"MissingConicConstant",
+       sphereWith("spherical", "hyperbolic"),
+       {"camera.yaml:5: mirror.conic_constant: expected a number, found nothing"}},
+      {"EmptyValue", sphereWith("0.04", ""), {"mirror.radius_of_curvature: expected a number > 0"}},
+      {"UnknownKey",
+       sphereWith("rim_radius", "rim"),
+       {"camera.yaml:8: mirror.rim: unknown key", "rim_radius"}},
+      {"UnknownKeyAbove",
+       sphereWith("image:", "colour: red\nimage:"),
+       {"camera.yaml:2: colour: unknown key", "model, image, lens, mirror"}},
+      {"DuplicateKey",
+       sphereWith("  rim_radius", "  apex_distance: 1\n  rim_radius"),
+       {"camera.yaml:8: mirror.apex_distance: expected once, found again"}},
+      badRadius("Word", "forty"),
+      badRadius("NotANumber", ".nan"),
+      badRadius("Infinite", ".inf"),
+      badRadius("TooLargeForANumber", "1e400"),
+      badRadius("Negative", "-0.04"),
+      badRadius("Zero", "0"),
+      {"NumberOfPixelsNotInteger",
+       sphereWith("500", "500.5"),
+       {"camera.yaml:2: image.width: expected an integer >= 1", "found '500.5'"}},
+      {"NoPixels", sphereWith("500", "0"), {"image.width: expected an integer >= 1", "found '0'"}},
+      {"UnknownModel",
+       sphereWith("catadioptric", "pinhole"),
+       {"camera.yaml:1: model: expected", "catadioptric", "found 'pinhole'"}},
+      {"UnknownProfile",
+       sphereWith("spherical", "round"),
+       {"camera.yaml:5: mirror.profile: expected one of spherical, parabolic, hyperbolic, "
+        "aspheric, tabulated, found 'round'"}},
+      {"ProfileIsAList",
+       sphereWith("spherical", "[spherical]"),
+       {"camera.yaml:5: mirror.profile: expected a text, found a list of 1"}},
+      {"SphereWithAnotherConicConstant",
+       sphereWith("spherical", "spherical\n  conic_constant: -1"),
+       {"camera.yaml:6: mirror.conic_constant: expected 0", "spherical", "found '-1'"}},
+      {"ParabolaWithAnotherConicConstant",
+       sphereWith("spherical", "parabolic\n  conic_constant: 0"),
+       {"camera.yaml:6: mirror.conic_constant: expected -1", "parabolic", "found '0'"}},
+      {"HyperbolaWithAnotherConicConstant",
+       sphereWith("spherical", "hyperbolic\n  conic_constant: -1"),
+       {"camera.yaml:6: mirror.conic_constant: expected a number < -1", "found '-1'"}},
+      {"CoefficientsOfASphere",
+       sphereWith("spherical", "spherical\n  coefficients: [1, 2]"),
+       {"camera.yaml:6: mirror.coefficients: expected none", "found a list of 2"}},
+      {"CoefficientIsAWord",
+       sphereWith("spherical", "aspheric\n  conic_constant: 0\n  coefficients: [1, a6]"),
+       {"camera.yaml:7: mirror.coefficients: expected a list of numbers, found 'a6'"}},
+      {"RimBeyondTheSphere",
+       sphereWith("0.0375", "0.05"),
+       {"camera.yaml: mirror.rim_radius: expected", "to 0.04", "found 0.05"}},
+      {"RimHiddenFromTheLens",
+       sphereWith("0.21", "0.021"),
+       {"camera.yaml: mirror.rim_radius: expected at most 0.0301", "found 0.0375"}},
+      {"RaysThatCross",
+       sphereWith("spherical", "aspheric\n  conic_constant: 0\n  coefficients: [-30000]"),
+       {"camera.yaml: mirror: expected a convex profile", "found rays that cross at rho 0.0"}},
+      badTable("TableTooShort", "[[0, 0], [0.02, 0.004], [0.04, 0.02]]",
+               {"camera.yaml:6: mirror.samples: expected at least 4 samples [rho, sag], found 3"}),
+      badTable("TableNotIncreasing", "[[0, 0], [0.02, 0.004], [0.02, 0.005], [0.04, 0.02]]",
+               {"camera.yaml:6: mirror.samples: expected", "found [0.02, 0.005]"}),
+      badTable("TableRowTooShort", "\n  - [0, 0]\n  - [0.02]\n  - [0.03, 1]\n  - [0.04, 2]",
+               {"camera.yaml:8: mirror.samples[1]: expected a list of 2 numbers, found a list of "
+                "1"}),
+      badTable("TableWithAWord", "\n  - [0, 0]\n  - [0.02, x]\n  - [0.03, 1]\n  - [0.04, 2]",
+               {"camera.yaml:8: mirror.samples[1]: expected a list of 2 numbers, found 'x'"}),
+      badTable("TableIsANumber", "7", {"camera.yaml:6: mirror.samples: expected a list", "'7'"}),
+      badTable("TableEndsBeforeTheRim", "[[0, 0], [0.01, 0.001], [0.02, 0.004], [0.03, 0.009]]",
+               {"camera.yaml: mirror.rim_radius: expected", "to 0.03", "found 0.0375"}),
+      badTable("ConcaveTable", "[[0, 0], [0.01, -0.001], [0.02, -0.004], [0.04, -0.016]]",
+               {"camera.yaml: mirror: expected a convex profile"}),
+      {"DistortionTooShort",
+       lensWith("distortion: [0.1, 0]"),
+       {"camera.yaml:3: lens.distortion: expected a list of 5 numbers, found a list of 2"}},
+      {"DistortionThatFolds",
+       lensWith("distortion: [-50, 0, 0, 0, 0]"),
+       {"camera.yaml: lens.distortion: expected", "found one that folds"}},
+      {"NegativeHousing",
+       lensWith("housing_radius: -0.01"),
+       {"camera.yaml:3: lens.housing_radius: expected a number >= 0, found '-0.01'"}},
+      {"HousingThatFillsTheView",
+       replaced(lensWith("housing_radius: 0.5"), "0.04\n", "0.4\n"),
+       {"camera.yaml: lens.housing_radius: expected less", "found 0.5"}},
+      {"NotYaml", "model: [catadioptric\nimage: 3", {"camera.yaml:", "cannot be parsed as YAML"}},
+      {"Empty", "", {"expected a mapping of keys, found an empty value"}},
+      {"AList", "- model\n- image\n", {"camera.yaml:1: expected a mapping", "found a list of 2"}},
+      {"AWord", "catadioptric", {"camera.yaml:1: expected a mapping", "found 'catadioptric'"}},
+      {"MirrorIsAList",
+       replaced(kSphere, "mirror:\n  profile: spherical\n", "mirror: [1]\nother:\n"),
+       {"other: unknown key"}},
+      {"LensIsANumber",
+       "model: catadioptric\nlens: 3\n",
+       {"camera.yaml:2: lens: expected a mapping of keys, found '3'"}},
+  };
+}
+
+INSTANTIATE_TEST_SUITE_P(, BadCameraFile, testing::ValuesIn(refusals()),
+                         [](const auto& info) { return info.param.name; });
+
+std::string refusalOfFile(const std::string& path) {
+  try {
+    loadCamera(path);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(CameraFile, isNamedWhereItCannotBeRead) {
+  EXPECT_EQ(refusalOfFile("no/such/camera.yaml"),
+            "no/such/camera.yaml: expected a readable file, found none");
+  EXPECT_EQ(refusalOfFile(testing::TempDir()),
+            testing::TempDir() + ": expected a readable file, found a directory");
+}
+
+TEST(CameraFile, isReadFromDisk) {
+  const std::string path = testing::TempDir() + "camera_file_test.yaml";
+  std::ofstream(path) << kSphere;
+  EXPECT_EQ(loadCamera(path)->imageSize().width, 500);
+  std::ofstream(path) << "";
+  EXPECT_EQ(refusalOfFile(path), path + ": expected a mapping of keys, found an empty value");
+  std::remove(path.c_str());
+}
+
+}  // namespace
+}  // namespace omnitag
