@@ -1,0 +1,76 @@
+#!/usr/bin/env python3
+"""Counts the test cases of a CTest run, and ends with the line `N passed, N failed`.
+
+The folder given holds what CTest wrote, `ctest.xml`, and for each CTest test NAME the cases that it
+ran, `NAME.xml`, both in the JUnit format; beside `rostest-NAME.xml`, the cases of each of its nodes
+are in `rosunit-NODE.xml`. A test without such a file (it crashed, or could not be started), one that
+ran no case, and one that ended with an error though its cases passed each count as one failure.
+Exit status 0 only where something passed and nothing failed.
+"""
+
+import argparse
+import sys
+from pathlib import Path
+from typing import List, Tuple
+from xml.etree import ElementTree
+
+
+def count_cases(path: Path) -> Tuple[int, List[str]]:
+    """The number of passed test cases in a JUnit file, and the names of those that failed.
+
+    Skipped and disabled cases are neither.
+    """
+    passed = 0
+    failed = []
+    for case in ElementTree.parse(path).getroot().iter("testcase"):
+        name = case.get("name", "")
+        node_path = path.with_name(f"rosunit-{name[len('test'):]}.xml")
+        if case.find("failure") is not None or case.find("error") is not None:
+            failed.append(f"{case.get('classname', '')}.{name}")
+        elif path.name.startswith("rostest-") and node_path.exists():
+            node_passed, node_failed = count_cases(node_path)
+            passed += node_passed
+            failed += node_failed
+        elif case.find("skipped") is None and case.get("status") != "notrun":
+            passed += 1
+    return passed, failed
+
+
+def summarize(results: Path) -> Tuple[int, List[str]]:
+    """The number of passed test cases of a CTest run, and a line for each failure."""
+    passed = 0
+    failures = []
+    for test in ElementTree.parse(results / "ctest.xml").getroot().iter("testcase"):
+        name = test.get("name")
+        if test.get("status") == "disabled":
+            continue
+        try:
+            test_passed, test_failed = count_cases(results / f"{name}.xml")
+        except (FileNotFoundError, ElementTree.ParseError):
+            failures.append(f"{name}: ended without a result file")
+            continue
+        passed += test_passed
+        failures += [f"{name}: {case}" for case in test_failed]
+        if not test_failed and test.get("status") != "run":
+            failures.append(f"{name}: ended with an error, though its cases passed")
+        elif not test_failed and test_passed == 0:
+            failures.append(f"{name}: ran no test case")
+    return passed, failures
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("results", type=Path, help="folder with ctest.xml and NAME.xml")
+    arguments = parser.parse_args()
+    try:
+        passed, failures = summarize(arguments.results)
+    except (FileNotFoundError, ElementTree.ParseError) as error:
+        passed, failures = 0, [f"{arguments.results}/ctest.xml: no result of CTest: {error}"]
+    for failure in failures:
+        print(f"failed: {failure}")
+    print(f"{passed} passed, {len(failures)} failed")
+    return 0 if passed and not failures else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
