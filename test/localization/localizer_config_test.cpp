@@ -1,0 +1,75 @@
+#include "omnitag/localization/localizer_config.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace omnitag {
+namespace {
+
+LocalizerConfig read(const std::string& text) {
+  return readLocalizerConfig(YamlReader::fromText(text, "params.yaml"));
+}
+
+TEST(LocalizerConfigTest, AbsentKeysKeepTheirDefaults) {
+  const LocalizerConfig defaults;
+  const LocalizerConfig config = read("{camera_file: other.yaml}");
+  EXPECT_EQ(config.estimation.kind, EstimatorKind::kReprojection);
+  EXPECT_EQ(config.view.oversampling, defaults.view.oversampling);
+  EXPECT_EQ(config.detector.min_white_black_diff, defaults.detector.min_white_black_diff);
+}
+
+TEST(LocalizerConfigTest, ReadsEveryGroup) {
+  const LocalizerConfig config = read(R"(
+estimator: triangulation
+visibility: {max_range: 7}
+view: {oversampling: 2}
+detector: {quad_decimate: 2}
+association: {max_roll: 0.2}
+estimation: {corner_noise: 0.3}
+motion: {acceleration_deviation: 3}
+)");
+  EXPECT_EQ(config.estimation.kind, EstimatorKind::kTriangulation);
+  EXPECT_EQ(config.visibility.max_range, 7.0);
+  EXPECT_EQ(config.view.oversampling, 2.0);
+  EXPECT_EQ(config.detector.quad_decimate, 2.0);
+  EXPECT_EQ(config.association.max_roll, 0.2);
+  EXPECT_EQ(config.estimation.reprojection.corner_noise, 0.3);
+  EXPECT_EQ(config.motion.acceleration_deviation, 3.0);
+}
+
+struct BadInput {
+  const char* text;
+  std::vector<std::string> fragments;
+};
+
+TEST(LocalizerConfigTest, RefusesWhatIsWrongAndNamesIt) {
+  const std::vector<BadInput> inputs = {
+      {"estimator: magic",
+       {"params.yaml:1", "estimator", "triangulation or reprojection", "magic"}},
+      {"visibility: {max_range: -1}", {"visibility.max_range", "> 0", "'-1'"}},
+      {"visibility: 7", {"visibility", "mapping", "'7'"}},
+      {"view: {oversampling: .nan}", {"view.oversampling", "nan"}},
+      {"view: {max_size: 1.5}", {"view.max_size", "integer", "'1.5'"}},
+      {"detector: {refine_edges: perhaps}", {"detector.refine_edges", "true or false", "perhaps"}},
+      {"association: {max_scale: 0.5}", {"association.max_scale", ">= 1"}},
+      {"estimation: {corner_noise: [1]}", {"estimation.corner_noise", "a list"}},
+      {"motion: {speed: 1}", {"motion.speed", "unknown key"}},
+  };
+  for (const BadInput& input : inputs) {
+    try {
+      read(input.text);
+      ADD_FAILURE() << "accepted: " << input.text;
+    } catch (const InputError& error) {
+      for (const std::string& fragment : input.fragments) {
+        EXPECT_NE(std::string(error.what()).find(fragment), std::string::npos)
+            << "'" << fragment << "' not in: " << error.what();
+      }
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace omnitag

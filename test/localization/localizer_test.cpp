@@ -1,0 +1,201 @@
+#include "omnitag/localization/localizer.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "../support/panorama_renderer.h"
+#include "../support/sample_cameras.h"
+#include "omnitag/common/error.h"
+
+namespace omnitag {
+namespace {
+
+MarkerMap room() {
+  MarkerMap map{"map", {}};
+  for (int i = 0; i < 7; ++i) {
+    const double direction = 2.0 * kPi * i / 7 + 0.15 * (i % 2);
+    Marker marker;
+    marker.family = "tag36h11";
+    marker.id = 3 * i;
+    marker.size = 0.8;
+    marker.map_from_marker =
+        Eigen::Translation3d(3.5 * std::cos(direction), 3.5 * std::sin(direction), 1.0 + 0.08 * i) *
+        uprightOrientation(direction + kPi, 0.0);
+    map.markers.push_back(marker);
+  }
+  return map;
+}
+
+Pose2 routeAt(int frame) { return {0.6 + 0.08 * frame, -0.5 + 0.05 * frame, 0.4 + 0.06 * frame}; }
+
+double positionError(const Pose2& a, const Pose2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
+
+class LocalizerTest : public testing::TestWithParam<Eigen::Isometry3d> {
+ protected:
+  Frame frameAt(int index) const {
+    return {0.1 * index, renderPanorama(map_, {camera_, mounting_}, routeAt(index)), mounting_,
+            std::nullopt};
+  }
+
+  Localizer localizer(const LocalizerConfig& config = {}) const { return {camera_, map_, config}; }
+
+  std::shared_ptr<const CameraModel> camera_ = test::sphericalCamera();
+  Eigen::Isometry3d mounting_ = GetParam();
+  MarkerMap map_ = room();
+
+  cv::Mat renderPanorama(const MarkerMap& map, const MountedCamera& camera,
+                         const Pose2& pose) const {
+    return test::renderPanorama(map, camera, pose);
+  }
+};
+
+TEST_P(LocalizerTest, FollowsARoute) {
+  Localizer localizer = this->localizer();
+  Pose2 start = routeAt(0);
+  start.x += 0.05;
+  start.yaw -= 0.03;
+  localizer.setPose(start);
+  for (int i = 0; i < 6; ++i) {
+    const FrameResult result = localizer.process(frameAt(i));
+    ASSERT_TRUE(result.map_from_base) << i;
+    EXPECT_EQ(result.mode, Mode::kTracking);
+    EXPECT_GE(result.acceptedMarkers(), 5);
+    EXPECT_LT(positionError(result.map_from_base->pose, routeAt(i)), 2e-3) << i;
+    EXPECT_NEAR(result.map_from_base->pose.yaw, routeAt(i).yaw, 5e-4) << i;
+    EXPECT_EQ(result.view_images.size(), result.views.size());
+  }
+}
+
+TEST_P(LocalizerTest, BearingsAreThoseOfTheMarkersFromTheRobot) {
+  Localizer localizer = this->localizer();
+  localizer.setPose(routeAt(0));
+  const FrameResult result = localizer.process(frameAt(0));
+  const Pose2 truth = routeAt(0);
+  const Eigen::Vector3d camera_place = (truth.toIsometry() * mounting_).translation();
+  for (const MarkerDetection& detection : result.detections) {
+    if (!detection.accepted) continue;
+    const Eigen::Vector3d way = map_.markers[*detection.map_entry].center() - camera_place;
+    // The lines of sight start on the mirror, some centimetres off, hence not to the arc second.
+    const double expected = std::atan2(way.y(), way.x()) - truth.yaw;
+    EXPECT_NEAR(normalizeAngle(detection.bearing - expected), 0.0, 0.002);
+    EXPECT_NEAR(detection.range, way.head<2>().norm(), 0.01);
+    EXPECT_LT(detection.residual, 0.3);
+    EXPECT_EQ(detection.reason, "");
+  }
+}
+
+TEST_P(LocalizerTest, TheSameInputGivesTheSameResult) {
+  const auto poses = [this] {
+    Localizer localizer = this->localizer();
+    localizer.setPose(routeAt(0));
+    std::vector<Pose2> poses;
+    for (int i = 0; i < 2; ++i) poses.push_back(localizer.process(frameAt(i)).map_from_base->pose);
+    return poses;
+  };
+  const std::vector<Pose2> first = poses();
+  const std::vector<Pose2> second = poses();
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    EXPECT_EQ(first[i].x, second[i].x);
+    EXPECT_EQ(first[i].y, second[i].y);
+    EXPECT_EQ(first[i].yaw, second[i].yaw);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Mountings, LocalizerTest,
+                         testing::Values(test::lookingDown(), test::lookingUp()),
+                         [](const auto& test) { return test.index == 0 ? "Down" : "Up"; });
+
+class LocalizerFaultTest : public testing::Test {
+ protected:
+  Frame frame(double stamp, const cv::Mat& image) const {
+    return {stamp, image, test::lookingDown(), std::nullopt};
+  }
+
+  std::shared_ptr<const CameraModel> camera_ = test::sphericalCamera();
+  MarkerMap map_ = room();
+  Localizer localizer_{camera_, map_, {}};
+  cv::Mat good_ = test::renderPanorama(map_, {camera_, test::lookingDown()}, routeAt(0));
+  cv::Mat black_ = cv::Mat::zeros(500, 500, CV_8UC1);
+};
+
+TEST_F(LocalizerFaultTest, WithoutAPoseItHasNone) {
+  const FrameResult result = localizer_.process(frame(0.0, black_));
+  EXPECT_EQ(result.mode, Mode::kSearching);
+  EXPECT_FALSE(result.map_from_base);
+}
+
+TEST_F(LocalizerFaultTest, CarriesOnWithoutMarkersForAWhileAndThenSaysSo) {
+  localizer_.setPose(routeAt(0));
+  ASSERT_EQ(localizer_.process(frame(0.0, good_)).mode, Mode::kTracking);
+  const FrameResult blind = localizer_.process(frame(0.1, black_));
+  EXPECT_EQ(blind.mode, Mode::kDeadReckoning);
+  ASSERT_TRUE(blind.map_from_base);
+  const FrameResult again = localizer_.process(frame(0.2, good_));
+  EXPECT_EQ(again.mode, Mode::kTracking);
+  const FrameResult later = localizer_.process(frame(3.0, black_));
+  EXPECT_EQ(later.mode, Mode::kSearching);
+  EXPECT_FALSE(later.map_from_base);
+}
+
+TEST_F(LocalizerFaultTest, ForgetsItsPoseWhenTold) {
+  localizer_.setPose(routeAt(0));
+  ASSERT_TRUE(localizer_.process(frame(0.0, good_)).map_from_base);
+  localizer_.forgetPose();
+  EXPECT_EQ(localizer_.process(frame(0.1, black_)).mode, Mode::kSearching);
+}
+
+TEST_F(LocalizerFaultTest, AMirroredImageGivesNoMarkers) {
+  cv::Mat mirrored;
+  cv::flip(good_, mirrored, 1);
+  localizer_.setPose(routeAt(0));
+  EXPECT_EQ(localizer_.process(frame(0.0, mirrored)).acceptedMarkers(), 0);
+}
+
+TEST_F(LocalizerFaultTest, RefusesBadFramesAndKeepsItsState) {
+  localizer_.setPose(routeAt(0));
+  ASSERT_TRUE(localizer_.process(frame(1.0, good_)).map_from_base);
+  const auto refusal = [this](const Frame& bad) -> std::string {
+    try {
+      localizer_.process(bad);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(refusal(frame(1.1, cv::Mat::zeros(400, 500, CV_8UC1))).find("500 x 400"),
+            std::string::npos);
+  EXPECT_NE(refusal(frame(1.1, cv::Mat::zeros(500, 500, CV_8UC3))).find("CV_8UC3"),
+            std::string::npos);
+  EXPECT_NE(refusal(frame(1.1, cv::Mat())), "");
+  EXPECT_NE(refusal(frame(1.0, good_)).find("later than"), std::string::npos);
+  EXPECT_NE(refusal(frame(std::nan(""), good_)), "");
+  EXPECT_EQ(localizer_.process(frame(1.1, good_)).mode, Mode::kTracking);
+}
+
+TEST_F(LocalizerFaultTest, AMarkerThatHangsElsewhereIsNamed) {
+  MarkerMap wrong = map_;
+  wrong.markers[2].map_from_marker.translation() += Eigen::Vector3d(0.25, 0.1, 0.0);
+  Localizer localizer(camera_, wrong, {});
+  localizer.setPose(routeAt(0));
+  const FrameResult result = localizer.process(frame(0.0, good_));
+  ASSERT_TRUE(result.map_from_base);
+  EXPECT_LT(positionError(result.map_from_base->pose, routeAt(0)), 2e-3);
+  for (const MarkerDetection& detection : result.detections) {
+    if (detection.id != wrong.markers[2].id) continue;
+    EXPECT_FALSE(detection.accepted);
+    EXPECT_NE(detection.reason, "");
+  }
+}
+
+TEST(LocalizerConstructionTest, RefusesAFamilyThatTheLibraryDoesNotHave) {
+  MarkerMap map = room();
+  map.markers[0].family = "tag99h99";
+  EXPECT_THROW(Localizer(test::sphericalCamera(), map, {}), InputError);
+}
+
+}  // namespace
+}  // namespace omnitag

@@ -1,0 +1,166 @@
+#include "omnitag/localization/pose_estimator.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "../support/sample_cameras.h"
+
+namespace omnitag {
+namespace {
+
+/// Markers on the walls of a room of 8 m, seen from within.
+class PoseEstimatorTest : public testing::Test {
+ protected:
+  PoseEstimatorTest() {
+    for (int i = 0; i < 10; ++i) {
+      const double direction = 2.0 * kPi * i / 10 + 0.2 * (i % 3);
+      Marker marker;
+      marker.family = "tag36h11";
+      marker.id = i;
+      marker.size = 0.8;
+      marker.map_from_marker = Eigen::Translation3d(4.0 * std::cos(direction),
+                                                    4.0 * std::sin(direction), 1.0 + 0.06 * i) *
+                               uprightOrientation(direction + kPi, 0.0);
+      map_.markers.push_back(marker);
+    }
+  }
+
+  std::vector<MarkerObservation> observe(const std::vector<std::size_t>& entries,
+                                         double noise = 0.0) {
+    std::normal_distribution<double> normal(0.0, 1.0);
+    const auto measured = [&](const Eigen::Vector3d& point) -> Eigen::Vector2d {
+      const Eigen::Vector2d error(normal(generator_), normal(generator_));
+      return *camera_.pixelFromMap(truth_, point) + noise * error;
+    };
+    std::vector<MarkerObservation> observations;
+    for (const std::size_t entry : entries) {
+      MarkerObservation observation;
+      observation.map_entry = entry;
+      const Corners<Eigen::Vector3d> corners = map_.markers[entry].corners();
+      for (std::size_t k = 0; k < corners.size(); ++k) {
+        observation.corners[k] = measured(corners[k]);
+      }
+      observation.center = measured(map_.markers[entry].center());
+      observations.push_back(observation);
+    }
+    return observations;
+  }
+
+  Eigen::Vector3d error(const Pose2& pose) const {
+    return {pose.x - truth_.x, pose.y - truth_.y, normalizeAngle(pose.yaw - truth_.yaw)};
+  }
+
+  static PoseEstimate prior(const Pose2& pose, double position, double heading) {
+    PoseEstimate estimate{pose, Eigen::Matrix3d::Zero()};
+    estimate.covariance.diagonal() << position * position, position * position, heading * heading;
+    return estimate;
+  }
+
+  MarkerMap map_{"map", {}};
+  MountedCamera camera_{test::sphericalCamera(), test::lookingDown()};
+  Pose2 truth_{0.7, -0.9, 1.3};
+  EstimatorConfig config_;
+  std::mt19937 generator_{5};
+};
+
+TEST_F(PoseEstimatorTest, ExactCornersGiveTheExactPose) {
+  for (const EstimatorKind kind : {EstimatorKind::kTriangulation, EstimatorKind::kReprojection}) {
+    config_.kind = kind;
+    const auto solution = estimatePose(map_, camera_, observe({0, 2, 5, 7}),
+                                       prior({0.5, -0.7, 1.2}, 0.5, 0.3), config_);
+    ASSERT_TRUE(solution);
+    EXPECT_LT(error(solution->map_from_base.pose).norm(), 2e-6);
+    for (const double residual : solution->residuals) EXPECT_LT(residual, 1e-3);
+  }
+}
+
+TEST_F(PoseEstimatorTest, WithoutAPriorThreeMarkersAreEnough) {
+  const auto solution = estimatePose(map_, camera_, observe({1, 4, 8}), std::nullopt, config_);
+  // The heading's start is 0, more than 45 degrees off.
+  if (solution) EXPECT_LT(error(solution->map_from_base.pose).norm(), 1e-6);
+  truth_.yaw = 0.5;
+  const auto closer = estimatePose(map_, camera_, observe({1, 4, 8}), std::nullopt, config_);
+  ASSERT_TRUE(closer);
+  EXPECT_LT(error(closer->map_from_base.pose).norm(), 1e-6);
+}
+
+TEST_F(PoseEstimatorTest, ConvergesFromFarOff) {
+  const auto solution = estimatePose(map_, camera_, observe({0, 2, 5, 7}, 0.05),
+                                     prior({1.3, -0.2, 1.0}, 1.0, 0.5), config_);
+  ASSERT_TRUE(solution);
+  EXPECT_LT(error(solution->map_from_base.pose).norm(), 3e-3);
+  EXPECT_EQ(std::count(solution->used.begin(), solution->used.end(), true), 4);
+}
+
+TEST_F(PoseEstimatorTest, OneMarkerIsEnoughWithItsFourCorners) {
+  const auto solution =
+      estimatePose(map_, camera_, observe({3}), prior({0.75, -0.85, 1.33}, 0.2, 0.1), config_);
+  ASSERT_TRUE(solution);
+  EXPECT_LT(error(solution->map_from_base.pose).norm(), 1e-3);
+}
+
+TEST_F(PoseEstimatorTest, LeavesOutMarkersThatHangElsewhere) {
+  for (const EstimatorKind kind : {EstimatorKind::kTriangulation, EstimatorKind::kReprojection}) {
+    config_.kind = kind;
+    std::vector<MarkerObservation> observations = observe({0, 1, 2, 3, 4, 5, 6, 7}, 0.05);
+    for (const std::size_t moved : {2U, 6U}) {
+      for (Eigen::Vector2d& corner : observations[moved].corners) corner += Eigen::Vector2d(9, -7);
+      observations[moved].center += Eigen::Vector2d(9, -7);
+    }
+    const auto solution =
+        estimatePose(map_, camera_, observations, prior({0.72, -0.88, 1.31}, 0.05, 0.03), config_);
+    ASSERT_TRUE(solution);
+    EXPECT_LT(error(solution->map_from_base.pose).head<2>().norm(), 4e-3);
+    for (std::size_t i = 0; i < observations.size(); ++i) {
+      EXPECT_EQ(solution->used[i], i != 2 && i != 6) << i;
+    }
+  }
+}
+
+TEST_F(PoseEstimatorTest, ACoveredEdgeDoesNotPullThePose) {
+  std::vector<MarkerObservation> observations = observe({0, 2, 4, 7}, 0.02);
+  observations[1].corners[1].x() += 1.2;
+  observations[1].corners[2].x() += 0.8;
+  const auto solution =
+      estimatePose(map_, camera_, observations, prior({0.72, -0.88, 1.31}, 0.1, 0.05), config_);
+  ASSERT_TRUE(solution);
+  EXPECT_LT(error(solution->map_from_base.pose).head<2>().norm(), 2e-3);
+}
+
+TEST_F(PoseEstimatorTest, CovarianceMatchesTheSpreadOfManyTrials) {
+  const double noise = 0.06;
+  config_.reprojection.corner_noise = noise;
+  // Wide, so that the estimate is plain least squares.
+  config_.reprojection.robust_width = 100.0;
+  const PoseEstimate wide = prior(truth_, 1.0, 1.0);
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d mean_covariance = Eigen::Matrix3d::Zero();
+  constexpr int kTrials = 500;
+  for (int i = 0; i < kTrials; ++i) {
+    const auto solution = estimatePose(map_, camera_, observe({0, 3, 4}, noise), wide, config_);
+    ASSERT_TRUE(solution);
+    const Eigen::Vector3d e = error(solution->map_from_base.pose);
+    spread += e * e.transpose() / kTrials;
+    mean_covariance += solution->map_from_base.covariance / kTrials;
+  }
+  // The covariance is at least that of the noise, and larger in frames with larger residuals.
+  const double ratio = (spread.inverse() * mean_covariance).trace() / 3.0;
+  EXPECT_GT(ratio, 0.9);
+  EXPECT_LT(ratio, 1.35);
+}
+
+TEST_F(PoseEstimatorTest, NoObservationsGiveNoPose) {
+  EXPECT_FALSE(estimatePose(map_, camera_, {}, prior(truth_, 0.1, 0.1), config_));
+}
+
+TEST_F(PoseEstimatorTest, TwoMarkersAreTooFewToTriangulate) {
+  config_.kind = EstimatorKind::kTriangulation;
+  EXPECT_FALSE(estimatePose(map_, camera_, observe({0, 5}), prior(truth_, 0.1, 0.1), config_));
+}
+
+}  // namespace
+}  // namespace omnitag

@@ -1,0 +1,128 @@
+#include "omnitag/marker/marker_prediction.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <random>
+
+#include "../support/sample_cameras.h"
+
+namespace omnitag {
+namespace {
+
+/// A marker that faces the map's origin from a distance and a direction.
+Marker facingOrigin(double distance, double direction, double height = 1.3) {
+  Marker marker;
+  marker.family = "tag36h11";
+  marker.size = 0.8;
+  marker.map_from_marker =
+      Eigen::Translation3d(distance * std::cos(direction), distance * std::sin(direction), height) *
+      uprightOrientation(direction + kPi, 0.0);
+  return marker;
+}
+
+class MarkerPredictionTest : public testing::Test {
+ protected:
+  std::vector<PredictedMarker> predict(const std::vector<Marker>& markers) const {
+    return predictMarkers({"map", markers}, camera_, pose_, config_);
+  }
+
+  MountedCamera camera_{test::sphericalCamera(), test::lookingDown()};
+  PoseEstimate pose_;
+  VisibilityConfig config_;
+};
+
+TEST_F(MarkerPredictionTest, SeesMarkersAllAround) {
+  std::vector<Marker> markers;
+  for (int i = 0; i < 8; ++i) markers.push_back(facingOrigin(3.0, i * kPi / 4.0));
+  const std::vector<PredictedMarker> predicted = predict(markers);
+  ASSERT_EQ(predicted.size(), 8U);
+  for (std::size_t i = 0; i < predicted.size(); ++i) {
+    EXPECT_EQ(predicted[i].map_entry, i);
+    EXPECT_NEAR(predicted[i].range, 3.0, 0.15);  // the camera stands 0.11 m off the origin
+    EXPECT_LT(predicted[i].incidence, 0.15);
+  }
+}
+
+TEST_F(MarkerPredictionTest, LeavesOutWhatCannotBeSeen) {
+  Marker from_behind = facingOrigin(3.0, 0.5);
+  from_behind.map_from_marker =
+      from_behind.map_from_marker * Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitY());
+  Marker grazing = facingOrigin(3.0, 0.5);
+  grazing.map_from_marker =
+      grazing.map_from_marker * Eigen::AngleAxisd(radians(80.0), Eigen::Vector3d::UnitY());
+  Marker beyond_range = facingOrigin(25.0, 0.5);
+  beyond_range.size = 10.0;
+  Marker too_small = facingOrigin(3.0, 0.5);
+  too_small.size = 0.1;
+  // The camera looks down on its mirror: right above it hangs its own image.
+  const Marker above = facingOrigin(0.01, 0.5, 5.0);
+  EXPECT_TRUE(predict({from_behind, grazing, beyond_range, too_small, above}).empty());
+}
+
+TEST_F(MarkerPredictionTest, IncidenceIsTheAngleToTheNormal) {
+  Marker marker = facingOrigin(3.0, 0.5);
+  const Eigen::Vector3d viewpoint = camera_.mapFromCamera(pose_.pose).translation();
+  marker.map_from_marker.linear() =
+      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), viewpoint - marker.center())
+          .toRotationMatrix() *
+      Eigen::AngleAxisd(0.6, Eigen::Vector3d::UnitX());
+  const auto predicted = predict({marker});
+  ASSERT_EQ(predicted.size(), 1U);
+  EXPECT_NEAR(predicted[0].incidence, 0.6, 1e-9);
+}
+
+TEST_F(MarkerPredictionTest, MarginsHoldThePosesUncertainty) {
+  Eigen::Matrix3d covariance;
+  covariance << 4e-4, 1e-4, 2e-5, 1e-4, 9e-4, -1e-5, 2e-5, -1e-5, 1e-4;
+  pose_.covariance = covariance;
+  const Marker marker = facingOrigin(3.0, 0.9);
+  const PredictedMarker predicted = predict({marker}).at(0);
+  const Eigen::Vector2d radial =
+      (predicted.center - camera_.model().imagePlane().principalPoint()).normalized();
+  const Eigen::Vector2d tangential(-radial.y(), radial.x());
+
+  std::mt19937 generator(7);
+  std::normal_distribution<double> normal;
+  const Eigen::Matrix3d root = covariance.llt().matrixL();
+  double tangential_squares = 0.0;
+  double radial_squares = 0.0;
+  constexpr int kSamples = 20000;
+  for (int i = 0; i < kSamples; ++i) {
+    const Eigen::Vector3d error =
+        root * Eigen::Vector3d(normal(generator), normal(generator), normal(generator));
+    const Eigen::Vector2d moved =
+        *camera_.pixelFromMap({error.x(), error.y(), error.z()}, marker.center()) -
+        predicted.center;
+    tangential_squares += std::pow(moved.dot(tangential), 2);
+    radial_squares += std::pow(moved.dot(radial), 2);
+  }
+  EXPECT_NEAR(predicted.tangential_margin,
+              config_.margin_deviations * std::sqrt(tangential_squares / kSamples),
+              0.03 * predicted.tangential_margin);
+  EXPECT_NEAR(predicted.radial_margin,
+              std::max(config_.min_margin_pixels,
+                       config_.margin_deviations * std::sqrt(radial_squares / kSamples)),
+              0.03 * predicted.radial_margin);
+}
+
+TEST_F(MarkerPredictionTest, TargetsHoldCornersAndMargins) {
+  pose_.covariance.diagonal() << 1e-3, 1e-3, 1e-3;
+  for (const PredictedMarker& marker : predict({facingOrigin(2.0, 0.3), facingOrigin(4.0, 3.1)})) {
+    const ViewTarget target = viewTarget(marker, camera_.model());
+    const ImagePlane& plane = camera_.model().imagePlane();
+    for (const Eigen::Vector2d& corner : marker.corners) {
+      const Eigen::Vector2d ideal = *plane.idealFromPixel(corner);
+      const double offset = normalizeAngle(std::atan2(ideal.y(), ideal.x()) - target.azimuth);
+      EXPECT_LT(std::abs(offset) + marker.tangential_margin / (plane.scale() * ideal.norm()),
+                target.half_width + 0.03);
+      EXPECT_GT(ideal.norm(), target.min_radius);
+      EXPECT_LT(ideal.norm(), target.max_radius);
+    }
+    EXPECT_EQ(target.distance, marker.range);
+  }
+}
+
+}  // namespace
+}  // namespace omnitag

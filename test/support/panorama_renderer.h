@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <string>
+#include <vector>
+
+#include "omnitag/camera/mounted_camera.h"
+#include "omnitag/marker/marker_map.h"
+
+namespace omnitag::test {
+
+/// Black and white modules of a tag, white border included; true is white.
+struct TagBitmap {
+  int total_width = 0;
+  int width_at_border = 0;
+  std::vector<bool> white;
+};
+
+/// The tag as the AprilTag library draws it.
+TagBitmap tagBitmap(const std::string& family, int id);
+
+/// The panorama of a robot among markers before grey: a line of sight for every sample of every
+/// pixel, met with the markers' planes.
+cv::Mat renderPanorama(const MarkerMap& map, const MountedCamera& camera,
+                       const Pose2& map_from_base, int samples_per_axis = 3);
+
+}  // namespace omnitag::test
