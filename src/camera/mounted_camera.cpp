@@ -1,5 +1,6 @@
 #include "omnitag/camera/mounted_camera.h"
 
+#include <cmath>
 #include <utility>
 
 namespace omnitag {

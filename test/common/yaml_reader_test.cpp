@@ -198,8 +198,9 @@ TEST(YamlReader, SaysEverythingInOneLine) {
 
 TEST(YamlReader, NamesAFileThatCannotBeRead) {
   EXPECT_EQ(refusal([] { YamlReader::fromFile("/nowhere/file.yaml"); }),
-            "/nowhere/file.yaml: cannot be read");
-  EXPECT_EQ(refusal([] { YamlReader::fromFile("/"); }), "/: cannot be read");
+            "/nowhere/file.yaml: expected a readable file, found none");
+  EXPECT_EQ(refusal([] { YamlReader::fromFile("/"); }),
+            "/: expected a readable file, found a directory");
 }
 
 TEST(YamlReader, ValuesWithoutAFileHaveNoLine) {
