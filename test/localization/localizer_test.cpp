@@ -75,14 +75,16 @@ TEST_P(LocalizerTest, BearingsAreThoseOfTheMarkersFromTheRobot) {
   localizer.setPose(routeAt(0));
   const FrameResult result = localizer.process(frameAt(0));
   const Pose2 truth = routeAt(0);
-  const Eigen::Vector3d camera_place = (truth.toIsometry() * mounting_).translation();
+  const Eigen::Isometry3d map_from_camera = truth.toIsometry() * mounting_;
+  // Lines of sight start on the mirror, some 0.22 m along the optical axis.
+  const Eigen::Vector3d mirror = map_from_camera * Eigen::Vector3d(0.0, 0.0, 0.22);
   for (const MarkerDetection& detection : result.detections) {
     if (!detection.accepted) continue;
-    const Eigen::Vector3d way = map_.markers[*detection.map_entry].center() - camera_place;
-    // The lines of sight start on the mirror, some centimetres off, hence not to the arc second.
+    const Eigen::Vector3d center = map_.markers[*detection.map_entry].center();
+    const Eigen::Vector3d way = center - mirror;
     const double expected = std::atan2(way.y(), way.x()) - truth.yaw;
-    EXPECT_NEAR(normalizeAngle(detection.bearing - expected), 0.0, 0.002);
-    EXPECT_NEAR(detection.range, way.head<2>().norm(), 0.01);
+    EXPECT_NEAR(normalizeAngle(detection.bearing - expected), 0.0, 0.001);
+    EXPECT_NEAR(detection.range, (center - map_from_camera.translation()).head<2>().norm(), 5e-3);
     EXPECT_LT(detection.residual, 0.3);
     EXPECT_EQ(detection.reason, "");
   }

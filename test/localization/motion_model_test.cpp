@@ -23,8 +23,10 @@ TEST(MotionModelTest, LearnsTheVelocityOfACircle) {
     predicted = motion.predict(0.1 * i, std::nullopt);
     const Pose2 truth = onCircle(0.1 * i);
     const Eigen::Vector2d error(predicted.pose.x - truth.x, predicted.pose.y - truth.y);
-    if (i > 3) EXPECT_LT(error.norm(), 0.005) << i;
-    if (i > 3) EXPECT_NEAR(predicted.pose.yaw, truth.yaw, 0.005) << i;
+    if (i > 3) {
+      EXPECT_LT(error.norm(), 0.005) << i;
+      EXPECT_NEAR(predicted.pose.yaw, truth.yaw, 0.005) << i;
+    }
     motion.correct(certain(truth));
   }
 }

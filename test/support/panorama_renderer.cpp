@@ -3,6 +3,7 @@
 #include <apriltag/apriltag.h>
 #include <apriltag/tag36h11.h>
 
+#include <cstdlib>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -19,7 +20,8 @@ TagBitmap tagBitmap(const std::string& family, int id) {
       bitmap.white.push_back(image->buf[row * image->stride + column] > 127);
     }
   }
-  image_u8_destroy(image);
+  std::free(image->buf);  // as image_u8_destroy, which the library does not export
+  std::free(image);
   tag36h11_destroy(library_family);
   return bitmap;
 }

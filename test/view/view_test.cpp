@@ -28,8 +28,7 @@ View viewToward(double azimuth, bool axis_up) {
 /// A point of the view's rectangle in the optical frame: `right` and `up` as a person sees it who
 /// stands at the axis and looks at the rectangle.
 Eigen::Vector3d pointOn(const View& view, double right, double up) {
-  const Eigen::Vector3d upward =
-      view.axis_up ? Eigen::Vector3d::UnitZ() : -Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d upward(0.0, 0.0, view.axis_up ? 1.0 : -1.0);
   const Eigen::Vector3d forward(std::cos(view.azimuth), std::sin(view.azimuth), 0.0);
   const Eigen::Vector3d rightward = forward.cross(upward);
   return view.distance * forward + Eigen::Vector3d(0, 0, view.middle_height) + right * rightward +
