@@ -1,0 +1,143 @@
+"""The world as POV-Ray text: light, room, furniture and markers."""
+
+from typing import Dict, Iterable
+
+import numpy as np
+
+from omnitag.marker_map import Marker
+from omnitag.rendering.povray import MILLIMETRES, matrix, point, vector
+from omnitag.rendering.world import Boards, Box, Light, Material, Room, Shape, World
+from omnitag.tag_bitmap import tag_bitmap, tag_family
+
+# How far a board stays behind its marker's face: clear of POV-Ray's tolerances, not to be seen.
+_FACE_GAP = 2e-5
+
+_PATTERNS = {
+    "checker": "checker {dark}, {light} scale {half}",
+    "brick": "brick {light}, {dark} brick_size <1, 0.3, 1> mortar 0.03 rotate 90*x "
+             "scale {scale}",
+    "wood": "wood turbulence 0.08 color_map {{ [0 {dark}] [1 {light}] }} rotate 88*y "
+            "scale {scale}",
+    "granite": "granite color_map {{ [0 {dark}] [1 {light}] }} scale {scale}",
+    "clouds": "bozo turbulence 0.6 color_map {{ [0 {dark}] [1 {light}] }} scale {scale}",
+}
+
+
+def world_scene(world: World) -> str:
+    """Everything that stands still; the markers refer to `marker_bitmaps`."""
+    parts = [_settings(), *map(_light, world.lights), _room(world.room, world.ambient),
+             shapes_scene(world.furniture, np.eye(4), world.ambient)]
+    parts += [marker_scene(marker, world.boards, world.ambient)
+              for marker in world.marker_map.markers]
+    return "".join(parts)
+
+
+def shapes_scene(shapes: Iterable[Shape], map_from_parent: np.ndarray, ambient: float) -> str:
+    """Boxes and cylinders that stand in the map, or on a robot at `map_from_parent`."""
+    return "".join(_shape(shape, map_from_parent, ambient) for shape in shapes)
+
+
+def marker_bitmaps(markers: Iterable[Marker], boards: Boards) -> Dict[str, np.ndarray]:
+    """The image files that the markers refer to, by name: 8 bit, one pixel per module."""
+    bitmaps = {}
+    for marker in markers:
+        greys = np.where(_board_modules(marker, boards), boards.white, boards.black)
+        bitmaps[_bitmap_name(marker)] = np.rint(255.0 * greys).astype(np.uint8)
+    return bitmaps
+
+
+def marker_scene(marker: Marker, boards: Boards, ambient: float) -> str:
+    """A marker, its face exactly on its plane, and the board behind it."""
+    module = marker.size / tag_family(marker.family).width_at_border
+    half = 0.5 * module * len(_board_modules(marker, boards))
+    edge = 2.0 * MILLIMETRES * half
+    corners = ", ".join(point((x, y, 0)) for x, y in (
+        (-half, -half), (half, -half), (half, half), (-half, half), (-half, -half)))
+    return f"""union {{
+  polygon {{
+    5, {corners}
+    pigment {{
+      image_map {{ png "{_bitmap_name(marker)}" gamma 1.0 once }}
+      translate <-0.5, -0.5, 0> scale <{edge:.15g}, {edge:.15g}, 1>
+    }}
+    {_finish(ambient)}
+  }}
+  box {{
+    {point((-half, -half, -boards.thickness))}, {point((half, half, -_FACE_GAP))}
+    {_texture(boards.back, ambient)}
+  }}
+  {matrix(marker.map_from_marker)}
+}}
+"""
+
+
+def _settings() -> str:
+    return """#version 3.7;
+global_settings { assumed_gamma 1.0 ambient_light rgb 1 max_trace_level 5 }
+background { rgb 0 }
+"""
+
+
+def _light(light: Light) -> str:
+    size = MILLIMETRES * light.size
+    area = f"area_light <{size:g}, 0, 0>, <0, {size:g}, 0>, 3, 3 adaptive 0" if size else ""
+    return f"""light_source {{
+  {point(light.position)}, rgb {light.intensity:.6g}
+  {area}
+  fade_distance {MILLIMETRES * light.reach:.6g} fade_power 2
+}}
+"""
+
+
+def _room(room: Room, ambient: float) -> str:
+    (x_lower, y_lower), (x_upper, y_upper) = room.lower, room.upper
+    thickness = 0.1
+    slabs = [
+        ((x_lower, y_lower, -thickness), (x_upper, y_upper, 0), room.floor),
+        ((x_lower, y_lower, room.height), (x_upper, y_upper, room.height + thickness),
+         room.ceiling),
+        ((x_lower - thickness, y_lower, 0), (x_lower, y_upper, room.height), room.walls),
+        ((x_upper, y_lower, 0), (x_upper + thickness, y_upper, room.height), room.walls),
+        ((x_lower, y_lower - thickness, 0), (x_upper, y_lower, room.height), room.walls),
+        ((x_lower, y_upper, 0), (x_upper, y_upper + thickness, room.height), room.walls)]
+    return "".join(
+        f"box {{ {point(lower)}, {point(upper)} {_texture(material, ambient)} }}\n"
+        for lower, upper, material in slabs)
+
+
+def _shape(shape: Shape, map_from_parent: np.ndarray, ambient: float) -> str:
+    if isinstance(shape, Box):
+        x, y, z = shape.size
+        body = f"box {{ {point((-x / 2, -y / 2, 0))}, {point((x / 2, y / 2, z))}"
+    else:
+        body = (f"cylinder {{ {point((0, 0, 0))}, {point((0, 0, shape.height))}, "
+                f"{MILLIMETRES * shape.radius:.12g}")
+    map_from_shape = map_from_parent @ shape.parent_from_shape
+    return f"{body} {_texture(shape.material, ambient)} {matrix(map_from_shape)} }}\n"
+
+
+def _texture(material: Material, ambient: float) -> str:
+    greys = {"dark": f"rgb {material.dark:.6g}", "light": f"rgb {material.light:.6g}",
+             "scale": f"{MILLIMETRES * material.scale:.9g}",
+             "half": f"{MILLIMETRES * material.scale / 2:.9g}"}
+    pattern = _PATTERNS.get(material.pattern, "{light}").format(**greys)
+    # Off the round coordinates, where a face would lie just between two cells of a pattern.
+    shift = MILLIMETRES * material.scale * np.array([0.11, 0.13, 0.17])
+    return (f"pigment {{ {pattern} translate {vector(shift)} }} "
+            f"{_finish(ambient, material.glow)}")
+
+
+def _finish(ambient: float, glow: float = 0.0) -> str:
+    return f"finish {{ ambient {ambient:.6g} emission {glow:.6g} diffuse 1 }}"
+
+
+def _board_modules(marker: Marker, boards: Boards) -> np.ndarray:
+    """The pattern within its quiet zone: square, True where white, first row on top."""
+    modules = tag_bitmap(marker.family, marker.id).modules
+    while all(edge.all() for edge in (modules[0], modules[-1], modules[:, 0], modules[:, -1])):
+        modules = modules[1:-1, 1:-1]
+    return np.pad(modules, boards.quiet_modules, constant_values=True)
+
+
+def _bitmap_name(marker: Marker) -> str:
+    return f"{marker.family}_{marker.id}.png"
