@@ -23,7 +23,7 @@ std::optional<Eigen::Vector2d> MountedCamera::pixelFromMap(
   if (by_pose == nullptr) return camera_->pixelFromPoint(in_camera);
 
   Eigen::Matrix<double, 2, 3> by_point;
-  const std::optional<Eigen::Vector2d> pixel = camera_->pixelFromPoint(in_camera, &by_point);
+  std::optional<Eigen::Vector2d> pixel = camera_->pixelFromPoint(in_camera, &by_point);
   if (!pixel) return std::nullopt;
   Eigen::Matrix3d in_base_by_pose;
   in_base_by_pose << -c, -s, in_base.y(), s, -c, -in_base.x(), 0.0, 0.0, 0.0;
