@@ -105,9 +105,11 @@ def _draw_marker(axes: Axes, marker: Marker) -> None:
               solid_capstyle="butt", zorder=6)
     axes.plot(*zip(centre, tip), color=INK, linewidth=1.3, zorder=6)
     steep = np.hypot(*normal) < 0.3
-    offset = np.array([0.0, -14.0]) if steep else -13.0 * normal / np.hypot(*normal)
-    axes.annotate(marker.label, centre, xytext=offset, textcoords="offset points", ha="center",
-                  va="center", fontsize=9.5, zorder=7)
+    behind = np.array([0.0, -1.0]) if steep else -normal / np.hypot(*normal)
+    # Beside a marker that looks sideways the name must not run across it.
+    alignment = "center" if abs(behind[0]) < 0.3 else "left" if behind[0] > 0 else "right"
+    axes.annotate(marker.label, centre, xytext=(9.0 * behind[0], 13.0 * behind[1]),
+                  textcoords="offset points", ha=alignment, va="center", fontsize=9.5, zorder=7)
 
 
 def _draw_worst_frame(axes: Axes, evaluation: Evaluation, marker_map: Optional[MarkerMap],

@@ -81,8 +81,8 @@ YamlReader YamlReader::fromText(const std::string& text, const std::string& orig
   }
 }
 
-YamlReader::YamlReader(YAML::Node node, std::string origin, std::string path)
-    : node_(std::move(node)), origin_(std::move(origin)), path_(std::move(path)) {
+YamlReader::YamlReader(const YAML::Node& node, std::string origin, std::string path)
+    : node_(node), origin_(std::move(origin)), path_(std::move(path)) {
   if (!node_.IsMap()) {
     throw InputError(place(node_) + ": " + (path_.empty() ? "" : path_ + ": ") +
                      "expected a mapping of keys, found " + found(node_));

@@ -40,7 +40,7 @@ class YamlReader {
 
   /// A mapping that is parsed already; `path` is the key that led to it ("" for the top level).
   /// Throws InputError if it is no mapping or has a key twice.
-  YamlReader(YAML::Node node, std::string origin, std::string path = "");
+  YamlReader(const YAML::Node& node, std::string origin, std::string path = "");
 
   const std::string& origin() const { return origin_; }
   /// Whether the key is there, be it with an empty value.
