@@ -1,6 +1,7 @@
 #include "omnitag/localization/pose_estimator.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -25,13 +26,17 @@ std::vector<double> residualsAt(const Pose2& pose, const MarkerMap& map,
                                 const MountedCamera& camera,
                                 const std::vector<MarkerObservation>& observations) {
   std::vector<double> residuals;
+  residuals.reserve(observations.size());
   for (const MarkerObservation& observation : observations) {
     const Corners<Eigen::Vector3d> corners = map.markers[observation.map_entry].corners();
     double squares = 0.0;
     for (std::size_t k = 0; k < corners.size(); ++k) {
       const auto pixel = camera.pixelFromMap(pose, corners[k]);
-      squares += pixel ? (*pixel - observation.corners[k]).squaredNorm()
-                       : std::numeric_limits<double>::infinity();
+      if (!pixel) {
+        squares = std::numeric_limits<double>::infinity();
+        break;
+      }
+      squares += (*pixel - observation.corners[k]).squaredNorm();
     }
     residuals.push_back(std::sqrt(squares / static_cast<double>(corners.size())));
   }
@@ -75,6 +80,7 @@ std::optional<PoseSolution> triangulateRobustly(const MarkerMap& map, const Moun
       if (solution.used[i]) used.push_back(i);
     }
     std::vector<LandmarkSight> used_sights;
+    used_sights.reserve(used.size());
     for (const std::size_t i : used) used_sights.push_back(sights[i]);
     double yaw = initial_yaw;
     for (int round = 0; round < kRounds; ++round) {
@@ -105,12 +111,11 @@ std::optional<ReprojectionFit> refineFrom(const Pose2& start, const MarkerMap& m
                                           const std::vector<MarkerObservation>& observations,
                                           const std::optional<PoseEstimate>& prior,
                                           const ReprojectionConfig& config) {
-  constexpr double kWidest = 16.0;  // pixels
-  constexpr double kNarrowing = 8.0;
+  constexpr std::array<double, 2> kWidths = {16.0, 2.0};  // pixels
   Pose2 pose = start;
-  for (double width = kWidest; width > config.robust_width; width /= kNarrowing) {
+  for (const double width : kWidths) {
     ReprojectionConfig wide = config;
-    wide.robust_width = width;
+    wide.robust_width = std::max(width, config.robust_width);
     const auto fit = refineByReprojection(map, camera, observations, pose, prior, wide);
     if (fit) pose = fit->map_from_base.pose;
   }
