@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "omnitag/common/angle.h"
 #include "omnitag/localization/triangulation.h"

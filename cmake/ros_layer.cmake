@@ -1,0 +1,67 @@
+# Where messages meet the core; nodelet, node and tools stand on it.
+add_library(omnitag_ros SHARED
+  src/ros/conversions.cpp
+  src/ros/debug_image.cpp
+  src/ros/debug_image_layout.cpp
+  src/ros/frame_assembler.cpp
+  src/ros/frame_markers.cpp
+  src/ros/health_monitor.cpp
+  src/ros/image_conversion.cpp
+  src/ros/image_input.cpp
+  src/ros/image_localizer.cpp
+  src/ros/localizer_server.cpp
+  src/ros/map_markers.cpp
+  src/ros/parameters.cpp
+  src/ros/path_recorder.cpp
+  src/ros/result_messages.cpp
+  src/ros/rviz_marker.cpp
+  src/ros/xmlrpc_yaml.cpp
+)
+add_dependencies(omnitag_ros ${PROJECT_NAME}_generate_messages_cpp ${catkin_EXPORTED_TARGETS})
+target_include_directories(omnitag_ros SYSTEM PUBLIC
+  ${CATKIN_DEVEL_PREFIX}/include ${catkin_INCLUDE_DIRS})
+target_link_libraries(omnitag_ros
+  PUBLIC omnitag_core ${catkin_LIBRARIES}
+  PRIVATE opencv_imgcodecs
+)
+
+add_library(omnitag_nodelet SHARED src/ros/localizer_nodelet.cpp)
+target_link_libraries(omnitag_nodelet PRIVATE omnitag_ros)
+
+add_executable(localizer_node src/ros/localizer_node.cpp)
+target_link_libraries(localizer_node PRIVATE omnitag_ros)
+
+add_executable(localize_bag
+  src/ros/localize_bag/bag_input.cpp
+  src/ros/localize_bag/main.cpp
+  src/ros/localize_bag/options.cpp
+  src/ros/localize_bag/progress.cpp
+  src/ros/localize_bag/result_bag.cpp
+  src/ros/localize_bag/result_files.cpp
+)
+target_link_libraries(localize_bag PRIVATE omnitag_ros Boost::program_options)
+
+install(TARGETS omnitag_core omnitag_ros omnitag_nodelet
+  ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
+  LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
+  RUNTIME DESTINATION ${CATKIN_GLOBAL_BIN_DESTINATION}
+)
+install(TARGETS localizer_node localize_bag
+  RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION}
+)
+install(DIRECTORY include/${PROJECT_NAME}/
+  DESTINATION ${CATKIN_PACKAGE_INCLUDE_DESTINATION}
+)
+install(DIRECTORY bags config launch maps worlds
+  DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION}
+)
+install(FILES nodelet_plugins.xml
+  DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION}
+)
+catkin_install_python(PROGRAMS
+  tools/evaluate_trajectory
+  tools/print_markers
+  tools/record_trajectory
+  tools/render_sequence
+  DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION}
+)

@@ -1,0 +1,57 @@
+find_package(catkin REQUIRED COMPONENTS
+  cv_bridge
+  diagnostic_updater
+  geometry_msgs
+  image_transport
+  message_generation
+  nav_msgs
+  nodelet
+  pluginlib
+  rosbag_storage
+  roscpp
+  sensor_msgs
+  std_msgs
+  std_srvs
+  tf2
+  tf2_msgs
+  tf2_ros
+  visualization_msgs
+)
+find_package(Boost REQUIRED COMPONENTS program_options)
+find_package(OpenCV REQUIRED COMPONENTS core imgcodecs imgproc)
+
+catkin_python_setup()
+
+add_message_files(FILES
+  DetectedMarker.msg
+  LocalizationStatus.msg
+  MarkerDetectionArray.msg
+)
+generate_messages(DEPENDENCIES std_msgs)
+
+# catkin exports what these variables name; yaml-cpp's own configuration sets others.
+set(YAML_CPP_FOUND TRUE)
+set(YAML_CPP_INCLUDE_DIRS ${YAML_CPP_INCLUDE_DIR})
+set(YAML_CPP_LIBRARIES yaml-cpp)
+
+catkin_package(
+  INCLUDE_DIRS include
+  LIBRARIES omnitag_core omnitag_ros
+  CATKIN_DEPENDS
+    cv_bridge
+    diagnostic_updater
+    geometry_msgs
+    image_transport
+    message_runtime
+    nav_msgs
+    nodelet
+    roscpp
+    sensor_msgs
+    std_msgs
+    std_srvs
+    tf2
+    tf2_msgs
+    tf2_ros
+    visualization_msgs
+  DEPENDS EIGEN3 OpenCV YAML_CPP
+)

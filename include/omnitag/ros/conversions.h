@@ -1,0 +1,48 @@
+#pragma once
+
+#include <geometry_msgs/PoseStamped.h>
+#include <geometry_msgs/PoseWithCovariance.h>
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
+#include <geometry_msgs/Quaternion.h>
+#include <geometry_msgs/Transform.h>
+#include <omnitag/LocalizationStatus.h>
+#include <omnitag/MarkerDetectionArray.h>
+#include <std_msgs/Header.h>
+
+#include <Eigen/Geometry>
+#include <optional>
+
+#include "omnitag/common/pose2.h"
+#include "omnitag/localization/localizer.h"
+#include "omnitag/marker/marker_map.h"
+
+namespace omnitag {
+
+geometry_msgs::Point toMessage(const Eigen::Vector3d& point);
+geometry_msgs::Quaternion toMessage(const Eigen::Quaterniond& rotation);
+geometry_msgs::Pose toMessage(const Pose2& pose);
+geometry_msgs::Transform toMessage(const Eigen::Isometry3d& target_from_source);
+
+/// The 6 x 6 covariance of (x, y, z, roll, pitch, yaw) holds that of (x, y, yaw); the robot is taken
+/// to stand on the floor within a millimetre and a milliradian, so that the matrix can be inverted.
+geometry_msgs::PoseWithCovariance toMessage(const PoseEstimate& estimate);
+
+/// The floor's share of a 6 x 6 covariance; nothing where it is not finite or not positive definite,
+/// i.e. was not filled in.
+std::optional<Eigen::Matrix3d> planarCovariance(const geometry_msgs::PoseWithCovariance& pose);
+
+Eigen::Isometry3d fromMessage(const geometry_msgs::Transform& target_from_source);
+
+/// Throws InputError for coordinates that are not finite or a quaternion that is not of length 1
+/// within 1 %.
+Eigen::Isometry3d fromMessage(const geometry_msgs::Pose& pose);
+
+/// The header is the image's.
+MarkerDetectionArray toMessage(const std_msgs::Header& header,
+                               const std::vector<MarkerDetection>& detections,
+                               const MarkerMap& map);
+
+/// Without the counts of images, which the result does not know.
+LocalizationStatus toMessage(const std_msgs::Header& header, const FrameResult& result);
+
+}  // namespace omnitag

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cv_bridge/cv_bridge.h>
+#include <std_msgs/Header.h>
+#include <tf2/buffer_core.h>
+
+#include <Eigen/Geometry>
+#include <optional>
+#include <string>
+
+#include "omnitag/common/error.h"
+#include "omnitag/localization/localizer.h"
+#include "omnitag/ros/parameters.h"
+
+namespace omnitag {
+
+/// tf has no transform at the stamp of an image, or not yet.
+class TransformError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
+/// A frame of the core together with the messages that it was made from.
+struct AssembledFrame {
+  std_msgs::Header header;
+  /// Shares its pixels with `image`.
+  Frame frame;
+  cv_bridge::CvImageConstPtr image;
+  /// Odometry in space; frame.odom_from_base is its share on the floor. None without odometry.
+  std::optional<Eigen::Isometry3d> odom_from_base;
+  /// Why there is no odometry although the robot should have it; empty otherwise.
+  std::string odometry_problem;
+};
+
+/// Puts a frame together from an image and the transforms at its stamp, for the nodelet as for
+/// localize_bag.
+class FrameAssembler {
+ public:
+  /// Images must be as large as the camera file says.
+  FrameAssembler(std::string camera_file, const ImageSize& image_size, FrameNames frames);
+
+  /// Whether tf has all that `assemble` looks up for such an image.
+  bool hasTransforms(const std_msgs::Header& header, const tf2::BufferCore& transforms) const;
+
+  /// Throws InputError for an image of another size or without a stamp or frame_id, and
+  /// TransformError where the camera's mounting is not known at the stamp. A frame without its
+  /// odometry is still a frame.
+  AssembledFrame assemble(const cv_bridge::CvImageConstPtr& image,
+                          const tf2::BufferCore& transforms) const;
+
+ private:
+  std::string camera_file_;
+  ImageSize image_size_;
+  FrameNames frames_;
+};
+
+}  // namespace omnitag

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <omnitag/LocalizationStatus.h>
+#include <ros/ros.h>
+
+#include <chrono>
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "omnitag/common/pose2.h"
+#include "omnitag/ros/image_input.h"
+
+namespace omnitag {
+
+/// Says what the localizer is waiting for and how well it does: once a second in /diagnostics, and
+/// in the log, where a lasting problem gets a line from time to time instead of silence.
+///
+/// Goes by the wall clock, so that it speaks before the first /clock too. Safe to use from several
+/// threads.
+class HealthMonitor {
+ public:
+  /// `input` must outlive the monitor.
+  HealthMonitor(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
+                const ImageInput& input);
+
+  /// The message was no image of this camera.
+  void imageRefused(const std::string& why);
+  /// The image was older than the one before it.
+  void imageLate();
+  /// The image was lost for want of the camera's mounting.
+  void transformMissing(const std::string& why);
+  /// The image was localized; `odometry_problem` is empty where odometry is there or not asked for.
+  void localized(const LocalizationStatus& status, const std::optional<PoseEstimate>& pose,
+                 const std::string& odometry_problem);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  using Report = diagnostic_updater::DiagnosticStatusWrapper;
+
+  /// Something that can be wrong, and when the log last said so; no time while all is well.
+  struct Subject {
+    std::string problem;
+    std::optional<Clock::time_point> last_line;
+  };
+
+  void reportImages(Report& report);
+  void reportTransforms(Report& report);
+  void reportLocalization(Report& report);
+  void complain(Subject* subject, const std::string& problem);
+  void settle(Subject* subject, const std::string& all_is_well);
+
+  const ImageInput& input_;
+  std::string name_;
+  diagnostic_updater::Updater updater_;
+  ros::WallTimer timer_;
+
+  std::mutex mutex_;
+  Subject images_;
+  Subject transforms_;
+  Subject localization_;
+  Clock::time_point last_report_;
+  std::uint64_t received_at_last_report_ = 0;
+  std::optional<Clock::time_point> last_image_;
+  std::uint64_t refused_images_ = 0;
+  std::uint64_t late_images_ = 0;
+  std::uint64_t images_without_transform_ = 0;
+  std::optional<LocalizationStatus> last_status_;
+  std::optional<PoseEstimate> last_pose_;
+};
+
+}  // namespace omnitag

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cv_bridge/cv_bridge.h>
+#include <tf2/buffer_core.h>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "omnitag/localization/localizer.h"
+#include "omnitag/ros/frame_assembler.h"
+#include "omnitag/ros/parameters.h"
+
+namespace omnitag {
+
+/// An image and what it gave.
+struct LocalizedImage {
+  AssembledFrame input;
+  FrameResult result;
+  /// Whether time was set back before this image.
+  bool started_anew = false;
+};
+
+/// Localizes in a stream of images, whether they come from a topic or a bag: the same images and
+/// transforms give the same poses. Not safe to use from two threads at once.
+class ImageLocalizer {
+ public:
+  /// Loads the camera and the map. Throws InputError where one of them or a parameter is wrong.
+  explicit ImageLocalizer(const LocalizerParameters& parameters);
+
+  /// Nothing for an image that is not newer than the one before; it is counted as late. Throws what
+  /// FrameAssembler throws, and keeps its state then.
+  ///
+  /// Where stamps step back by more than `restart_time_jump`, as when a bag loops, the localizer
+  /// starts anew: with the initial pose of the parameters, or searching.
+  std::optional<LocalizedImage> localize(const cv_bridge::CvImageConstPtr& image,
+                                         const tf2::BufferCore& transforms);
+
+  /// For a pose from outside, or to forget the one it has.
+  Localizer& localizer() { return *localizer_; }
+
+  const MarkerMap& map() const { return map_; }
+  const std::shared_ptr<const CameraModel>& camera() const { return camera_; }
+  const FrameAssembler& assembler() const { return assembler_; }
+  /// With the map's frame filled in.
+  const FrameNames& frames() const { return parameters_.frames; }
+  std::uint64_t lateImages() const { return late_images_; }
+
+ private:
+  void start();
+
+  LocalizerParameters parameters_;
+  std::shared_ptr<const CameraModel> camera_;
+  MarkerMap map_;
+  FrameAssembler assembler_;
+  std::unique_ptr<Localizer> localizer_;
+  ros::Time last_stamp_;
+  std::uint64_t late_images_ = 0;
+};
+
+}  // namespace omnitag

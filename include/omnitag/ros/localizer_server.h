@@ -1,0 +1,87 @@
+#pragma once
+
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
+#include <image_transport/image_transport.h>
+#include <ros/ros.h>
+#include <std_srvs/Empty.h>
+#include <std_srvs/Trigger.h>
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/transform_broadcaster.h>
+#include <tf2_ros/transform_listener.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include <functional>
+#include <mutex>
+#include <thread>
+
+#include "omnitag/ros/debug_image.h"
+#include "omnitag/ros/frame_markers.h"
+#include "omnitag/ros/health_monitor.h"
+#include "omnitag/ros/image_input.h"
+#include "omnitag/ros/image_localizer.h"
+#include "omnitag/ros/parameters.h"
+#include "omnitag/ros/path_recorder.h"
+
+namespace omnitag {
+
+/// The localizer on topics, tf and services; nodelet and node are this class.
+///
+/// Callbacks only store what they bring. One thread takes the images and does all the work, so that
+/// the newest image waits for nothing else.
+class LocalizerServer {
+ public:
+  /// Throws InputError with one line where a parameter or a file is wrong.
+  LocalizerServer(const ros::NodeHandle& node, const ros::NodeHandle& private_node);
+  ~LocalizerServer();
+  LocalizerServer(const LocalizerServer&) = delete;
+  LocalizerServer& operator=(const LocalizerServer&) = delete;
+
+ private:
+  void run();
+  void onImage(const ReceivedImage& received);
+  void waitForTransforms(const std_msgs::Header& header) const;
+  void publish(const LocalizedImage& localized);
+
+  void onInitialPose(const geometry_msgs::PoseWithCovarianceStampedConstPtr& message);
+  /// map_from_frame of a message's frame, as tf has it now. Throws InputError.
+  Eigen::Isometry3d mapFrom(const std::string& frame) const;
+  bool onGlobalLocalization(std_srvs::Empty::Request& request, std_srvs::Empty::Response& response);
+  bool onSaveMap(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
+  using Request = std::function<void(Localizer*)>;
+  void request(Request request);
+
+  ros::NodeHandle node_;
+  std::string name_;
+  LocalizerParameters parameters_;
+  ImageLocalizer localizer_;
+  tf2_ros::Buffer transforms_;
+  tf2_ros::TransformListener transform_listener_;
+  tf2_ros::TransformBroadcaster transform_broadcaster_;
+
+  const visualization_msgs::MarkerArray map_markers_;
+  FrameMarkers frame_markers_;
+  DebugImagePainter debug_image_painter_;
+  PathRecorder path_;
+
+  image_transport::ImageTransport image_transport_;
+  ros::Publisher pose_publisher_;
+  ros::Publisher pose_with_covariance_publisher_;
+  ros::Publisher detections_publisher_;
+  ros::Publisher status_publisher_;
+  ros::Publisher path_publisher_;
+  ros::Publisher markers_publisher_;
+  image_transport::Publisher debug_image_publisher_;
+  ros::Subscriber initial_pose_subscriber_;
+  ros::ServiceServer global_localization_server_;
+  ros::ServiceServer save_map_server_;
+
+  /// What was asked for last and is to be done before the next image.
+  std::mutex request_mutex_;
+  Request request_;
+
+  ImageInput input_;
+  HealthMonitor health_;
+  std::thread thread_;
+};
+
+}  // namespace omnitag

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "omnitag/common/pose2.h"
+#include "omnitag/localization/localizer_config.h"
+
+namespace omnitag {
+
+/// The frames of REP 105 between which the localizer stands.
+struct FrameNames {
+  /// Empty: the one that the marker map names.
+  std::string map;
+  /// Empty: the robot has no odometry.
+  std::string odom;
+  std::string base = "base_link";
+};
+
+/// Every parameter of the nodelet, the node and localize_bag; config/localizer.yaml documents them
+/// for users.
+struct LocalizerParameters {
+  std::string camera_file;
+  std::string map_file;
+  FrameNames frames;
+
+  /// base_link in the map at the start; none: search.
+  std::optional<Pose2> initial_pose;
+
+  /// image_transport's name of the form in which the images come.
+  std::string image_transport = "raw";
+  /// Images that wait while one is worked on; the oldest gives way.
+  int queue_size = 1;
+
+  /// s of wall time to wait for the transforms at an image's stamp.
+  double transform_timeout = 0.1;
+  /// s by which map -> odom is stamped later than the image, so that it is valid until the next.
+  double transform_tolerance = 0.1;
+  /// s by which stamps may step back before time counts as set back and the localizer starts anew;
+  /// images that are late by less are dropped.
+  double restart_time_jump = 1.0;
+
+  /// m between poses of the published path, and how many poses it keeps.
+  double path_min_step = 0.05;
+  int path_max_poses = 5000;
+  /// m, of the robot's body as RViz shows it.
+  double robot_radius = 0.2;
+
+  LocalizerConfig localizer;
+};
+
+/// Reads every parameter from a mapping; absent ones keep their defaults. Throws InputError with
+/// one line that names the key where one is missing, unknown, no number, or out of its range.
+LocalizerParameters readParameters(const YamlReader& reader);
+
+/// The same, from the parameter server: all parameters below `name_space`, e.g. "/localizer". There
+/// must be a camera_file and a map_file.
+LocalizerParameters readParameters(const std::string& name_space);
+
+}  // namespace omnitag

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <geometry_msgs/PoseStamped.h>
+#include <nav_msgs/Path.h>
+
+#include <cstddef>
+
+namespace omnitag {
+
+/// Where the robot has been: poses at least a step apart, the oldest of which are forgotten.
+class PathRecorder {
+ public:
+  /// `min_step`: m; `max_poses`: at least 1.
+  PathRecorder(double min_step, int max_poses);
+
+  /// Whether the pose was far enough from the last one to become part of the path.
+  bool add(const geometry_msgs::PoseStamped& pose);
+  void clear() { path_.poses.clear(); }
+
+  const nav_msgs::Path& path() const { return path_; }
+
+ private:
+  double min_step_;
+  std::size_t max_poses_;
+  nav_msgs::Path path_;
+};
+
+}  // namespace omnitag

@@ -1,0 +1,168 @@
+#include "omnitag/ros/conversions.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "omnitag/common/error.h"
+
+namespace omnitag {
+namespace {
+
+constexpr double kFloorVariance = 1e-6;
+
+/// Where x, y and yaw stand among (x, y, z, roll, pitch, yaw).
+constexpr std::array<int, 3> kPlanarIndices = {0, 1, 5};
+
+std::size_t covarianceIndex(int row, int column) {
+  return static_cast<std::size_t>(6 * kPlanarIndices[static_cast<std::size_t>(row)] +
+                                  kPlanarIndices[static_cast<std::size_t>(column)]);
+}
+
+std::uint8_t toMessage(Mode mode) {
+  switch (mode) {
+    case Mode::kTracking:
+      return LocalizationStatus::TRACKING;
+    case Mode::kDeadReckoning:
+      return LocalizationStatus::DEAD_RECKONING;
+    case Mode::kSearching:
+      break;
+  }
+  return LocalizationStatus::SEARCHING;
+}
+
+}  // namespace
+
+geometry_msgs::Point toMessage(const Eigen::Vector3d& point) {
+  geometry_msgs::Point message;
+  message.x = point.x();
+  message.y = point.y();
+  message.z = point.z();
+  return message;
+}
+
+geometry_msgs::Quaternion toMessage(const Eigen::Quaterniond& rotation) {
+  geometry_msgs::Quaternion message;
+  message.w = rotation.w();
+  message.x = rotation.x();
+  message.y = rotation.y();
+  message.z = rotation.z();
+  return message;
+}
+
+geometry_msgs::Pose toMessage(const Pose2& pose) {
+  geometry_msgs::Pose message;
+  message.position.x = pose.x;
+  message.position.y = pose.y;
+  message.orientation.w = std::cos(pose.yaw / 2.0);
+  message.orientation.z = std::sin(pose.yaw / 2.0);
+  return message;
+}
+
+geometry_msgs::Transform toMessage(const Eigen::Isometry3d& target_from_source) {
+  geometry_msgs::Transform message;
+  message.translation.x = target_from_source.translation().x();
+  message.translation.y = target_from_source.translation().y();
+  message.translation.z = target_from_source.translation().z();
+  message.rotation = toMessage(Eigen::Quaterniond(target_from_source.linear()).normalized());
+  return message;
+}
+
+geometry_msgs::PoseWithCovariance toMessage(const PoseEstimate& estimate) {
+  geometry_msgs::PoseWithCovariance message;
+  message.pose = toMessage(estimate.pose);
+  for (std::size_t i = 0; i < 6; ++i) message.covariance[7 * i] = kFloorVariance;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      message.covariance[covarianceIndex(row, column)] =
+          estimate.covariance(std::min(row, column), std::max(row, column));
+    }
+  }
+  return message;
+}
+
+std::optional<Eigen::Matrix3d> planarCovariance(const geometry_msgs::PoseWithCovariance& pose) {
+  Eigen::Matrix3d covariance;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      covariance(row, column) = (pose.covariance[covarianceIndex(row, column)] +
+                                 pose.covariance[covarianceIndex(column, row)]) /
+                                2.0;
+    }
+  }
+  if (!covariance.allFinite()) return std::nullopt;
+  if (covariance.llt().info() != Eigen::Success) return std::nullopt;
+  return covariance;
+}
+
+Eigen::Isometry3d fromMessage(const geometry_msgs::Transform& target_from_source) {
+  const geometry_msgs::Vector3& t = target_from_source.translation;
+  const geometry_msgs::Quaternion& q = target_from_source.rotation;
+  return Eigen::Translation3d(t.x, t.y, t.z) * Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized();
+}
+
+Eigen::Isometry3d fromMessage(const geometry_msgs::Pose& pose) {
+  const Eigen::Vector3d position(pose.position.x, pose.position.y, pose.position.z);
+  const Eigen::Quaterniond rotation(pose.orientation.w, pose.orientation.x, pose.orientation.y,
+                                    pose.orientation.z);
+  if (!position.allFinite() || !rotation.coeffs().allFinite()) {
+    throw InputError("expected a pose of finite numbers, found NaN or infinity");
+  }
+  if (std::abs(rotation.norm() - 1.0) > 0.01) {
+    throw InputError("expected a quaternion of length 1, found one of length " +
+                     std::to_string(rotation.norm()));
+  }
+  return Eigen::Translation3d(position) * rotation.normalized();
+}
+
+DetectedMarker toMessage(const MarkerDetection& detection, const MarkerMap& map) {
+  DetectedMarker message;
+  message.id = detection.id;
+  message.family = detection.family;
+  message.map_entry = -1;
+  if (detection.map_entry) {
+    message.name = map.markers[*detection.map_entry].name;
+    message.map_entry = static_cast<std::int32_t>(*detection.map_entry);
+  }
+  message.accepted = static_cast<std::uint8_t>(detection.accepted);
+  message.reason = detection.reason;
+  message.bearing = detection.bearing;
+  message.range = detection.range;
+  message.residual = detection.residual;
+  for (std::size_t i = 0; i < detection.corners.size(); ++i) {
+    message.corners[2 * i] = detection.corners[i].x();
+    message.corners[2 * i + 1] = detection.corners[i].y();
+  }
+  return message;
+}
+
+MarkerDetectionArray toMessage(const std_msgs::Header& header,
+                               const std::vector<MarkerDetection>& detections,
+                               const MarkerMap& map) {
+  MarkerDetectionArray message;
+  message.header = header;
+  for (const MarkerDetection& detection : detections) {
+    message.detections.push_back(toMessage(detection, map));
+  }
+  return message;
+}
+
+LocalizationStatus toMessage(const std_msgs::Header& header, const FrameResult& result) {
+  constexpr double kMilliseconds = 1e3;
+  LocalizationStatus message;
+  message.header = header;
+  message.mode = toMessage(result.mode);
+  message.has_pose = static_cast<std::uint8_t>(result.map_from_base.has_value());
+  message.markers_predicted = static_cast<std::uint32_t>(result.predicted.size());
+  message.markers_detected = static_cast<std::uint32_t>(result.detections.size());
+  message.markers_used = static_cast<std::uint32_t>(result.acceptedMarkers());
+  message.predict_ms = kMilliseconds * result.timings.predict;
+  message.warp_ms = kMilliseconds * result.timings.warp;
+  message.decode_ms = kMilliseconds * result.timings.decode;
+  message.solve_ms = kMilliseconds * result.timings.solve;
+  message.total_ms = kMilliseconds * result.timings.total;
+  return message;
+}
+
+}  // namespace omnitag

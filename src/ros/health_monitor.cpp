@@ -1,0 +1,180 @@
+#include "omnitag/ros/health_monitor.h"
+
+#include <cmath>
+
+#include "omnitag/common/angle.h"
+#include "omnitag/localization/localizer.h"
+
+namespace omnitag {
+namespace {
+
+constexpr double kReportPeriod = 1.0;
+/// s without an image until the camera counts as gone.
+constexpr double kImageTimeout = 3.0;
+/// s between two lines of the log about the same lasting problem.
+constexpr double kLinePeriod = 10.0;
+
+double seconds(std::chrono::steady_clock::duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+const char* modeName(const LocalizationStatus& status) {
+  switch (status.mode) {
+    case LocalizationStatus::TRACKING:
+      return toString(Mode::kTracking);
+    case LocalizationStatus::DEAD_RECKONING:
+      return toString(Mode::kDeadReckoning);
+    default:
+      return toString(Mode::kSearching);
+  }
+}
+
+}  // namespace
+
+HealthMonitor::HealthMonitor(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
+                             const ImageInput& input)
+    : input_(input),
+      name_(private_node.getNamespace()),
+      updater_(node, private_node, name_),
+      last_report_(Clock::now()) {
+  updater_.setHardwareID("none");
+  updater_.add("images", this, &HealthMonitor::reportImages);
+  updater_.add("transforms", this, &HealthMonitor::reportTransforms);
+  updater_.add("localization", this, &HealthMonitor::reportLocalization);
+  timer_ = node.createWallTimer(ros::WallDuration(kReportPeriod), [this](const ros::WallTimerEvent&) {
+    updater_.force_update();
+  });
+}
+
+void HealthMonitor::imageRefused(const std::string& why) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  last_image_ = Clock::now();
+  ++refused_images_;
+  complain(&images_, "image on " + input_.topic() + " refused: " + why);
+}
+
+void HealthMonitor::imageLate() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  last_image_ = Clock::now();
+  ++late_images_;
+}
+
+void HealthMonitor::transformMissing(const std::string& why) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  last_image_ = Clock::now();
+  ++images_without_transform_;
+  settle(&images_, "images are coming");
+  complain(&transforms_, "waiting for tf: " + why);
+}
+
+void HealthMonitor::localized(const LocalizationStatus& status,
+                              const std::optional<PoseEstimate>& pose,
+                              const std::string& odometry_problem) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  last_image_ = Clock::now();
+  last_status_ = status;
+  last_pose_ = pose;
+  settle(&images_, "images are coming");
+  if (odometry_problem.empty()) {
+    settle(&transforms_, "tf has all transforms");
+  } else {
+    complain(&transforms_, "no odometry, hence no map -> odom: " + odometry_problem);
+  }
+  if (pose) {
+    settle(&localization_, std::string("localized, ") + modeName(status));
+  } else {
+    complain(&localization_,
+             "searching: " + std::to_string(status.markers_detected) +
+                 " markers read, no pose; waiting for an initial pose (RViz: 2D Pose Estimate)");
+  }
+}
+
+void HealthMonitor::reportImages(Report& report) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const Clock::time_point now = Clock::now();
+  const std::uint64_t received = input_.received();
+  const double rate = static_cast<double>(received - received_at_last_report_) /
+                      std::max(seconds(now - last_report_), 1e-3);
+  last_report_ = now;
+  received_at_last_report_ = received;
+
+  const std::string topic = input_.topic();
+  const std::string publishers = std::to_string(input_.publishers()) + " publishers";
+  if (!last_image_) {
+    complain(&images_, "waiting for the first image on " + topic + " (" + publishers + ")");
+  } else if (seconds(now - *last_image_) > kImageTimeout) {
+    complain(&images_, "waiting for images on " + topic + " (" + publishers + "), none for " +
+                           std::to_string(std::lround(seconds(now - *last_image_))) + " s");
+  }
+  if (images_.problem.empty()) {
+    report.summary(Report::OK, "images are coming");
+  } else {
+    report.summary(Report::ERROR, images_.problem);
+  }
+  report.add("topic", topic);
+  report.add("publishers", input_.publishers());
+  report.add("images per second", rate);
+  report.add("received", received);
+  report.add("dropped, since newer ones came", input_.dropped());
+  report.add("dropped, older than the one before", late_images_);
+  report.add("dropped, without transform", images_without_transform_);
+  report.add("refused", refused_images_);
+}
+
+void HealthMonitor::reportTransforms(Report& report) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!transforms_.problem.empty()) {
+    report.summary(Report::ERROR, transforms_.problem);
+  } else if (!last_status_) {
+    report.summary(Report::OK, "looked up when an image comes");
+  } else {
+    report.summary(Report::OK, "tf has all transforms");
+  }
+}
+
+void HealthMonitor::reportLocalization(Report& report) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!last_status_) {
+    report.summary(Report::WARN, "waiting for the first image");
+    return;
+  }
+  if (!localization_.problem.empty()) {
+    report.summary(Report::WARN, localization_.problem);
+  } else if (last_status_->mode == LocalizationStatus::DEAD_RECKONING) {
+    report.summary(Report::WARN, modeName(*last_status_));
+  } else {
+    report.summary(Report::OK, modeName(*last_status_));
+  }
+  report.add("mode", modeName(*last_status_));
+  report.add("markers predicted", last_status_->markers_predicted);
+  report.add("markers detected", last_status_->markers_detected);
+  report.add("markers used", last_status_->markers_used);
+  report.add("milliseconds per image", last_status_->total_ms);
+  if (last_pose_) {
+    const Eigen::Matrix3d& covariance = last_pose_->covariance;
+    report.addf("position", "%.3f m, %.3f m", last_pose_->pose.x, last_pose_->pose.y);
+    report.addf("yaw", "%.2f deg", degrees(last_pose_->pose.yaw));
+    report.addf("standard deviation of the position", "%.2g m",
+                std::sqrt(covariance.topLeftCorner<2, 2>().trace()));
+    report.addf("standard deviation of the yaw", "%.2g deg",
+                degrees(std::sqrt(covariance(2, 2))));
+  }
+}
+
+void HealthMonitor::complain(Subject* subject, const std::string& problem) {
+  const Clock::time_point now = Clock::now();
+  subject->problem = problem;
+  if (subject->last_line && seconds(now - *subject->last_line) < kLinePeriod) return;
+  subject->last_line = now;
+  ROS_WARN_STREAM(name_ << ": " << problem);
+}
+
+void HealthMonitor::settle(Subject* subject, const std::string& all_is_well) {
+  if (subject->problem.empty()) return;
+  subject->problem.clear();
+  // A problem that comes and goes with every image would fill the log.
+  if (seconds(Clock::now() - *subject->last_line) > 1.0) subject->last_line.reset();
+  ROS_INFO_STREAM(name_ << ": " << all_is_well);
+}
+
+}  // namespace omnitag

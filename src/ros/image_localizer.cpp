@@ -1,0 +1,42 @@
+#include "omnitag/ros/image_localizer.h"
+
+#include "omnitag/camera/camera_file.h"
+#include "omnitag/marker/marker_map_file.h"
+
+namespace omnitag {
+
+ImageLocalizer::ImageLocalizer(const LocalizerParameters& parameters)
+    : parameters_(parameters),
+      camera_(loadCamera(parameters.camera_file)),
+      map_(loadMarkerMap(parameters.map_file)),
+      assembler_(parameters.camera_file, camera_->imageSize(), parameters.frames) {
+  if (parameters_.frames.map.empty()) parameters_.frames.map = map_.frame_id;
+  start();
+}
+
+void ImageLocalizer::start() {
+  localizer_ = std::make_unique<Localizer>(camera_, map_, parameters_.localizer);
+  if (parameters_.initial_pose) localizer_->setPose(*parameters_.initial_pose);
+  last_stamp_ = ros::Time();
+}
+
+std::optional<LocalizedImage> ImageLocalizer::localize(const cv_bridge::CvImageConstPtr& image,
+                                                       const tf2::BufferCore& transforms) {
+  LocalizedImage localized;
+  const ros::Time& stamp = image->header.stamp;
+  const bool is_late = !last_stamp_.isZero() && stamp <= last_stamp_;
+  localized.started_anew =
+      is_late && (last_stamp_ - stamp).toSec() > parameters_.restart_time_jump;
+  if (is_late && !localized.started_anew) {
+    ++late_images_;
+    return std::nullopt;
+  }
+
+  localized.input = assembler_.assemble(image, transforms);
+  if (localized.started_anew) start();
+  last_stamp_ = stamp;
+  localized.result = localizer_->process(localized.input.frame);
+  return localized;
+}
+
+}  // namespace omnitag

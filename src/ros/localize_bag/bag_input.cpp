@@ -1,0 +1,132 @@
+#include "bag_input.h"
+
+#include <rosbag/exceptions.h>
+#include <rosbag/view.h>
+#include <sensor_msgs/CompressedImage.h>
+#include <sensor_msgs/Image.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <vector>
+
+#include "omnitag/common/error.h"
+#include "omnitag/ros/image_conversion.h"
+
+namespace omnitag {
+namespace {
+
+const std::string kCompressed = "/compressed";
+const std::string kCompressedDepth = "/compressedDepth";
+
+bool endsWith(const std::string& text, const std::string& ending) {
+  return text.size() >= ending.size() &&
+         text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
+}
+
+std::string withoutSlash(const std::string& topic) {
+  return topic.empty() || topic.front() != '/' ? topic : topic.substr(1);
+}
+
+void open(const std::string& path, rosbag::Bag* bag) {
+  if (!std::ifstream(path)) throw InputError(path + ": cannot be read");
+  try {
+    bag->open(path, rosbag::bagmode::Read);
+  } catch (const rosbag::BagUnindexedException&) {
+    throw InputError(path + ": is not indexed, as a recording that was cut off; rosbag reindex "
+                            "repairs it");
+  } catch (const std::exception& error) {
+    throw InputError(path + ": expected a bag: " + error.what());
+  }
+}
+
+/// The bag's topics and their types.
+std::map<std::string, std::string> topicsOf(const rosbag::Bag& bag) {
+  rosbag::View view(bag);
+  std::map<std::string, std::string> topics;
+  for (const rosbag::ConnectionInfo* connection : view.getConnections()) {
+    topics[connection->topic] = connection->datatype;
+  }
+  return topics;
+}
+
+std::vector<std::string> imageTopicsOf(const std::map<std::string, std::string>& topics) {
+  std::vector<std::string> names;
+  for (const auto& [topic, type] : topics) {
+    const bool is_raw = type == "sensor_msgs/Image";
+    const bool is_compressed =
+        type == "sensor_msgs/CompressedImage" && !endsWith(topic, kCompressedDepth);
+    if (is_raw || is_compressed) names.push_back(topic);
+  }
+  return names;
+}
+
+std::string join(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+std::string chooseImageTopic(const std::string& path, const rosbag::Bag& bag,
+                             const std::string& wanted) {
+  const std::map<std::string, std::string> topics = topicsOf(bag);
+  const std::vector<std::string> candidates = imageTopicsOf(topics);
+  if (candidates.empty()) {
+    throw InputError(path + ": has no images (sensor_msgs/Image or CompressedImage)");
+  }
+  if (wanted.empty()) {
+    // The same images may be there both raw and compressed.
+    const bool is_one = candidates.size() == 1 ||
+                        (candidates.size() == 2 && candidates[1] == candidates[0] + kCompressed);
+    if (is_one) return candidates.front();
+    throw InputError(path + ": has several image topics, choose one with --image-topic: " +
+                     join(candidates));
+  }
+  for (const std::string& name : {wanted, wanted + kCompressed}) {
+    const auto found =
+        std::find_if(candidates.begin(), candidates.end(), [&name](const std::string& candidate) {
+          return withoutSlash(candidate) == withoutSlash(name);
+        });
+    if (found != candidates.end()) return *found;
+  }
+  throw InputError(path + ": --image-topic: expected one of " + join(candidates) + ", found '" +
+                   wanted + "'");
+}
+
+}  // namespace
+
+BagInput::BagInput(const std::string& path, const std::string& image_topic) {
+  open(path, &bag_);
+  image_topic_ = chooseImageTopic(path, bag_, image_topic);
+  try {
+    loadTransforms();
+  } catch (const std::exception& error) {
+    throw InputError(path + ": " + error.what());
+  }
+}
+
+void BagInput::loadTransforms() {
+  const std::vector<std::string> topics = {"/tf", "/tf_static", "tf", "tf_static"};
+  rosbag::View view(bag_, rosbag::TopicQuery(topics));
+  // Nothing is forgotten, however far the stamps are apart.
+  constexpr double kAYear = 365.0 * 86400.0;
+  transforms_ = std::make_unique<tf2::BufferCore>(ros::Duration(kAYear));
+  for (const rosbag::MessageInstance& message : view) {
+    const tf2_msgs::TFMessageConstPtr transforms = message.instantiate<tf2_msgs::TFMessage>();
+    if (!transforms) continue;
+    for (const geometry_msgs::TransformStamped& transform : transforms->transforms) {
+      transforms_->setTransform(transform, "bag", endsWith(message.getTopic(), "tf_static"));
+    }
+  }
+}
+
+cv_bridge::CvImageConstPtr BagInput::grayImageOf(const rosbag::MessageInstance& message) {
+  if (const auto raw = message.instantiate<sensor_msgs::Image>()) return grayImage(raw);
+  if (const auto compressed = message.instantiate<sensor_msgs::CompressedImage>()) {
+    return grayImage(compressed);
+  }
+  throw InputError(message.getTopic() + ": expected an image, found " + message.getDataType());
+}
+
+}  // namespace omnitag

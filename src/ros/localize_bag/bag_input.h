@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cv_bridge/cv_bridge.h>
+#include <rosbag/bag.h>
+#include <rosbag/message_instance.h>
+#include <tf2/buffer_core.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+namespace omnitag {
+
+/// A bag that is read: its images and its transforms.
+class BagInput {
+ public:
+  /// `image_topic`: with or without /compressed; empty for the bag's only one. Throws InputError
+  /// where the bag cannot be read or the topic is not there or not clear.
+  BagInput(const std::string& path, const std::string& image_topic);
+
+  const rosbag::Bag& bag() const { return bag_; }
+  const std::string& imageTopic() const { return image_topic_; }
+  /// All transforms of /tf and /tf_static.
+  const tf2::BufferCore& transforms() const { return *transforms_; }
+
+  /// An image message in grey. Throws InputError where it cannot be read.
+  static cv_bridge::CvImageConstPtr grayImageOf(const rosbag::MessageInstance& message);
+
+ private:
+  void loadTransforms();
+
+  rosbag::Bag bag_;
+  std::string image_topic_;
+  std::unique_ptr<tf2::BufferCore> transforms_;
+};
+
+}  // namespace omnitag

@@ -1,0 +1,147 @@
+#include <rosbag/view.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <iostream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bag_input.h"
+#include "omnitag/common/error.h"
+#include "omnitag/ros/image_localizer.h"
+#include "options.h"
+#include "progress.h"
+#include "result_bag.h"
+#include "result_files.h"
+
+namespace omnitag {
+namespace {
+
+/// Lines about single images that could not be used; the rest is counted.
+constexpr std::size_t kMaxWarnings = 5;
+
+/// What the last lines of a run say.
+struct Summary {
+  std::size_t frames = 0;
+  std::size_t frames_with_pose = 0;
+  std::size_t unusable = 0;
+  std::size_t without_odometry = 0;
+  std::size_t markers = 0;
+  std::vector<double> milliseconds;
+  std::string first_problem;
+
+  void add(const LocalizedImage& localized) {
+    ++frames;
+    frames_with_pose += localized.result.map_from_base ? 1 : 0;
+    without_odometry += localized.input.odometry_problem.empty() ? 0 : 1;
+    markers += static_cast<std::size_t>(localized.result.acceptedMarkers());
+    milliseconds.push_back(1e3 * localized.result.timings.total);
+  }
+};
+
+/// The value below which the given share of the sample lies.
+double quantile(std::vector<double> sample, double share) {
+  if (sample.empty()) return 0.0;
+  std::sort(sample.begin(), sample.end());
+  const double last = static_cast<double>(sample.size() - 1);
+  return sample[static_cast<std::size_t>(share * last + 0.5)];
+}
+
+void print(const Summary& summary, std::uint64_t late) {
+  const std::size_t processed = summary.milliseconds.size();
+  std::printf("frames:            %zu\n", summary.frames);
+  std::printf("frames with pose:  %zu\n", summary.frames_with_pose);
+  std::printf("markers per frame: %.2f\n",
+              static_cast<double>(summary.markers) /
+                  static_cast<double>(std::max<std::size_t>(processed, 1)));
+  std::printf("ms per frame:      median %.1f, 99th percentile %.1f\n",
+              quantile(summary.milliseconds, 0.5), quantile(summary.milliseconds, 0.99));
+  if (summary.unusable > 0) std::printf("unusable frames:   %zu\n", summary.unusable);
+  if (summary.without_odometry > 0) {
+    std::printf("without odometry:  %zu\n", summary.without_odometry);
+  }
+  if (late > 0) std::printf("late, left out:    %llu\n", static_cast<unsigned long long>(late));
+}
+
+std::string stampText(const ros::Time& stamp) {
+  return std::to_string(stamp.sec) + "." + std::to_string(stamp.nsec + 1000000000U).substr(1);
+}
+
+void run(const BagOptions& options) {
+  const LocalizerParameters parameters = parametersOf(options);
+  ImageLocalizer localizer(parameters);
+  const BagInput input(options.bag, options.image_topic);
+  ResultFiles files(options.trajectory, options.poses, options.detections);
+  std::optional<ResultBag> output;
+  if (!options.output.empty()) {
+    output.emplace(options.output, localizer.map(), localizer.frames(), parameters);
+  }
+
+  const rosbag::TopicQuery images(input.imageTopic());
+  Progress progress(rosbag::View(input.bag(), images).size(), "images");
+  Summary summary;
+  std::size_t done = 0;
+  const auto localize = [&](const rosbag::MessageInstance& message) {
+    ros::Time stamp = message.getTime();
+    try {
+      const cv_bridge::CvImageConstPtr image = BagInput::grayImageOf(message);
+      stamp = image->header.stamp;
+      const std::optional<LocalizedImage> localized =
+          localizer.localize(image, input.transforms());
+      if (localized) {
+        if (localized->started_anew) {
+          progress.warn(stampText(stamp) + ": stamps went back: started anew");
+        }
+        const std::string& odometry_problem = localized->input.odometry_problem;
+        if (!odometry_problem.empty() && summary.without_odometry < kMaxWarnings) {
+          progress.warn(stampText(stamp) + ": " + odometry_problem);
+        }
+        summary.add(*localized);
+        files.add(stamp, localized->result, localizer.map());
+        if (output) output->add(message.getTime(), *localized);
+      }
+    } catch (const InputError& error) {
+      const std::string problem =
+          input.imageTopic() + " at " + stampText(stamp) + ": " + error.what();
+      if (summary.first_problem.empty()) summary.first_problem = problem;
+      if (summary.unusable < kMaxWarnings) progress.warn(problem);
+      ++summary.frames;
+      ++summary.unusable;
+      files.addUnusable(stamp);
+    }
+    progress.show(++done);
+  };
+
+  rosbag::View view;
+  if (output) {
+    view.addQuery(input.bag());
+  } else {
+    view.addQuery(input.bag(), images);
+  }
+  for (const rosbag::MessageInstance& message : view) {
+    if (output) output->copy(message);
+    if (message.getTopic() == input.imageTopic()) localize(message);
+  }
+  files.close();
+  if (output) output->close();
+  if (summary.milliseconds.empty()) {
+    throw InputError(options.bag + ": no image could be used: " + summary.first_problem);
+  }
+  print(summary, localizer.lateImages());
+}
+
+}  // namespace
+}  // namespace omnitag
+
+int main(int argc, char** argv) {
+  try {
+    const std::optional<omnitag::BagOptions> options = omnitag::parseOptions(argc, argv);
+    if (options) omnitag::run(*options);
+  } catch (const std::exception& error) {
+    std::cerr << "localize_bag: " << error.what() << '\n';
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "omnitag/common/pose2.h"
+#include "omnitag/ros/parameters.h"
+
+namespace omnitag {
+
+/// The command line of localize_bag. Empty texts stand for options that were not given.
+struct BagOptions {
+  std::string camera;
+  std::string map;
+  std::string bag;
+  std::string trajectory;
+  std::string image_topic;
+  std::optional<Pose2> initial_pose;
+  std::optional<std::string> odom_frame;
+  std::string params;
+  std::string poses;
+  std::string detections;
+  std::string output;
+};
+
+/// Nothing where help was asked for, which is then printed. Throws InputError for an option that is
+/// missing, unknown or has a bad value, and for a result that would overwrite an input.
+std::optional<BagOptions> parseOptions(int argc, char** argv);
+
+/// The localizer's parameters: those of the file `--params`, the other options on top.
+LocalizerParameters parametersOf(const BagOptions& options);
+
+}  // namespace omnitag

@@ -1,0 +1,73 @@
+#include "result_bag.h"
+
+#include <tf2_msgs/TFMessage.h>
+
+#include <algorithm>
+
+#include "omnitag/common/error.h"
+#include "omnitag/ros/map_markers.h"
+#include "omnitag/ros/result_messages.h"
+
+namespace omnitag {
+
+ResultBag::ResultBag(const std::string& path, const MarkerMap& map, const FrameNames& frames,
+                     const LocalizerParameters& parameters)
+    : map_(map),
+      frames_(frames),
+      transform_tolerance_(parameters.transform_tolerance),
+      frame_markers_(frames.map, parameters.robot_radius),
+      path_(parameters.path_min_step, parameters.path_max_poses) {
+  try {
+    bag_.open(path, rosbag::bagmode::Write);
+  } catch (const std::exception&) {
+    throw InputError(path + ": cannot be written");
+  }
+}
+
+bool ResultBag::isOwn(const std::string& topic) const {
+  return topic == "/pose" || topic == "/pose_with_covariance" || topic == "/detections" ||
+         topic == "/status" || topic == "/path" || topic == "/markers";
+}
+
+void ResultBag::copy(const rosbag::MessageInstance& message) {
+  if (isOwn(message.getTopic())) return;
+  if (message.getTopic() == "/tf") {
+    if (const auto transforms = message.instantiate<tf2_msgs::TFMessage>()) {
+      const std::string& child = frames_.odom.empty() ? frames_.base : frames_.odom;
+      tf2_msgs::TFMessage kept = *transforms;
+      kept.transforms.erase(
+          std::remove_if(kept.transforms.begin(), kept.transforms.end(),
+                         [&](const geometry_msgs::TransformStamped& transform) {
+                           return transform.header.frame_id == frames_.map &&
+                                  transform.child_frame_id == child;
+                         }),
+          kept.transforms.end());
+      if (!kept.transforms.empty()) bag_.write("/tf", message.getTime(), kept);
+      return;
+    }
+  }
+  bag_.write(message.getTopic(), message.getTime(), message, message.getConnectionHeader());
+}
+
+void ResultBag::add(const ros::Time& time, const LocalizedImage& localized) {
+  if (!has_map_markers_) bag_.write("/markers", time, mapMarkers(map_, frames_.map));
+  has_map_markers_ = true;
+  if (localized.started_anew) path_.clear();
+
+  const ResultMessages messages = toMessages(localized, map_, frames_, transform_tolerance_);
+  if (messages.transform) {
+    tf2_msgs::TFMessage transforms;
+    transforms.transforms.push_back(*messages.transform);
+    bag_.write("/tf", time, transforms);
+  }
+  if (messages.pose) {
+    bag_.write("/pose", time, *messages.pose);
+    bag_.write("/pose_with_covariance", time, *messages.pose_with_covariance);
+    if (path_.add(*messages.pose)) bag_.write("/path", time, path_.path());
+  }
+  bag_.write("/detections", time, messages.detections);
+  bag_.write("/status", time, messages.status);
+  bag_.write("/markers", time, frame_markers_.draw(localized, map_));
+}
+
+}  // namespace omnitag

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <ros/time.h>
+
+#include <fstream>
+#include <string>
+
+#include "omnitag/localization/localizer.h"
+#include "omnitag/marker/marker_map.h"
+
+namespace omnitag {
+
+/// The trajectory (TUM), the poses (CSV) and the detections (CSV) of a run.
+class ResultFiles {
+ public:
+  /// An empty path stands for a file that is not wanted. Throws InputError where one cannot be
+  /// written.
+  ResultFiles(const std::string& trajectory, const std::string& poses,
+              const std::string& detections);
+
+  void add(const ros::Time& stamp, const FrameResult& result, const MarkerMap& map);
+
+  /// A frame that could not be processed has a line among the poses, without a pose.
+  void addUnusable(const ros::Time& stamp);
+
+  /// Throws InputError where not everything could be written.
+  void close();
+
+ private:
+  struct File {
+    std::string path;
+    std::ofstream stream;
+
+    void open(const std::string& file_path);
+    void close();
+  };
+
+  void addDetection(const ros::Time& stamp, const MarkerDetection& detection, const MarkerMap& map);
+
+  File trajectory_;
+  File poses_;
+  File detections_;
+};
+
+}  // namespace omnitag

@@ -1,0 +1,18 @@
+#include <ros/ros.h>
+
+#include "omnitag/ros/localizer_server.h"
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "localizer");
+  // ROS's log ends with the last handle, so these outlive the error.
+  const ros::NodeHandle node;
+  const ros::NodeHandle private_node("~");
+  try {
+    const omnitag::LocalizerServer server(node, private_node);
+    ros::spin();
+  } catch (const std::exception& error) {
+    ROS_FATAL_STREAM(error.what());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,194 @@
+#include "omnitag/ros/localizer_server.h"
+
+#include <cv_bridge/cv_bridge.h>
+#include <sensor_msgs/image_encodings.h>
+
+#include <chrono>
+#include <optional>
+#include <utility>
+
+#include "omnitag/ros/conversions.h"
+#include "omnitag/ros/map_markers.h"
+#include "omnitag/ros/result_messages.h"
+
+namespace omnitag {
+namespace {
+
+/// s of tf that are kept: images that waited in a long queue still find theirs.
+constexpr double kTransformCache = 30.0;
+
+/// A covariance of (x, y, yaw) in the axes of the map.
+Eigen::Matrix3d rotated(const Eigen::Matrix3d& covariance, const Eigen::Isometry3d& map_from_frame) {
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  rotation.topLeftCorner<2, 2>() =
+      Eigen::Rotation2Dd(Pose2::fromIsometry(map_from_frame).yaw).toRotationMatrix();
+  return rotation * covariance * rotation.transpose();
+}
+
+}  // namespace
+
+LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
+    : node_(node),
+      name_(private_node.getNamespace()),
+      parameters_(readParameters(name_)),
+      localizer_(parameters_),
+      transforms_(ros::Duration(kTransformCache)),
+      transform_listener_(transforms_, node),
+      map_markers_(mapMarkers(localizer_.map(), localizer_.frames().map)),
+      frame_markers_(localizer_.frames().map, parameters_.robot_radius),
+      debug_image_painter_(localizer_.camera(), localizer_.map()),
+      path_(parameters_.path_min_step, parameters_.path_max_poses),
+      image_transport_(node),
+      input_(node, private_node, parameters_.image_transport, parameters_.queue_size),
+      health_(node, private_node, input_) {
+  pose_publisher_ = node_.advertise<geometry_msgs::PoseStamped>("pose", 10);
+  pose_with_covariance_publisher_ =
+      node_.advertise<geometry_msgs::PoseWithCovarianceStamped>("pose_with_covariance", 10);
+  detections_publisher_ = node_.advertise<MarkerDetectionArray>("detections", 10);
+  status_publisher_ = node_.advertise<LocalizationStatus>("status", 10);
+  constexpr bool kLatched = true;
+  path_publisher_ = node_.advertise<nav_msgs::Path>("path", 1, kLatched);
+  markers_publisher_ = node_.advertise<visualization_msgs::MarkerArray>(
+      "markers", 10, [this](const ros::SingleSubscriberPublisher& subscriber) {
+        subscriber.publish(map_markers_);
+      });
+  debug_image_publisher_ = image_transport_.advertise("debug_image", 1);
+  initial_pose_subscriber_ =
+      node_.subscribe("initialpose", 1, &LocalizerServer::onInitialPose, this);
+  global_localization_server_ = node_.advertiseService(
+      "global_localization", &LocalizerServer::onGlobalLocalization, this);
+  save_map_server_ = node_.advertiseService("save_map", &LocalizerServer::onSaveMap, this);
+
+  ROS_INFO_STREAM(name_ << ": camera " << parameters_.camera_file << ", "
+                        << localizer_.map().markers.size() << " markers of "
+                        << parameters_.map_file << ", images from " << input_.topic());
+  thread_ = std::thread(&LocalizerServer::run, this);
+}
+
+LocalizerServer::~LocalizerServer() {
+  input_.close();
+  thread_.join();
+}
+
+void LocalizerServer::run() {
+  while (const std::optional<ReceivedImage> received = input_.next()) {
+    try {
+      onImage(*received);
+    } catch (const TransformError& error) {
+      health_.transformMissing(error.what());
+    } catch (const std::exception& error) {
+      health_.imageRefused(error.what());
+    }
+  }
+}
+
+void LocalizerServer::onImage(const ReceivedImage& received) {
+  {
+    const std::lock_guard<std::mutex> lock(request_mutex_);
+    if (const Request request = std::exchange(request_, nullptr)) request(&localizer_.localizer());
+  }
+  const cv_bridge::CvImageConstPtr image = received.decode();
+  waitForTransforms(received.header);
+  const std::optional<LocalizedImage> localized = localizer_.localize(image, transforms_);
+  if (localized) {
+    publish(*localized);
+  } else {
+    health_.imageLate();
+  }
+}
+
+// In wall time, since a clock that stands still must not stop the localizer.
+void LocalizerServer::waitForTransforms(const std_msgs::Header& header) const {
+  using Clock = std::chrono::steady_clock;
+  constexpr std::chrono::milliseconds kPoll(2);
+  const auto deadline =
+      Clock::now() + std::chrono::duration<double>(parameters_.transform_timeout);
+  while (!localizer_.assembler().hasTransforms(header, transforms_) && Clock::now() < deadline &&
+         !input_.isClosed()) {
+    std::this_thread::sleep_for(kPoll);
+  }
+}
+
+void LocalizerServer::publish(const LocalizedImage& localized) {
+  if (localized.started_anew) {
+    ROS_WARN_STREAM(name_ << ": stamps went back, as when a bag is played again: started anew");
+    path_.clear();
+    markers_publisher_.publish(map_markers_);
+  }
+  ResultMessages messages = toMessages(localized, localizer_.map(), localizer_.frames(),
+                                       parameters_.transform_tolerance);
+  messages.status.images_received = input_.received();
+  messages.status.images_dropped = input_.dropped() + localizer_.lateImages();
+
+  if (messages.transform) transform_broadcaster_.sendTransform(*messages.transform);
+  if (messages.pose) {
+    pose_publisher_.publish(*messages.pose);
+    pose_with_covariance_publisher_.publish(*messages.pose_with_covariance);
+    if (path_.add(*messages.pose)) path_publisher_.publish(path_.path());
+  }
+  detections_publisher_.publish(messages.detections);
+  status_publisher_.publish(messages.status);
+  if (markers_publisher_.getNumSubscribers() > 0) {
+    markers_publisher_.publish(frame_markers_.draw(localized, localizer_.map()));
+  }
+  if (debug_image_publisher_.getNumSubscribers() > 0) {
+    const cv::Mat painting =
+        debug_image_painter_.paint(localized.input.frame.image, localized.result);
+    debug_image_publisher_.publish(
+        cv_bridge::CvImage(localized.input.header, sensor_msgs::image_encodings::BGR8, painting)
+            .toImageMsg());
+  }
+  health_.localized(messages.status, localized.result.map_from_base,
+                    localized.input.odometry_problem);
+}
+
+void LocalizerServer::onInitialPose(
+    const geometry_msgs::PoseWithCovarianceStampedConstPtr& message) {
+  try {
+    const Eigen::Isometry3d map_from_frame = mapFrom(message->header.frame_id);
+    const Pose2 pose = Pose2::fromIsometry(map_from_frame * fromMessage(message->pose.pose));
+    const std::optional<Eigen::Matrix3d> covariance = planarCovariance(message->pose);
+    ROS_INFO_STREAM(name_ << ": initial pose x " << pose.x << " m, y " << pose.y << " m, yaw "
+                          << pose.yaw << " rad, from the next image on");
+    if (covariance) {
+      const PoseEstimate estimate{pose, rotated(*covariance, map_from_frame)};
+      request([estimate](Localizer* localizer) { localizer->setPose(estimate); });
+    } else {
+      request([pose](Localizer* localizer) { localizer->setPose(pose); });
+    }
+  } catch (const InputError& error) {
+    ROS_ERROR_STREAM(name_ << ": initialpose refused: " << error.what());
+  }
+}
+
+Eigen::Isometry3d LocalizerServer::mapFrom(const std::string& frame) const {
+  const std::string& map_frame = localizer_.frames().map;
+  if (frame == map_frame) return Eigen::Isometry3d::Identity();
+  if (frame.empty()) throw InputError("header.frame_id is empty; expected '" + map_frame + "'");
+  try {
+    return fromMessage(transforms_.lookupTransform(map_frame, frame, ros::Time()).transform);
+  } catch (const tf2::TransformException& error) {
+    throw InputError("no transform from '" + frame + "' to '" + map_frame + "': " + error.what());
+  }
+}
+
+bool LocalizerServer::onGlobalLocalization(std_srvs::Empty::Request& /*request*/,
+                                           std_srvs::Empty::Response& /*response*/) {
+  ROS_INFO_STREAM(name_ << ": pose forgotten, searching from the next image on");
+  request([](Localizer* localizer) { localizer->forgetPose(); });
+  return true;
+}
+
+bool LocalizerServer::onSaveMap(std_srvs::Trigger::Request& /*request*/,
+                                std_srvs::Trigger::Response& response) {
+  response.success = 0U;
+  response.message = "mapping is off: the map is as " + parameters_.map_file + " has it";
+  return true;
+}
+
+void LocalizerServer::request(Request request) {
+  const std::lock_guard<std::mutex> lock(request_mutex_);
+  request_ = std::move(request);
+}
+
+}  // namespace omnitag

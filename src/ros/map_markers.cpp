@@ -1,0 +1,106 @@
+#include "omnitag/ros/map_markers.h"
+
+#include <Eigen/Geometry>
+
+#include "omnitag/ros/conversions.h"
+#include "omnitag/ros/rviz_marker.h"
+
+namespace omnitag {
+namespace {
+
+/// An axis-aligned rectangle in a marker's plane, in halves of the marker's size.
+struct Rectangle {
+  double left, bottom, right, top;
+};
+
+/// Adds triangles in a marker's own frame to one list, so that a map of any size is one message.
+class Sheet {
+ public:
+  Sheet(const Marker& marker, visualization_msgs::Marker* triangles)
+      : marker_(marker), triangles_(triangles) {}
+
+  /// `height`: m, out of the marker's face.
+  void addRectangle(const Rectangle& r, double height, const std_msgs::ColorRGBA& color) {
+    const double half = marker_.size / 2.0;
+    const Eigen::Vector3d lower_left(half * r.left, half * r.bottom, height);
+    const Eigen::Vector3d lower_right(half * r.right, half * r.bottom, height);
+    const Eigen::Vector3d upper_right(half * r.right, half * r.top, height);
+    const Eigen::Vector3d upper_left(half * r.left, half * r.top, height);
+    addTriangle(lower_left, lower_right, upper_right, color);
+    addTriangle(lower_left, upper_right, upper_left, color);
+  }
+
+  /// The border of a square that reaches to `outer`, around a square hole that reaches to `inner`.
+  void addFrame(double outer, double inner, const std_msgs::ColorRGBA& color) {
+    addRectangle({-outer, inner, outer, outer}, 0.0, color);
+    addRectangle({-outer, -outer, outer, -inner}, 0.0, color);
+    addRectangle({-outer, -inner, -inner, inner}, 0.0, color);
+    addRectangle({inner, -inner, outer, inner}, 0.0, color);
+  }
+
+  void addTriangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
+                   const std_msgs::ColorRGBA& color) {
+    for (const Eigen::Vector3d& corner : {a, b, c}) {
+      triangles_->points.push_back(toMessage(marker_.map_from_marker * corner));
+      triangles_->colors.push_back(color);
+    }
+  }
+
+ private:
+  const Marker& marker_;
+  visualization_msgs::Marker* triangles_;
+};
+
+void addTag(const Marker& marker, visualization_msgs::Marker* triangles) {
+  // Proportions of tag36h11: 10 modules with the white margin, 8 with the border, 6 of data.
+  constexpr double kMargin = 10.0 / 8.0;
+  constexpr double kBorder = 1.0;
+  constexpr double kInside = 6.0 / 8.0;
+  constexpr double kThickness = 0.01;
+  const std_msgs::ColorRGBA white = color(0.95, 0.95, 0.95);
+  const std_msgs::ColorRGBA black = color(0.08, 0.08, 0.08);
+  Sheet sheet(marker, triangles);
+  sheet.addFrame(kMargin, kBorder, white);
+  sheet.addFrame(kBorder, kInside, black);
+  sheet.addRectangle({-kInside, -kInside, kInside, kInside}, 0.0, white);
+  sheet.addRectangle({-kMargin, -kMargin, kMargin, kMargin}, -kThickness, color(0.45, 0.45, 0.5));
+}
+
+/// Lies across the face, flat for a marker on a wall, so that it is seen from above.
+void addNormal(const Marker& marker, visualization_msgs::Marker* triangles) {
+  const double half_width = marker.size / 10.0;
+  const double length = marker.size / 2.0;
+  const Eigen::Matrix3d rotation = marker.map_from_marker.linear();
+  const bool is_x_level = std::abs(rotation(2, 0)) <= std::abs(rotation(2, 1));
+  const Eigen::Vector3d across =
+      half_width * (is_x_level ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY());
+  Sheet(marker, triangles)
+      .addTriangle(-across, across, length * Eigen::Vector3d::UnitZ(), color(0.25, 0.55, 0.95));
+}
+
+}  // namespace
+
+visualization_msgs::MarkerArray mapMarkers(const MarkerMap& map, const std::string& map_frame) {
+  using RvizMarker = visualization_msgs::Marker;
+  const std_msgs::ColorRGBA white = color(1.0, 1.0, 1.0);
+  RvizMarker tags = rvizMarker(map_frame, "tags", RvizMarker::TRIANGLE_LIST, white);
+  RvizMarker normals = rvizMarker(map_frame, "normals", RvizMarker::TRIANGLE_LIST, white);
+  visualization_msgs::MarkerArray array;
+  for (const Marker& marker : map.markers) {
+    addTag(marker, &tags);
+    addNormal(marker, &normals);
+
+    RvizMarker name = rvizMarker(map_frame, "names", RvizMarker::TEXT_VIEW_FACING, white);
+    name.id = static_cast<int>(array.markers.size());
+    name.text = marker.name.empty() ? std::to_string(marker.id) : marker.name;
+    name.scale.z = 0.2;
+    name.pose.position =
+        toMessage(marker.center() + (marker.size + name.scale.z) * Eigen::Vector3d::UnitZ());
+    array.markers.push_back(name);
+  }
+  array.markers.push_back(tags);
+  array.markers.push_back(normals);
+  return array;
+}
+
+}  // namespace omnitag

@@ -1,0 +1,88 @@
+#include "omnitag/ros/parameters.h"
+
+#include <ros/param.h>
+
+#include "omnitag/ros/xmlrpc_yaml.h"
+
+namespace omnitag {
+namespace {
+
+void requireFile(const YamlReader& reader, const std::string& key) {
+  if (!reader.has(key) || reader.text(key).empty()) reader.refuse(key, "the path of a file");
+}
+
+void readFrame(const YamlReader& reader, const std::string& key, std::string* frame) {
+  reader.read(key, frame);
+  if (!frame->empty() && frame->front() == '/') {
+    reader.refuse(key, "the name of a frame, without a slash in front");
+  }
+}
+
+/// An empty list stands for none.
+std::optional<Pose2> readInitialPose(const YamlReader& reader) {
+  const std::string key = "initial_pose";
+  if (!reader.has(key)) return std::nullopt;
+  const std::vector<double> pose = reader.numbers(key);
+  if (pose.empty()) return std::nullopt;
+  if (pose.size() != 3) reader.refuse(key, "[x, y, yaw] or an empty list");
+  return Pose2{pose[0], pose[1], pose[2]};
+}
+
+/// Where a list was given on a command line (`_initial_pose:=[1,2,0]`), it arrives as text. Other
+/// texts stay what they are and are refused as such.
+void parseList(YAML::Node node) {
+  if (!node.IsDefined() || !node.IsScalar()) return;
+  try {
+    const YAML::Node parsed = YAML::Load(node.Scalar());
+    if (!parsed.IsSequence()) return;
+    // Without the places in the text, which is no file.
+    YAML::Node list(YAML::NodeType::Sequence);
+    for (const YAML::Node& item : parsed) list.push_back(item.as<std::string>());
+    node = list;
+  } catch (const YAML::Exception&) {
+  }
+}
+
+}  // namespace
+
+LocalizerParameters readParameters(const YamlReader& reader) {
+  reader.allowOnly({"camera_file", "map_file", "map_frame", "odom_frame", "base_frame",
+                    "initial_pose", "image_transport", "queue_size", "transform_timeout", "transform_tolerance",
+                    "restart_time_jump", "path_min_step", "path_max_poses", "robot_radius",
+                    "visibility", "view", "detector", "association", "estimation", "motion",
+                    "estimator",
+                    // Read by others in the same namespace: diagnostic_updater and nodelet.
+                    "diagnostic_period", "num_worker_threads"});
+  LocalizerParameters parameters;
+  reader.read("camera_file", &parameters.camera_file);
+  reader.read("map_file", &parameters.map_file);
+  readFrame(reader, "map_frame", &parameters.frames.map);
+  readFrame(reader, "odom_frame", &parameters.frames.odom);
+  readFrame(reader, "base_frame", &parameters.frames.base);
+  if (parameters.frames.base.empty()) reader.refuse("base_frame", "the name of a frame");
+
+  parameters.initial_pose = readInitialPose(reader);
+  reader.read("image_transport", &parameters.image_transport);
+  reader.read("queue_size", &parameters.queue_size, Interval{1, 1e6});
+  reader.read("transform_timeout", &parameters.transform_timeout, Interval{0.0, 60.0});
+  reader.read("transform_tolerance", &parameters.transform_tolerance, Interval{0.0, 60.0});
+  reader.read("restart_time_jump", &parameters.restart_time_jump, kNonNegative);
+  reader.read("path_min_step", &parameters.path_min_step, kNonNegative);
+  reader.read("path_max_poses", &parameters.path_max_poses, Interval{1, 1e6});
+  reader.read("robot_radius", &parameters.robot_radius, kPositive);
+  parameters.localizer = readLocalizerConfig(reader);
+  return parameters;
+}
+
+LocalizerParameters readParameters(const std::string& name_space) {
+  XmlRpc::XmlRpcValue tree;
+  YAML::Node node(YAML::NodeType::Map);
+  if (ros::param::get(name_space, tree)) node = yamlFromXmlRpc(tree, name_space);
+  if (node.IsMap() && node["initial_pose"]) parseList(node["initial_pose"]);
+  const YamlReader reader(node, name_space);
+  requireFile(reader, "camera_file");
+  requireFile(reader, "map_file");
+  return readParameters(reader);
+}
+
+}  // namespace omnitag

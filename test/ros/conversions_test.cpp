@@ -1,0 +1,143 @@
+#include "omnitag/ros/conversions.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "omnitag/common/error.h"
+
+namespace omnitag {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+geometry_msgs::Pose poseMessage(double x, double y, double z, double qx, double qy, double qz,
+                                double qw) {
+  geometry_msgs::Pose pose;
+  pose.position.x = x;
+  pose.position.y = y;
+  pose.position.z = z;
+  pose.orientation.x = qx;
+  pose.orientation.y = qy;
+  pose.orientation.z = qz;
+  pose.orientation.w = qw;
+  return pose;
+}
+
+TEST(Conversions, PoseOnTheFloor) {
+  const geometry_msgs::Pose pose = toMessage(Pose2{1.0, -2.0, M_PI / 2.0});
+  EXPECT_EQ(pose.position.x, 1.0);
+  EXPECT_EQ(pose.position.y, -2.0);
+  EXPECT_EQ(pose.position.z, 0.0);
+  EXPECT_NEAR(pose.orientation.z, std::sqrt(0.5), 1e-15);
+  EXPECT_NEAR(pose.orientation.w, std::sqrt(0.5), 1e-15);
+  EXPECT_EQ(pose.orientation.x, 0.0);
+  EXPECT_EQ(pose.orientation.y, 0.0);
+}
+
+TEST(Conversions, TransformAndBack) {
+  const Eigen::Isometry3d transform =
+      Eigen::Translation3d(1.0, 2.0, 3.0) *
+      Eigen::AngleAxisd(0.7, Eigen::Vector3d(1.0, -2.0, 0.5).normalized());
+  EXPECT_TRUE(fromMessage(toMessage(transform)).isApprox(transform, 1e-14));
+}
+
+TEST(Conversions, CovarianceStandsWhereRosExpectsIt) {
+  PoseEstimate estimate;
+  estimate.covariance << 4.0, 0.1, 0.2, 0.1, 9.0, 0.3, 0.2, 0.3, 0.5;
+  const geometry_msgs::PoseWithCovariance message = toMessage(estimate);
+  const auto at = [&message](std::size_t row, std::size_t column) {
+    return message.covariance[6 * row + column];
+  };
+  EXPECT_EQ(at(0, 0), 4.0);
+  EXPECT_EQ(at(0, 1), 0.1);
+  EXPECT_EQ(at(1, 1), 9.0);
+  EXPECT_EQ(at(5, 5), 0.5);
+  EXPECT_EQ(at(0, 5), 0.2);
+  EXPECT_EQ(at(5, 1), 0.3);
+  for (const std::size_t i : {2U, 3U, 4U}) {
+    EXPECT_GT(at(i, i), 0.0);
+    EXPECT_LT(at(i, i), 1e-5);
+  }
+  const std::optional<Eigen::Matrix3d> back = planarCovariance(message);
+  ASSERT_TRUE(back);
+  EXPECT_TRUE(back->isApprox(estimate.covariance));
+}
+
+TEST(Conversions, CovarianceThatWasNotFilledIn) {
+  geometry_msgs::PoseWithCovariance message;
+  EXPECT_FALSE(planarCovariance(message)) << "zeros";
+  message = toMessage(PoseEstimate{{}, Eigen::Matrix3d::Identity()});
+  message.covariance[35] = kNaN;
+  EXPECT_FALSE(planarCovariance(message)) << "NaN";
+  message.covariance[35] = -1.0;
+  EXPECT_FALSE(planarCovariance(message)) << "negative";
+  message.covariance[35] = 1.0;
+  message.covariance[1] = message.covariance[6] = 2.0;
+  EXPECT_FALSE(planarCovariance(message)) << "correlation above 1";
+}
+
+TEST(Conversions, RefusesPosesThatAreNone) {
+  EXPECT_NO_THROW(fromMessage(poseMessage(1, 2, 0, 0, 0, 0, 1)));
+  EXPECT_THROW(fromMessage(poseMessage(kNaN, 2, 0, 0, 0, 0, 1)), InputError);
+  EXPECT_THROW(fromMessage(poseMessage(1, 2, 0, 0, 0, kNaN, 1)), InputError);
+  EXPECT_THROW(fromMessage(poseMessage(1, 2, 0, 0, 0, 0, 0)), InputError);
+  EXPECT_THROW(fromMessage(poseMessage(1, INFINITY, 0, 0, 0, 0, 1)), InputError);
+  EXPECT_THROW(fromMessage(poseMessage(1, 2, 0, 0, 0, 0, 1.1)), InputError);
+}
+
+TEST(Conversions, Detections) {
+  MarkerMap map;
+  map.markers.resize(2);
+  map.markers[1].name = "door";
+  MarkerDetection known;
+  known.family = "tag36h11";
+  known.id = 7;
+  known.map_entry = 1;
+  known.accepted = true;
+  known.bearing = 0.5;
+  known.range = 3.0;
+  known.residual = 0.1;
+  known.corners = {Eigen::Vector2d(1, 2), {3, 4}, {5, 6}, {7, 8}};
+  MarkerDetection unknown;
+  unknown.reason = "not expected here";
+  unknown.range = kNaN;
+
+  std_msgs::Header header;
+  header.frame_id = "camera";
+  const MarkerDetectionArray message = toMessage(header, {known, unknown}, map);
+  EXPECT_EQ(message.header.frame_id, "camera");
+  ASSERT_EQ(message.detections.size(), 2U);
+  const DetectedMarker& first = message.detections[0];
+  EXPECT_EQ(first.id, 7);
+  EXPECT_EQ(first.name, "door");
+  EXPECT_EQ(first.map_entry, 1);
+  EXPECT_TRUE(first.accepted);
+  for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(first.corners[i], static_cast<double>(i + 1));
+  const DetectedMarker& second = message.detections[1];
+  EXPECT_EQ(second.map_entry, -1);
+  EXPECT_FALSE(second.accepted);
+  EXPECT_EQ(second.reason, "not expected here");
+  EXPECT_TRUE(std::isnan(second.range));
+}
+
+TEST(Conversions, Status) {
+  FrameResult result;
+  result.mode = Mode::kDeadReckoning;
+  result.map_from_base.emplace();
+  result.predicted.resize(5);
+  result.detections.resize(3);
+  result.detections[0].accepted = true;
+  result.timings.decode = 0.025;
+  const LocalizationStatus message = toMessage(std_msgs::Header(), result);
+  EXPECT_EQ(message.mode, LocalizationStatus::DEAD_RECKONING);
+  EXPECT_TRUE(message.has_pose);
+  EXPECT_EQ(message.markers_predicted, 5U);
+  EXPECT_EQ(message.markers_detected, 3U);
+  EXPECT_EQ(message.markers_used, 1U);
+  EXPECT_DOUBLE_EQ(message.decode_ms, 25.0);
+}
+
+}  // namespace
+}  // namespace omnitag

@@ -1,0 +1,156 @@
+"""Drives a running localizer image by image with the shipped bag, so that no test depends on time."""
+
+import os
+import threading
+from typing import Dict, List, Optional, Tuple
+
+import cv2
+import numpy as np
+import rosbag
+import rospy
+import tf2_msgs.msg
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
+from omnitag.msg import LocalizationStatus, MarkerDetectionArray
+from sensor_msgs.msg import CompressedImage, Image
+
+PACKAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
+BAG = os.path.join(PACKAGE, "bags", "paper.bag")
+TRUTH = os.path.join(PACKAGE, "bags", "paper.tum")
+IMAGE_TOPIC = "/camera/image"
+TIMEOUT = 30.0  # s, for what must come; a test that passes does not wait for it
+
+
+def read_truth() -> Dict[rospy.Time, Tuple[float, float, float]]:
+    """base_link in the map, (x, y, yaw) in m and rad, by stamp."""
+    poses = {}
+    with open(TRUTH, encoding="utf-8") as file:
+        for line in file:
+            fields = line.split()
+            if not fields or line.startswith("#"):
+                continue
+            seconds, nanoseconds = fields[0].split(".")
+            x, y, _, _, _, qz, qw = (float(field) for field in fields[1:8])
+            poses[rospy.Time(int(seconds), int(nanoseconds))] = (x, y, 2.0 * np.arctan2(qz, qw))
+    return poses
+
+
+def yaw_of(orientation) -> float:
+    """rad, of a rotation about z."""
+    return 2.0 * np.arctan2(orientation.z, orientation.w)
+
+
+def angle_between(a: float, b: float) -> float:
+    """rad, absolute."""
+    return abs((a - b + np.pi) % (2.0 * np.pi) - np.pi)
+
+
+def raw_image(compressed: CompressedImage, encoding: str = "mono8") -> Image:
+    """The same image, decoded."""
+    gray = cv2.imdecode(np.frombuffer(compressed.data, np.uint8), cv2.IMREAD_GRAYSCALE)
+    pixels = gray if encoding == "mono8" else cv2.cvtColor(gray, cv2.COLOR_GRAY2BGR)
+    return Image(header=compressed.header, height=gray.shape[0], width=gray.shape[1],
+                 encoding=encoding, step=pixels.strides[0], data=pixels.tobytes())
+
+
+class Topic:
+    """Keeps all messages of a topic."""
+
+    def __init__(self, name: str, message_type: type) -> None:
+        self._changed = threading.Condition()
+        self.messages: List = []
+        self.subscriber = rospy.Subscriber(name, message_type, self._receive, queue_size=1000,
+                                           buff_size=2 ** 24)
+
+    def _receive(self, message) -> None:
+        with self._changed:
+            self.messages.append(message)
+            self._changed.notify_all()
+
+    def wait_for(self, predicate, timeout: float = TIMEOUT):
+        """The first message that fulfils the predicate, come or yet to come; None if there is none
+        in time."""
+
+        def find():
+            return next((message for message in self.messages if predicate(message)), None)
+
+        with self._changed:
+            self._changed.wait_for(lambda: find() is not None, timeout)
+            return find()
+
+    def at(self, stamp: rospy.Time, timeout: float = TIMEOUT):
+        """The message with that stamp."""
+        return self.wait_for(lambda message: message.header.stamp == stamp, timeout)
+
+
+class Harness:
+    """Publishes the bag's images and transforms; keeps what the localizer publishes."""
+
+    def __init__(self, transport: str) -> None:
+        self.images: List[CompressedImage] = []
+        self.static_transforms: List = []
+        with rosbag.Bag(BAG) as bag:
+            for topic, message, _ in bag.read_messages():
+                if topic == IMAGE_TOPIC + "/compressed":
+                    # As a message of this process, not of the bag's own copy of the type.
+                    self.images.append(CompressedImage(header=message.header,
+                                                       format=message.format, data=message.data))
+                elif topic == "/tf_static":
+                    self.static_transforms += message.transforms
+        self.truth = read_truth()
+        self.poses = Topic("pose", PoseStamped)
+        self.covariances = Topic("pose_with_covariance", PoseWithCovarianceStamped)
+        self.status = Topic("status", LocalizationStatus)
+        self.detections = Topic("detections", MarkerDetectionArray)
+        self.transforms = Topic("/tf", tf2_msgs.msg.TFMessage)
+        self._static_publisher = rospy.Publisher("/tf_static", tf2_msgs.msg.TFMessage, latch=True,
+                                                 queue_size=1)
+        self._tf_publisher = rospy.Publisher("/tf", tf2_msgs.msg.TFMessage, queue_size=1000)
+        self._is_raw = transport == "raw"
+        self._image_publisher = (rospy.Publisher(IMAGE_TOPIC, Image, queue_size=100)
+                                 if self._is_raw else
+                                 rospy.Publisher(IMAGE_TOPIC + "/compressed", CompressedImage,
+                                                 queue_size=100))
+        self._static_publisher.publish(self.static_transforms)
+        wait_until(lambda: self._image_publisher.get_num_connections() > 0 and
+                   self._static_publisher.get_num_connections() > 0 and
+                   self.status.subscriber.get_num_connections() > 0 and
+                   self.poses.subscriber.get_num_connections() > 0 and
+                   self.covariances.subscriber.get_num_connections() > 0 and
+                   self.detections.subscriber.get_num_connections() > 0)
+
+    def publish(self, image: CompressedImage) -> None:
+        """Sends an image as the camera would."""
+        self._image_publisher.publish(raw_image(image) if self._is_raw else image)
+
+    def publish_any(self, image) -> None:
+        """Sends a message of the image topic's type as it is."""
+        self._image_publisher.publish(image)
+
+    def publish_transform(self, transform) -> None:
+        """Sends one transform on /tf."""
+        self._tf_publisher.publish([transform])
+
+    def localize(self, image: CompressedImage) -> Optional[LocalizationStatus]:
+        """Sends an image and waits until it is worked on."""
+        self.publish(image)
+        return self.status.at(image.header.stamp)
+
+    def errors(self, pose: PoseStamped) -> Tuple[float, float]:
+        """Distance (m) and angle (rad) from the true pose at its stamp."""
+        x, y, yaw = self.truth[pose.header.stamp]
+        distance = np.hypot(pose.pose.position.x - x, pose.pose.position.y - y)
+        return distance, angle_between(yaw_of(pose.pose.orientation), yaw)
+
+    def published_transforms(self) -> List:
+        """What the localizer sent on /tf."""
+        return [transform for message in self.transforms.messages
+                for transform in message.transforms
+                if transform.header.frame_id == "map"]
+
+
+def wait_until(condition, timeout: float = TIMEOUT) -> bool:
+    """Whether the condition came true in time."""
+    deadline = rospy.get_time() + timeout
+    while not condition() and rospy.get_time() < deadline and not rospy.is_shutdown():
+        rospy.sleep(0.05)
+    return condition()

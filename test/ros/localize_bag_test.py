@@ -1,0 +1,285 @@
+"""localize_bag: its results, their formats, and what it says about bad input."""
+
+import csv
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import rosbag
+import rospy
+from geometry_msgs.msg import TransformStamped
+from sensor_msgs.msg import CompressedImage, Image
+from tf2_msgs.msg import TFMessage
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from harness import (BAG, PACKAGE, angle_between, raw_image, read_truth,  # noqa: E402
+                     yaw_of)
+
+CAMERA = os.path.join(PACKAGE, "config", "cameras", "paper.yaml")
+MAP = os.path.join(PACKAGE, "maps", "paper.yaml")
+MANUAL = os.path.join(PACKAGE, "config", "localizer.yaml")
+POSES_HEADER = ("stamp,x,y,yaw,cov_xx,cov_xy,cov_xyaw,cov_yy,cov_yyaw,cov_yawyaw,mode,"
+                "markers_used")
+DETECTIONS_HEADER = ("stamp,id,family,name,map_entry,accepted,reason,bearing,range,residual,"
+                     "u0,v0,u1,v1,u2,v2,u3,v3")
+
+
+def first_pose():
+    """X,Y,YAW of the bag's first image."""
+    truth = read_truth()
+    return "{:.4f},{:.4f},{:.4f}".format(*truth[min(truth)])
+
+
+def read_bag(path):
+    """(topic, message, time) of all messages."""
+    with rosbag.Bag(path) as bag:
+        return list(bag.read_messages())
+
+
+def read_text(path):
+    with open(path, encoding="utf-8") as file:
+        return file.read()
+
+
+class LocalizeBagTest(unittest.TestCase):
+    def setUp(self):
+        directory = tempfile.TemporaryDirectory()
+        self.addCleanup(directory.cleanup)
+        self.directory = directory.name
+
+    def path(self, name):
+        return os.path.join(self.directory, name)
+
+    def run_tool(self, *arguments, **options):
+        """Runs with the shipped files; an option that is None is left out."""
+        values = {"camera": CAMERA, "map": MAP, "bag": BAG, "trajectory": self.path("out.tum"),
+                  "initial_pose": first_pose()}
+        values.update(options)
+        command = ["rosrun", "omnitag", "localize_bag", *arguments]
+        for name, value in values.items():
+            if value is not None:
+                command += ["--" + name.replace("_", "-"), value]
+        return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                              universal_newlines=True, timeout=200, check=False)
+
+    def assert_runs(self, *arguments, **options):
+        result = self.run_tool(*arguments, **options)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result
+
+    def assert_refused(self, *parts, **options):
+        """Status 1, nothing on standard output, one line on standard error with these parts."""
+        result = self.run_tool(**options)
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertEqual(result.stdout, "")
+        lines = result.stderr.splitlines()
+        self.assertEqual(len(lines), 1, result.stderr)
+        for part in ("localize_bag: ",) + parts:
+            self.assertIn(part, lines[0])
+
+    def write_bag(self, name, messages):
+        """A bag of (topic, message, time)."""
+        with rosbag.Bag(self.path(name), "w") as bag:
+            for topic, message, time in messages:
+                bag.write(topic, message, time)
+        return self.path(name)
+
+    def test_results(self):
+        result = self.assert_runs(poses=self.path("poses.csv"),
+                                  detections=self.path("detections.csv"))
+        self.assertIn("66 of 66 images", result.stderr)
+        summary = dict(line.split(":") for line in result.stdout.splitlines())
+        self.assertEqual(summary["frames"].strip(), "66")
+        self.assertEqual(summary["frames with pose"].strip(), "66")
+        self.assertGreater(float(summary["markers per frame"]), 3.0)
+        self.assertIn("99th percentile", summary["ms per frame"])
+
+        truth = {"{}.{:09d}".format(stamp.secs, stamp.nsecs): pose
+                 for stamp, pose in read_truth().items()}
+        lines = [line.split(" ") for line in read_text(self.path("out.tum")).splitlines()]
+        self.assertEqual([fields[0] for fields in lines], sorted(truth))
+        for fields in lines:
+            self.assertEqual(len(fields), 8)
+            x, y, z, qx, qy, qz, qw = (float(field) for field in fields[1:])
+            self.assertEqual((z, qx, qy), (0.0, 0.0, 0.0))
+            self.assertAlmostEqual(qz ** 2 + qw ** 2, 1.0, 8)
+            true_x, true_y, _ = truth[fields[0]]
+            self.assertLess(abs(x - true_x) + abs(y - true_y), 0.02)
+
+        poses = read_text(self.path("poses.csv")).splitlines()
+        self.assertEqual(poses[0], POSES_HEADER)
+        self.assertEqual(len(poses), 67)
+        for row, fields in zip(csv.DictReader(poses), lines):
+            self.assertEqual(row["stamp"], fields[0])
+            self.assertAlmostEqual(float(row["x"]), float(fields[1]), 9)
+            self.assertEqual(row["mode"], "tracking")
+            self.assertGreater(float(row["cov_xx"]), 0.0)
+            self.assertGreaterEqual(int(row["markers_used"]), 3)
+
+        detections = read_text(self.path("detections.csv")).splitlines()
+        self.assertEqual(detections[0], DETECTIONS_HEADER)
+        names = {}
+        for row in csv.DictReader(detections):
+            self.assertIn(row["accepted"], ("0", "1"))
+            self.assertEqual(row["accepted"] == "1", row["reason"] == "")
+            self.assertTrue(0.0 <= float(row["u0"]) < 500.0)
+            if row["accepted"] == "1":
+                names[row["map_entry"]] = row["name"]
+                self.assertEqual(row["id"], row["map_entry"])
+        self.assertEqual(names["0"], "north west")
+
+    def test_same_result_every_time(self):
+        files = []
+        for run in ("first", "second"):
+            self.assert_runs(trajectory=self.path(run + ".tum"), poses=self.path(run + ".poses"),
+                             detections=self.path(run + ".detections"))
+            files.append([read_text(self.path(run + ending))
+                          for ending in (".tum", ".poses", ".detections")])
+        self.assertEqual(files[0], files[1])
+
+    def test_params(self):
+        self.assert_runs(params=MANUAL)
+        with_manual = read_text(self.path("out.tum"))
+        self.assert_runs()
+        self.assertEqual(with_manual, read_text(self.path("out.tum")))
+        with open(self.path("params.yaml"), "w", encoding="utf-8") as file:
+            file.write("estimator: triangulation\n")
+        self.assert_runs(params=self.path("params.yaml"))
+        self.assertNotEqual(with_manual, read_text(self.path("out.tum")))
+
+    def test_without_initial_pose_every_frame_has_a_row(self):
+        self.assert_runs(initial_pose=None, poses=self.path("poses.csv"))
+        rows = list(csv.DictReader(read_text(self.path("poses.csv")).splitlines()))
+        self.assertEqual(len(rows), 66)
+        self.assertEqual(rows[0]["mode"], "searching")
+
+    def test_output_bag(self):
+        stale = TransformStamped()
+        stale.header.frame_id, stale.child_frame_id = "map", "base_link"
+        stale.header.stamp = rospy.Time(1000, 1)
+        stale.transform.rotation.w = 1.0
+        other = TransformStamped()
+        other.header.frame_id, other.child_frame_id = "base_link", "wheel"
+        other.header.stamp = rospy.Time(1000, 1)
+        other.transform.rotation.w = 1.0
+        messages = read_bag(BAG)
+        time = messages[0][2]
+        source = self.write_bag("in.bag", messages + [("/tf", TFMessage([stale, other]), time),
+                                                      ("/pose", messages[-1][1], time)])
+        self.assert_runs(bag=source, image_topic="/camera/image", output=self.path("out.bag"))
+        topics = {}
+        for topic, message, time in read_bag(self.path("out.bag")):
+            topics.setdefault(topic, []).append(message)
+        for topic in ("/camera/image/compressed", "/ground_truth/pose", "/pose",
+                      "/pose_with_covariance", "/detections", "/status"):
+            self.assertEqual(len(topics[topic]), 66, topic)
+        self.assertEqual(len(topics["/tf_static"]), 1)
+        self.assertEqual({pose._type for pose in topics["/pose"]}, {"geometry_msgs/PoseStamped"})
+        transforms = [t for message in topics["/tf"] for t in message.transforms]
+        self.assertEqual(len([t for t in transforms if t.child_frame_id == "wheel"]), 1)
+        poses = {pose.header.stamp: pose for pose in topics["/pose"]}
+        own = [t for t in transforms if t.header.frame_id == "map"]
+        self.assertEqual(len(own), 66)
+        for transform in own:
+            pose = poses[transform.header.stamp].pose
+            self.assertAlmostEqual(transform.transform.translation.x, pose.position.x, 12)
+            self.assertLess(angle_between(yaw_of(transform.transform.rotation),
+                                          yaw_of(pose.orientation)), 1e-9)
+
+    def test_raw_and_compressed_images_give_the_same(self):
+        self.assert_runs(image_topic="camera/image/compressed")
+        compressed = read_text(self.path("out.tum"))
+        raw = self.write_bag("raw.bag", [
+            ("/camera/image", raw_image(message), time) if topic.startswith("/camera/image") else
+            (topic, message, time) for topic, message, time in read_bag(BAG)])
+        self.assert_runs(bag=raw)
+        self.assertEqual(compressed, read_text(self.path("out.tum")))
+
+    def test_skips_images_that_are_no_images(self):
+        messages = read_bag(BAG)
+        torn = [i for i, (topic, _, _) in enumerate(messages) if "image" in topic][10]
+        messages[torn][1].data = messages[torn][1].data[:40]
+        result = self.assert_runs(bag=self.write_bag("torn.bag", messages),
+                                  poses=self.path("poses.csv"))
+        self.assertIn("cannot be decoded", result.stderr)
+        self.assertIn("unusable frames:   1", result.stdout)
+        self.assertEqual(len(read_text(self.path("poses.csv")).splitlines()), 67)
+
+    def test_missing_odometry_is_reported(self):
+        result = self.assert_runs(odom_frame="odom")
+        self.assertIn("from 'base_link' to 'odom'", result.stderr)
+        self.assertIn("without odometry:  66", result.stdout)
+
+    def test_help(self):
+        result = subprocess.run(["rosrun", "omnitag", "localize_bag", "--help"],
+                                stdout=subprocess.PIPE, universal_newlines=True, check=True)
+        for option in ("camera", "map", "bag", "trajectory", "image-topic", "initial-pose",
+                       "odom-frame", "params", "poses", "detections", "output"):
+            self.assertIn("--" + option, result.stdout)
+
+    def test_bad_options(self):
+        for name in ("camera", "map", "bag", "trajectory"):
+            self.assert_refused("--" + name, **{name: None})
+        for pose in ("", "1", "1,2", "1,2,3,4", "1,2,x", "nan,0,0", "1 2 3"):
+            self.assert_refused("--initial-pose", "X,Y,YAW", initial_pose=pose)
+        self.assert_refused("no-such-option", no_such_option="1")
+
+    def test_bad_files(self):
+        missing = self.path("missing")
+        with open(self.path("text"), "w", encoding="utf-8") as file:
+            file.write("camera_fil: x\n")
+        text = self.path("text")
+        for name in ("camera", "map", "bag", "params"):
+            self.assert_refused(missing, **{name: missing})
+            self.assert_refused(text, **{name: text})
+        for name in ("trajectory", "poses", "detections", "output"):
+            self.assert_refused("/no/such/directory", **{name: "/no/such/directory/file"})
+        self.assert_refused("would be overwritten", trajectory=BAG)
+        self.assert_refused("--poses", poses=self.path("out.tum"))
+
+    def test_bad_bags(self):
+        messages = read_bag(BAG)
+        images = [(topic, message, time) for topic, message, time in messages if "image" in topic]
+        transforms = [m for m in messages if m[0] == "/tf_static"]
+
+        with open(BAG, "rb") as file:
+            content = file.read()
+        with open(self.path("cut.bag"), "wb") as file:
+            file.write(content[:len(content) // 2])
+        self.assert_refused("cut.bag", bag=self.path("cut.bag"))
+
+        self.assert_refused("has no images", bag=self.write_bag("none.bag", transforms))
+        self.assert_refused("--image-topic", "/camera/image/compressed", "'/other'",
+                            image_topic="/other")
+        two = self.write_bag("two.bag", transforms + images[:2] + [
+            ("/rear/image/compressed", message, time) for _, message, time in images[:2]])
+        self.assert_refused("/camera/image/compressed, /rear/image/compressed", bag=two)
+        self.assert_runs(bag=two, image_topic="/camera/image")
+
+        self.assert_refused_in_the_end("from 'camera_optical_frame' to 'base_link'",
+                                       self.write_bag("still.bag", images[:2]))
+        small = Image(header=images[0][1].header, height=10, width=20, step=20, encoding="mono8",
+                      data=bytes(200))
+        self.assert_refused_in_the_end(
+            "20 x 10 pixels, expected 500 x 500 pixels",
+            self.write_bag("small.bag", transforms + [("/image", small, images[0][2])]))
+        broken = CompressedImage(header=images[0][1].header, format="jpeg", data=b"123")
+        self.assert_refused_in_the_end(
+            "cannot be decoded",
+            self.write_bag("broken.bag", transforms + [("/image/compressed", broken,
+                                                        images[0][2])]))
+
+    def assert_refused_in_the_end(self, part, bag):
+        """Status 1, and a last line that names the bag and the reason."""
+        result = self.run_tool(bag=bag)
+        self.assertEqual(result.returncode, 1)
+        self.assertEqual(result.stdout, "")
+        last = result.stderr.splitlines()[-1]
+        self.assertIn(bag + ": no image could be used: ", last)
+        self.assertIn(part, last)
+
+
+if __name__ == "__main__":
+    unittest.main()

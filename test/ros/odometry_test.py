@@ -1,0 +1,63 @@
+#!/usr/bin/env python3
+"""The localizer with an odometry frame: map -> odom, and never under a false name."""
+
+import sys
+import unittest
+
+import numpy as np
+import rospy
+import rostest
+from geometry_msgs.msg import TransformStamped
+from harness import Harness, yaw_of
+
+# odom in the map: the odometry of this test has no error, but another origin.
+ODOM_X, ODOM_Y, ODOM_YAW = 1.5, -0.7, 0.6
+TOLERANCE = 0.1  # s, the default of transform_tolerance
+
+
+def odometry(stamp, pose):
+    """odom -> base_link of a true pose."""
+    x, y, yaw = pose
+    dx, dy = x - ODOM_X, y - ODOM_Y
+    transform = TransformStamped()
+    transform.header.stamp = stamp
+    transform.header.frame_id = "odom"
+    transform.child_frame_id = "base_link"
+    transform.transform.translation.x = np.cos(ODOM_YAW) * dx + np.sin(ODOM_YAW) * dy
+    transform.transform.translation.y = -np.sin(ODOM_YAW) * dx + np.cos(ODOM_YAW) * dy
+    transform.transform.rotation.z = np.sin((yaw - ODOM_YAW) / 2.0)
+    transform.transform.rotation.w = np.cos((yaw - ODOM_YAW) / 2.0)
+    return transform
+
+
+class OdometryTest(unittest.TestCase):
+    def test_map_to_odom(self):
+        harness = Harness("compressed")
+        without = set(range(20, 25))
+        for i, image in enumerate(harness.images[:40]):
+            stamp = image.header.stamp
+            if i not in without:
+                harness.publish_transform(odometry(stamp, harness.truth[stamp]))
+            status = harness.localize(image)
+            self.assertIsNotNone(status)
+            self.assertTrue(status.has_pose)
+
+        by_stamp = {transform.header.stamp: transform
+                    for transform in harness.published_transforms()}
+        for i, image in enumerate(harness.images[:40]):
+            stamp = image.header.stamp + rospy.Duration(TOLERANCE)
+            self.assertEqual(stamp in by_stamp, i not in without, i)
+            if i in without:
+                continue
+            transform = by_stamp[stamp]
+            self.assertEqual(transform.child_frame_id, "odom")
+            self.assertAlmostEqual(transform.transform.translation.x, ODOM_X, delta=0.05)
+            self.assertAlmostEqual(transform.transform.translation.y, ODOM_Y, delta=0.05)
+            self.assertAlmostEqual(yaw_of(transform.transform.rotation), ODOM_YAW, delta=0.01)
+        self.assertEqual({transform.child_frame_id
+                          for transform in harness.published_transforms()}, {"odom"})
+
+
+if __name__ == "__main__":
+    rospy.init_node("odometry_test")
+    rostest.rosrun("omnitag", "odometry", OdometryTest, sys.argv)

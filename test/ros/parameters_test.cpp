@@ -1,0 +1,213 @@
+#include "omnitag/ros/parameters.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "omnitag/ros/xmlrpc_yaml.h"
+
+namespace omnitag {
+namespace {
+
+const std::string kManual = PACKAGE_DIR "/config/localizer.yaml";
+
+std::string refusalOf(const YamlReader& reader) {
+  try {
+    readParameters(reader);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// The keys that a mapping may have, as the refusal of an unknown one lists them.
+std::set<std::string> knownKeys(const std::string& text) {
+  const std::string refusal = refusalOf(YamlReader::fromText(text, "text"));
+  const std::string start = "expected one of: ";
+  EXPECT_NE(refusal.find(start), std::string::npos) << refusal;
+  std::istringstream list(refusal.substr(refusal.find(start) + start.size()));
+  std::set<std::string> keys;
+  for (std::string key; std::getline(list >> std::ws, key, ',');) keys.insert(key);
+  return keys;
+}
+
+std::set<std::string> keysOf(const YAML::Node& mapping) {
+  std::set<std::string> keys;
+  for (const auto& entry : mapping) keys.insert(entry.first.as<std::string>());
+  return keys;
+}
+
+TEST(Parameters, ManualNamesEveryParameter) {
+  const YAML::Node manual = YAML::LoadFile(kManual);
+  std::set<std::string> expected = knownKeys("no_such_key: 1");
+  for (const char* key : {"camera_file", "map_file", "diagnostic_period", "num_worker_threads"}) {
+    expected.erase(key);
+  }
+  EXPECT_EQ(keysOf(manual), expected);
+  for (const std::string group :
+       {"visibility", "view", "detector", "association", "estimation", "motion"}) {
+    EXPECT_EQ(keysOf(manual[group]), knownKeys(group + ": {no_such_key: 1}")) << group;
+  }
+}
+
+TEST(Parameters, ManualHasTheDefaults) {
+  const LocalizerParameters manual = readParameters(YamlReader::fromFile(kManual));
+  const LocalizerParameters defaults;
+  EXPECT_EQ(manual.frames.map, defaults.frames.map);
+  EXPECT_EQ(manual.frames.odom, defaults.frames.odom);
+  EXPECT_EQ(manual.frames.base, defaults.frames.base);
+  EXPECT_FALSE(manual.initial_pose);
+  EXPECT_EQ(manual.image_transport, defaults.image_transport);
+  EXPECT_EQ(manual.queue_size, defaults.queue_size);
+  EXPECT_EQ(manual.transform_timeout, defaults.transform_timeout);
+  EXPECT_EQ(manual.transform_tolerance, defaults.transform_tolerance);
+  EXPECT_EQ(manual.restart_time_jump, defaults.restart_time_jump);
+  EXPECT_EQ(manual.path_min_step, defaults.path_min_step);
+  EXPECT_EQ(manual.path_max_poses, defaults.path_max_poses);
+  EXPECT_EQ(manual.robot_radius, defaults.robot_radius);
+
+  const VisibilityConfig& visibility = manual.localizer.visibility;
+  const VisibilityConfig& visibility_default = defaults.localizer.visibility;
+  EXPECT_EQ(visibility.max_range, visibility_default.max_range);
+  EXPECT_DOUBLE_EQ(visibility.max_incidence, visibility_default.max_incidence);
+  EXPECT_EQ(visibility.min_edge_pixels, visibility_default.min_edge_pixels);
+  EXPECT_EQ(visibility.margin_deviations, visibility_default.margin_deviations);
+  EXPECT_EQ(visibility.min_margin_pixels, visibility_default.min_margin_pixels);
+
+  const ViewPlannerConfig& view = manual.localizer.view;
+  const ViewPlannerConfig& view_default = defaults.localizer.view;
+  EXPECT_EQ(view.oversampling, view_default.oversampling);
+  EXPECT_EQ(view.max_size, view_default.max_size);
+  EXPECT_DOUBLE_EQ(view.max_merged_half_width, view_default.max_merged_half_width);
+
+  const TagDetectorConfig& detector = manual.localizer.detector;
+  const TagDetectorConfig& detector_default = defaults.localizer.detector;
+  EXPECT_EQ(detector.quad_decimate, detector_default.quad_decimate);
+  EXPECT_EQ(detector.quad_sigma, detector_default.quad_sigma);
+  EXPECT_EQ(detector.refine_edges, detector_default.refine_edges);
+  EXPECT_EQ(detector.decode_sharpening, detector_default.decode_sharpening);
+  EXPECT_EQ(detector.min_cluster_pixels, detector_default.min_cluster_pixels);
+  EXPECT_EQ(detector.max_nmaxima, detector_default.max_nmaxima);
+  EXPECT_EQ(detector.critical_angle, detector_default.critical_angle);
+  EXPECT_EQ(detector.max_line_fit_mse, detector_default.max_line_fit_mse);
+  EXPECT_EQ(detector.min_white_black_diff, detector_default.min_white_black_diff);
+  EXPECT_EQ(detector.deglitch, detector_default.deglitch);
+  EXPECT_EQ(detector.max_hamming, detector_default.max_hamming);
+  EXPECT_EQ(detector.min_decision_margin, detector_default.min_decision_margin);
+
+  const AssociationConfig& association = manual.localizer.association;
+  const AssociationConfig& association_default = defaults.localizer.association;
+  EXPECT_EQ(association.max_offset, association_default.max_offset);
+  EXPECT_EQ(association.max_scale, association_default.max_scale);
+  EXPECT_DOUBLE_EQ(association.max_roll, association_default.max_roll);
+
+  const EstimatorConfig& estimation = manual.localizer.estimation;
+  const EstimatorConfig& estimation_default = defaults.localizer.estimation;
+  EXPECT_EQ(estimation.kind, estimation_default.kind);
+  EXPECT_EQ(estimation.reprojection.corner_noise, estimation_default.reprojection.corner_noise);
+  EXPECT_EQ(estimation.reprojection.robust_width, estimation_default.reprojection.robust_width);
+  EXPECT_EQ(estimation.max_residual, estimation_default.max_residual);
+
+  const MotionModelConfig& motion = manual.localizer.motion;
+  const MotionModelConfig& motion_default = defaults.localizer.motion;
+  EXPECT_EQ(motion.acceleration_deviation, motion_default.acceleration_deviation);
+  EXPECT_EQ(motion.angular_acceleration_deviation, motion_default.angular_acceleration_deviation);
+  EXPECT_EQ(motion.initial_speed_deviation, motion_default.initial_speed_deviation);
+  EXPECT_EQ(motion.initial_turn_rate_deviation, motion_default.initial_turn_rate_deviation);
+  EXPECT_EQ(motion.odometry_rotation_per_rotation, motion_default.odometry_rotation_per_rotation);
+  EXPECT_EQ(motion.odometry_rotation_per_metre, motion_default.odometry_rotation_per_metre);
+  EXPECT_EQ(motion.odometry_translation_per_metre, motion_default.odometry_translation_per_metre);
+  EXPECT_EQ(motion.odometry_translation_per_rotation,
+            motion_default.odometry_translation_per_rotation);
+  EXPECT_EQ(motion.initial_position_deviation, motion_default.initial_position_deviation);
+  EXPECT_DOUBLE_EQ(motion.initial_heading_deviation, motion_default.initial_heading_deviation);
+  EXPECT_EQ(motion.max_dead_reckoning_time, motion_default.max_dead_reckoning_time);
+  EXPECT_EQ(motion.max_position_deviation, motion_default.max_position_deviation);
+  EXPECT_DOUBLE_EQ(motion.max_heading_deviation, motion_default.max_heading_deviation);
+}
+
+TEST(Parameters, InitialPose) {
+  const auto read = [](const std::string& text) {
+    return readParameters(YamlReader::fromText(text, "text")).initial_pose;
+  };
+  const std::optional<Pose2> pose = read("initial_pose: [1, -2.5, 3]");
+  ASSERT_TRUE(pose);
+  EXPECT_EQ(pose->x, 1.0);
+  EXPECT_EQ(pose->y, -2.5);
+  EXPECT_EQ(pose->yaw, 3.0);
+  EXPECT_FALSE(read("initial_pose: []"));
+  EXPECT_FALSE(read("queue_size: 3"));
+}
+
+TEST(Parameters, RefusesWhatIsWrong) {
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"map_fram: map", "map_fram"},
+      {"base_frame: ''", "base_frame"},
+      {"map_frame: /map", "map_frame"},
+      {"odom_frame: [odom]", "odom_frame"},
+      {"initial_pose: [1, 2]", "initial_pose"},
+      {"initial_pose: [1, 2, .nan]", "initial_pose"},
+      {"initial_pose: [1, 2, east]", "initial_pose"},
+      {"initial_pose: 1", "initial_pose"},
+      {"queue_size: 0", "queue_size"},
+      {"queue_size: 1.5", "queue_size"},
+      {"transform_timeout: -0.1", "transform_timeout"},
+      {"transform_tolerance: .inf", "transform_tolerance"},
+      {"restart_time_jump: soon", "restart_time_jump"},
+      {"path_min_step: -1", "path_min_step"},
+      {"path_max_poses: 0", "path_max_poses"},
+      {"robot_radius: 0", "robot_radius"},
+      {"estimator: magic", "estimator"},
+      {"motion: 3", "motion"},
+      {"detector: {max_hamming: 99}", "detector.max_hamming"},
+      {"visibility: {max_range: far}", "visibility.max_range"},
+  };
+  for (const auto& [text, key] : cases) {
+    const std::string refusal = refusalOf(YamlReader::fromText(text, "params.yaml"));
+    EXPECT_EQ(refusal.rfind("params.yaml:1: " + key + ": ", 0), 0U) << text << " -> " << refusal;
+    EXPECT_EQ(refusal.find('\n'), std::string::npos) << refusal;
+  }
+}
+
+TEST(XmlRpcYaml, KeepsValues) {
+  XmlRpc::XmlRpcValue tree;
+  tree["flag"] = true;
+  tree["count"] = 3;
+  tree["number"] = 0.1;
+  tree["bad"] = std::numeric_limits<double>::quiet_NaN();
+  tree["text"] = "odom";
+  tree["list"][0] = 1;
+  tree["list"][1] = 2.5;
+  tree["group"]["inner"] = -1;
+  const YamlReader reader(yamlFromXmlRpc(tree, "/localizer"), "/localizer");
+  bool flag = false;
+  reader.read("flag", &flag);
+  EXPECT_TRUE(flag);
+  EXPECT_EQ(reader.integer("count"), 3);
+  EXPECT_EQ(reader.number("count"), 3.0);
+  EXPECT_EQ(reader.number("number"), 0.1);
+  EXPECT_EQ(reader.text("text"), "odom");
+  EXPECT_EQ(reader.numbers("list", 2), (std::vector<double>{1.0, 2.5}));
+  EXPECT_EQ(reader.mapping("group").integer("inner"), -1);
+  EXPECT_THROW(reader.number("bad"), InputError);
+}
+
+TEST(XmlRpcYaml, RefusesBinaryData) {
+  std::string bytes = "abc";
+  XmlRpc::XmlRpcValue tree;
+  tree["blob"] = XmlRpc::XmlRpcValue(bytes.data(), static_cast<int>(bytes.size()));
+  try {
+    yamlFromXmlRpc(tree, "/localizer");
+    FAIL() << "binary data was taken";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("/localizer/blob"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace omnitag

@@ -1,0 +1,74 @@
+#include "omnitag/ros/result_messages.h"
+
+#include <gtest/gtest.h>
+
+#include "omnitag/ros/conversions.h"
+
+namespace omnitag {
+namespace {
+
+constexpr double kTolerance = 0.25;
+
+LocalizedImage localizedImage() {
+  LocalizedImage localized;
+  localized.input.header.frame_id = "camera";
+  localized.input.header.stamp = ros::Time(100, 500);
+  localized.result.map_from_base =
+      PoseEstimate{{1.0, 2.0, 0.5}, Eigen::Matrix3d::Identity() * 0.01};
+  return localized;
+}
+
+TEST(ResultMessages, MapToBaseWithoutOdometry) {
+  const LocalizedImage localized = localizedImage();
+  const ResultMessages messages =
+      toMessages(localized, MarkerMap(), {"map", "", "base_link"}, kTolerance);
+  ASSERT_TRUE(messages.transform && messages.pose && messages.pose_with_covariance);
+  EXPECT_EQ(messages.transform->header.frame_id, "map");
+  EXPECT_EQ(messages.transform->child_frame_id, "base_link");
+  EXPECT_EQ(messages.transform->header.stamp, localized.input.header.stamp);
+  EXPECT_EQ(messages.pose->header.frame_id, "map");
+  EXPECT_EQ(messages.pose->header.stamp, localized.input.header.stamp);
+  EXPECT_EQ(messages.pose_with_covariance->header, messages.pose->header);
+  EXPECT_EQ(messages.detections.header, localized.input.header);
+  EXPECT_EQ(messages.status.header, localized.input.header);
+  EXPECT_TRUE(fromMessage(messages.transform->transform)
+                  .isApprox(fromMessage(messages.pose->pose), 1e-12));
+}
+
+TEST(ResultMessages, MapToOdomLeadsToTheSamePose) {
+  LocalizedImage localized = localizedImage();
+  // Odometry in space, as one with an inertial unit has it.
+  localized.input.odom_from_base = Eigen::Translation3d(-3.0, 0.5, 0.1) *
+                                   Eigen::AngleAxisd(1.2, Eigen::Vector3d(0.05, 0.1, 1.0).normalized());
+  const ResultMessages messages =
+      toMessages(localized, MarkerMap(), {"map", "odom", "base_link"}, kTolerance);
+  ASSERT_TRUE(messages.transform);
+  EXPECT_EQ(messages.transform->header.frame_id, "map");
+  EXPECT_EQ(messages.transform->child_frame_id, "odom");
+  EXPECT_EQ(messages.transform->header.stamp,
+            localized.input.header.stamp + ros::Duration(kTolerance));
+  const Eigen::Isometry3d map_from_base =
+      fromMessage(messages.transform->transform) * *localized.input.odom_from_base;
+  EXPECT_TRUE(map_from_base.isApprox(Pose2{1.0, 2.0, 0.5}.toIsometry(), 1e-12));
+}
+
+TEST(ResultMessages, NoTransformWithoutTheOdometryThatShouldBeThere) {
+  const ResultMessages messages =
+      toMessages(localizedImage(), MarkerMap(), {"map", "odom", "base_link"}, kTolerance);
+  EXPECT_FALSE(messages.transform);
+  EXPECT_TRUE(messages.pose);
+}
+
+TEST(ResultMessages, NothingButStatusWithoutAPose) {
+  LocalizedImage localized = localizedImage();
+  localized.result.map_from_base.reset();
+  const ResultMessages messages =
+      toMessages(localized, MarkerMap(), {"map", "", "base_link"}, kTolerance);
+  EXPECT_FALSE(messages.transform);
+  EXPECT_FALSE(messages.pose);
+  EXPECT_FALSE(messages.pose_with_covariance);
+  EXPECT_FALSE(messages.status.has_pose);
+}
+
+}  // namespace
+}  // namespace omnitag
