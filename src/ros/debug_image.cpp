@@ -204,8 +204,8 @@ void DebugImagePainter::paintTitle(const FrameResult& result, cv::Mat* canvas) c
   cv::Point pen(kMargin, 29);
   pen.x = write(toString(result.mode), pen, color, kTextSize, canvas) + 2 * kMargin;
   std::array<char, 200> words{};
-  std::snprintf(words.data(), words.size(), "%d of %zu markers   %.0f ms",
-                result.acceptedMarkers(), result.predicted.size(), 1e3 * result.timings.total);
+  std::snprintf(words.data(), words.size(), "%d of %zu markers   %.0f ms", result.acceptedMarkers(),
+                result.predicted.size(), 1e3 * result.timings.total);
   pen.x = write(words.data(), pen, kWhite, kTextSize, canvas) + 2 * kMargin;
   if (!has_pose) return;
   const Pose2& pose = result.map_from_base->pose;
@@ -222,13 +222,10 @@ std::vector<DebugImagePainter::Sighting> DebugImagePainter::sightingsIn(
   std::vector<Sighting> sightings;
   for (const PredictedMarker& predicted : result.predicted) {
     if (!isIn(view, predicted.center)) continue;
-    const auto detection =
-        std::find_if(result.detections.begin(), result.detections.end(),
-                     [&](const MarkerDetection& d) {
-                       return d.accepted && d.map_entry == predicted.map_entry;
-                     });
-    sightings.push_back(
-        {&predicted, detection == result.detections.end() ? nullptr : &*detection});
+    const auto detection = std::find_if(
+        result.detections.begin(), result.detections.end(),
+        [&](const MarkerDetection& d) { return d.accepted && d.map_entry == predicted.map_entry; });
+    sightings.push_back({&predicted, detection == result.detections.end() ? nullptr : &*detection});
   }
   return sightings;
 }
@@ -252,14 +249,13 @@ std::vector<cv::Point2d> DebugImagePainter::outline(const View& view) const {
   constexpr int kSteps = 12;
   const double right = view.size.width - 1;
   const double bottom = view.size.height - 1;
-  const std::array<Eigen::Vector2d, 5> corners = {Eigen::Vector2d(0.0, 0.0), {right, 0.0},
-                                                  {right, bottom}, {0.0, bottom}, {0.0, 0.0}};
+  const std::array<Eigen::Vector2d, 5> corners = {
+      Eigen::Vector2d(0.0, 0.0), {right, 0.0}, {right, bottom}, {0.0, bottom}, {0.0, 0.0}};
   std::vector<cv::Point2d> points;
   for (std::size_t side = 0; side + 1 < corners.size(); ++side) {
     for (int step = 0; step < kSteps; ++step) {
       const double share = static_cast<double>(step) / kSteps;
-      const Eigen::Vector2d position =
-          (1.0 - share) * corners[side] + share * corners[side + 1];
+      const Eigen::Vector2d position = (1.0 - share) * corners[side] + share * corners[side + 1];
       const std::optional<Eigen::Vector2d> pixel = warper_.panoramaFromView(view, position);
       if (pixel) points.push_back(onCanvas(*pixel));
     }

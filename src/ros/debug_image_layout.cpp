@@ -14,8 +14,8 @@ std::vector<cv::Rect> slots() {
   std::vector<cv::Rect> cells;
   for (int row = 0; row < kCellsPerSide; ++row) {
     for (int column = 0; column < kCellsPerSide; ++column) {
-      const bool is_border = row == 0 || column == 0 || row == kCellsPerSide - 1 ||
-                             column == kCellsPerSide - 1;
+      const bool is_border =
+          row == 0 || column == 0 || row == kCellsPerSide - 1 || column == kCellsPerSide - 1;
       if (is_border) {
         cells.emplace_back(column * kCell, kTitleHeight + row * kCell, kCell, kCell);
       }
@@ -36,9 +36,8 @@ cv::Rect middle() { return {kCell, kTitleHeight + kCell, kSide - 2 * kCell, kSid
 std::vector<cv::Rect> cellsFor(const std::vector<double>& directions) {
   if (directions.empty()) return {};
   std::vector<cv::Rect> cells = slots();
-  std::sort(cells.begin(), cells.end(), [](const cv::Rect& a, const cv::Rect& b) {
-    return directionOf(a) < directionOf(b);
-  });
+  std::sort(cells.begin(), cells.end(),
+            [](const cv::Rect& a, const cv::Rect& b) { return directionOf(a) < directionOf(b); });
   std::vector<std::size_t> order(directions.size());
   std::iota(order.begin(), order.end(), 0U);
   std::sort(order.begin(), order.end(), [&directions](std::size_t a, std::size_t b) {
@@ -52,10 +51,9 @@ std::vector<cv::Rect> cellsFor(const std::vector<double>& directions) {
     const auto distance = [&](const cv::Rect& cell) {
       return std::abs(normalizeAngle(directionOf(cell) - directions[i]));
     };
-    const auto nearest =
-        std::min_element(cells.begin(), cells.end(), [&](const cv::Rect& a, const cv::Rect& b) {
-          return distance(a) < distance(b);
-        });
+    const auto nearest = std::min_element(
+        cells.begin(), cells.end(),
+        [&](const cv::Rect& a, const cv::Rect& b) { return distance(a) < distance(b); });
     const int wanted = static_cast<int>(nearest - cells.begin());
     slot.push_back(slot.empty() ? wanted : std::max(wanted, slot.back() + 1));
   }

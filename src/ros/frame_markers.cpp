@@ -41,8 +41,7 @@ Eigen::Vector3d endOfSight(const MarkerDetection& detection, const MarkerMap& ma
                            const Pose2& pose, const Eigen::Vector3d& camera) {
   const double range = std::isfinite(detection.range) ? detection.range : kUnknownRange;
   const double azimuth = pose.yaw + detection.bearing;
-  Eigen::Vector3d end =
-      camera + range * Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), 0.0);
+  Eigen::Vector3d end = camera + range * Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), 0.0);
   if (detection.map_entry) end.z() = map.markers[*detection.map_entry].center().z();
   return end;
 }
@@ -59,15 +58,13 @@ void addBearings(const std::string& frame, const FrameResult& result, const Mark
   }
   int rejections = 0;
   for (const MarkerDetection& detection : result.detections) {
-    const Eigen::Vector3d end =
-        endOfSight(detection, map, result.map_from_base->pose, camera);
+    const Eigen::Vector3d end = endOfSight(detection, map, result.map_from_base->pose, camera);
     RvizMarker& sight = detection.accepted ? accepted : rejected;
     sight.points.push_back(toMessage(camera));
     sight.points.push_back(toMessage(end));
     if (detection.accepted) continue;
-    RvizMarker reason =
-        text(frame, "reasons", end - kTextHeight * Eigen::Vector3d::UnitZ(),
-             std::to_string(detection.id) + ": " + detection.reason, orange);
+    RvizMarker reason = text(frame, "reasons", end - kTextHeight * Eigen::Vector3d::UnitZ(),
+                             std::to_string(detection.id) + ": " + detection.reason, orange);
     reason.id = rejections++;
     markers->push_back(reason);
   }
@@ -125,12 +122,10 @@ void addCovariance(const std::string& frame, const PoseEstimate& estimate, doubl
   const double yaw = degrees(3.0 * std::sqrt(std::max(0.0, estimate.covariance(2, 2))));
   const Pose2& pose = estimate.pose;
   const std_msgs::ColorRGBA yellow = color(1.0, 0.9, 0.3);
-  markers->push_back(
-      ellipse(frame, "covariance", pose, half_axes, solver.eigenvectors(), yellow));
+  markers->push_back(ellipse(frame, "covariance", pose, half_axes, solver.eigenvectors(), yellow));
 
   // The power of ten that makes it about as large as the robot.
-  const double power =
-      std::floor(std::log10(3.0 * robot_radius / std::max(half_axes.y(), 1e-9)));
+  const double power = std::floor(std::log10(3.0 * robot_radius / std::max(half_axes.y(), 1e-9)));
   const double enlargement = std::pow(10.0, std::max(0.0, power));
   std::array<char, 100> words{};
   if (enlargement > 1.0) {

@@ -41,9 +41,8 @@ HealthMonitor::HealthMonitor(const ros::NodeHandle& node, const ros::NodeHandle&
   updater_.add("images", this, &HealthMonitor::reportImages);
   updater_.add("transforms", this, &HealthMonitor::reportTransforms);
   updater_.add("localization", this, &HealthMonitor::reportLocalization);
-  timer_ = node.createWallTimer(ros::WallDuration(kReportPeriod), [this](const ros::WallTimerEvent&) {
-    updater_.force_update();
-  });
+  timer_ = node.createWallTimer(ros::WallDuration(kReportPeriod),
+                                [this](const ros::WallTimerEvent&) { updater_.force_update(); });
 }
 
 void HealthMonitor::imageRefused(const std::string& why) {
@@ -156,8 +155,7 @@ void HealthMonitor::reportLocalization(Report& report) {
     report.addf("yaw", "%.2f deg", degrees(last_pose_->pose.yaw));
     report.addf("standard deviation of the position", "%.2g m",
                 std::sqrt(covariance.topLeftCorner<2, 2>().trace()));
-    report.addf("standard deviation of the yaw", "%.2g deg",
-                degrees(std::sqrt(covariance(2, 2))));
+    report.addf("standard deviation of the yaw", "%.2g deg", degrees(std::sqrt(covariance(2, 2))));
   }
 }
 
@@ -173,7 +171,8 @@ void HealthMonitor::settle(Subject* subject, const std::string& all_is_well) {
   if (subject->problem.empty()) return;
   subject->problem.clear();
   // A problem that comes and goes with every image would fill the log.
-  if (seconds(Clock::now() - *subject->last_line) > 1.0) subject->last_line.reset();
+  if (seconds(Clock::now() - *subject->last_line) < kReportPeriod) return;
+  subject->last_line.reset();
   ROS_INFO_STREAM(name_ << ": " << all_is_well);
 }
 

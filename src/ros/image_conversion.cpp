@@ -1,8 +1,8 @@
 #include "omnitag/ros/image_conversion.h"
 
-#include <boost/make_shared.hpp>
 #include <sensor_msgs/image_encodings.h>
 
+#include <boost/make_shared.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 

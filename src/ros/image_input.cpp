@@ -44,9 +44,9 @@ ImageInput::ImageInput(const ros::NodeHandle& node, const ros::NodeHandle& priva
     const auto callback = [this](const sensor_msgs::ImageConstPtr& message) {
       push({message->header, [message] { return grayImage(message); }});
     };
-    subscriber_ = image_transport_.subscribe(
-        "image", ros_queue_size, callback, nullptr,
-        image_transport::TransportHints(transport, hints, private_node));
+    subscriber_ =
+        image_transport_.subscribe("image", ros_queue_size, callback, nullptr,
+                                   image_transport::TransportHints(transport, hints, private_node));
   } catch (const image_transport::Exception&) {
     throw InputError(private_node.getNamespace() + ": image_transport: expected one of " +
                      knownTransports(image_transport_) + ", found '" + transport + "'");

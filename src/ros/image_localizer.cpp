@@ -25,8 +25,7 @@ std::optional<LocalizedImage> ImageLocalizer::localize(const cv_bridge::CvImageC
   LocalizedImage localized;
   const ros::Time& stamp = image->header.stamp;
   const bool is_late = !last_stamp_.isZero() && stamp <= last_stamp_;
-  localized.started_anew =
-      is_late && (last_stamp_ - stamp).toSec() > parameters_.restart_time_jump;
+  localized.started_anew = is_late && (last_stamp_ - stamp).toSec() > parameters_.restart_time_jump;
   if (is_late && !localized.started_anew) {
     ++late_images_;
     return std::nullopt;

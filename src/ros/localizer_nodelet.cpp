@@ -1,7 +1,7 @@
 #include <nodelet/nodelet.h>
-#include <pluginlib/class_list_macros.hpp>
 
 #include <memory>
+#include <pluginlib/class_list_macros.hpp>
 
 #include "omnitag/ros/localizer_server.h"
 

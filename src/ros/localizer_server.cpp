@@ -18,7 +18,8 @@ namespace {
 constexpr double kTransformCache = 30.0;
 
 /// A covariance of (x, y, yaw) in the axes of the map.
-Eigen::Matrix3d rotated(const Eigen::Matrix3d& covariance, const Eigen::Isometry3d& map_from_frame) {
+Eigen::Matrix3d rotated(const Eigen::Matrix3d& covariance,
+                        const Eigen::Isometry3d& map_from_frame) {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   rotation.topLeftCorner<2, 2>() =
       Eigen::Rotation2Dd(Pose2::fromIsometry(map_from_frame).yaw).toRotationMatrix();
@@ -55,13 +56,13 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
   debug_image_publisher_ = image_transport_.advertise("debug_image", 1);
   initial_pose_subscriber_ =
       node_.subscribe("initialpose", 1, &LocalizerServer::onInitialPose, this);
-  global_localization_server_ = node_.advertiseService(
-      "global_localization", &LocalizerServer::onGlobalLocalization, this);
+  global_localization_server_ =
+      node_.advertiseService("global_localization", &LocalizerServer::onGlobalLocalization, this);
   save_map_server_ = node_.advertiseService("save_map", &LocalizerServer::onSaveMap, this);
 
   ROS_INFO_STREAM(name_ << ": camera " << parameters_.camera_file << ", "
-                        << localizer_.map().markers.size() << " markers of "
-                        << parameters_.map_file << ", images from " << input_.topic());
+                        << localizer_.map().markers.size() << " markers of " << parameters_.map_file
+                        << ", images from " << input_.topic());
   thread_ = std::thread(&LocalizerServer::run, this);
 }
 
@@ -101,8 +102,7 @@ void LocalizerServer::onImage(const ReceivedImage& received) {
 void LocalizerServer::waitForTransforms(const std_msgs::Header& header) const {
   using Clock = std::chrono::steady_clock;
   constexpr std::chrono::milliseconds kPoll(2);
-  const auto deadline =
-      Clock::now() + std::chrono::duration<double>(parameters_.transform_timeout);
+  const auto deadline = Clock::now() + std::chrono::duration<double>(parameters_.transform_timeout);
   while (!localizer_.assembler().hasTransforms(header, transforms_) && Clock::now() < deadline &&
          !input_.isClosed()) {
     std::this_thread::sleep_for(kPoll);
@@ -115,8 +115,8 @@ void LocalizerServer::publish(const LocalizedImage& localized) {
     path_.clear();
     markers_publisher_.publish(map_markers_);
   }
-  ResultMessages messages = toMessages(localized, localizer_.map(), localizer_.frames(),
-                                       parameters_.transform_tolerance);
+  ResultMessages messages =
+      toMessages(localized, localizer_.map(), localizer_.frames(), parameters_.transform_tolerance);
   messages.status.images_received = input_.received();
   messages.status.images_dropped = input_.dropped() + localizer_.lateImages();
 

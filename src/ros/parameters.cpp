@@ -47,10 +47,10 @@ void parseList(YAML::Node node) {
 
 LocalizerParameters readParameters(const YamlReader& reader) {
   reader.allowOnly({"camera_file", "map_file", "map_frame", "odom_frame", "base_frame",
-                    "initial_pose", "image_transport", "queue_size", "transform_timeout", "transform_tolerance",
-                    "restart_time_jump", "path_min_step", "path_max_poses", "robot_radius",
-                    "visibility", "view", "detector", "association", "estimation", "motion",
-                    "estimator",
+                    "initial_pose", "image_transport", "queue_size", "transform_timeout",
+                    "transform_tolerance", "restart_time_jump", "path_min_step", "path_max_poses",
+                    "robot_radius", "visibility", "view", "detector", "association", "estimation",
+                    "motion", "estimator",
                     // Read by others in the same namespace: diagnostic_updater and nodelet.
                     "diagnostic_period", "num_worker_threads"});
   LocalizerParameters parameters;

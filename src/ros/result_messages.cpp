@@ -45,8 +45,7 @@ ResultMessages toMessages(const LocalizedImage& localized, const MarkerMap& map,
   messages.pose_with_covariance.emplace();
   messages.pose_with_covariance->header = map_header;
   messages.pose_with_covariance->pose = toMessage(estimate);
-  messages.transform =
-      robotTransform(localized.input, estimate.pose, frames, transform_tolerance);
+  messages.transform = robotTransform(localized.input, estimate.pose, frames, transform_tolerance);
   return messages;
 }
 

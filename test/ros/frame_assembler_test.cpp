@@ -1,8 +1,9 @@
 #include "omnitag/ros/frame_assembler.h"
 
-#include <boost/make_shared.hpp>
 #include <geometry_msgs/TransformStamped.h>
 #include <gtest/gtest.h>
+
+#include <boost/make_shared.hpp>
 
 namespace omnitag {
 namespace {

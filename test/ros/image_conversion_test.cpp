@@ -1,9 +1,9 @@
 #include "omnitag/ros/image_conversion.h"
 
-#include <boost/make_shared.hpp>
 #include <gtest/gtest.h>
 #include <sensor_msgs/image_encodings.h>
 
+#include <boost/make_shared.hpp>
 #include <functional>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -106,8 +106,9 @@ TEST_P(Padded, Colors) {
     std::vector<std::size_t> red_green_blue;
     std::size_t channels;
   };
-  for (const Case& c : {Case{encodings::RGB8, {0, 1, 2}, 3}, Case{encodings::BGR8, {2, 1, 0}, 3},
-                        Case{encodings::RGBA8, {0, 1, 2}, 4}, Case{encodings::BGRA8, {2, 1, 0}, 4}}) {
+  for (const Case& c :
+       {Case{encodings::RGB8, {0, 1, 2}, 3}, Case{encodings::BGR8, {2, 1, 0}, 3},
+        Case{encodings::RGBA8, {0, 1, 2}, 4}, Case{encodings::BGRA8, {2, 1, 0}, 4}}) {
     const auto pixel = [&c](int u, int v) {
       std::vector<std::uint8_t> bytes(c.channels, 255);
       bytes[c.red_green_blue[0]] = ramp(u, v);
@@ -153,14 +154,20 @@ TEST_P(Padded, BayerOfOneColor) {
 
 TEST_P(Padded, Yuv422) {
   const sensor_msgs::ImagePtr image = makeImage(
-      encodings::YUV422, 2, [](int u, int v) { return std::vector<std::uint8_t>{128, ramp(u, v)}; },
+      encodings::YUV422, 2,
+      [](int u, int v) {
+        return std::vector<std::uint8_t>{128, ramp(u, v)};
+      },
       GetParam());
   expectRamp(grayImage(sensor_msgs::ImageConstPtr(image)), 1);
 }
 
 TEST_P(Padded, BayerOf16Bits) {
   const sensor_msgs::ImagePtr image = makeImage(
-      encodings::BAYER_RGGB16, 2, [](int, int) { return std::vector<std::uint8_t>{0, 150}; },
+      encodings::BAYER_RGGB16, 2,
+      [](int, int) {
+        return std::vector<std::uint8_t>{0, 150};
+      },
       GetParam());
   const cv_bridge::CvImageConstPtr gray = grayImage(sensor_msgs::ImageConstPtr(image));
   ASSERT_EQ(gray->image.type(), CV_8UC1);
@@ -209,8 +216,9 @@ TEST(ImageConversion, RefusesEncodingsThatAreNoImage) {
   EXPECT_NE(refusalOf(image).find("'jpeg2000' is unknown"), std::string::npos);
   image->encoding = "";
   EXPECT_NE(refusalOf(image).find("'' is unknown"), std::string::npos);
-  const sensor_msgs::ImagePtr depth = makeImage(
-      encodings::TYPE_32FC1, 4, [](int, int) { return std::vector<std::uint8_t>{0, 0, 0, 0}; });
+  const sensor_msgs::ImagePtr depth = makeImage(encodings::TYPE_32FC1, 4, [](int, int) {
+    return std::vector<std::uint8_t>{0, 0, 0, 0};
+  });
   EXPECT_NE(refusalOf(depth).find("'32FC1' cannot be shown in grey"), std::string::npos);
 }
 

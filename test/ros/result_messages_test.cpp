@@ -31,15 +31,16 @@ TEST(ResultMessages, MapToBaseWithoutOdometry) {
   EXPECT_EQ(messages.pose_with_covariance->header, messages.pose->header);
   EXPECT_EQ(messages.detections.header, localized.input.header);
   EXPECT_EQ(messages.status.header, localized.input.header);
-  EXPECT_TRUE(fromMessage(messages.transform->transform)
-                  .isApprox(fromMessage(messages.pose->pose), 1e-12));
+  EXPECT_TRUE(
+      fromMessage(messages.transform->transform).isApprox(fromMessage(messages.pose->pose), 1e-12));
 }
 
 TEST(ResultMessages, MapToOdomLeadsToTheSamePose) {
   LocalizedImage localized = localizedImage();
   // Odometry in space, as one with an inertial unit has it.
-  localized.input.odom_from_base = Eigen::Translation3d(-3.0, 0.5, 0.1) *
-                                   Eigen::AngleAxisd(1.2, Eigen::Vector3d(0.05, 0.1, 1.0).normalized());
+  localized.input.odom_from_base =
+      Eigen::Translation3d(-3.0, 0.5, 0.1) *
+      Eigen::AngleAxisd(1.2, Eigen::Vector3d(0.05, 0.1, 1.0).normalized());
   const ResultMessages messages =
       toMessages(localized, MarkerMap(), {"map", "odom", "base_link"}, kTolerance);
   ASSERT_TRUE(messages.transform);

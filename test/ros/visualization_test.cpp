@@ -141,11 +141,12 @@ TEST(DebugImageLayout, CellsAreDistinctAndInOrder) {
         EXPECT_EQ((cells[i] & debug_layout::middle()).area(), 0);
         for (std::size_t j = 0; j < i; ++j) EXPECT_NE(cells[i], cells[j]);
         const auto angle = [](const cv::Rect& cell) {
-          const cv::Point2d center = cv::Point2d(debug_layout::middle().tl() + debug_layout::middle().br()) / 2.0;
-          return std::atan2(cell.y + cell.height / 2.0 - center.y, cell.x + cell.width / 2.0 - center.x);
+          const cv::Point2d center =
+              cv::Point2d(debug_layout::middle().tl() + debug_layout::middle().br()) / 2.0;
+          return std::atan2(cell.y + cell.height / 2.0 - center.y,
+                            cell.x + cell.width / 2.0 - center.x);
         };
-        const double step =
-            normalizeAngle(angle(cells[(i + 1) % cells.size()]) - angle(cells[i]));
+        const double step = normalizeAngle(angle(cells[(i + 1) % cells.size()]) - angle(cells[i]));
         turned += step < 0.0 ? step + 2.0 * kPi : step;
       }
       EXPECT_NEAR(turned, count > 1 ? 2.0 * kPi : 0.0, 1e-9) << "once round, in order";

@@ -23,12 +23,13 @@ geometry_msgs::Quaternion toMessage(const Eigen::Quaterniond& rotation);
 geometry_msgs::Pose toMessage(const Pose2& pose);
 geometry_msgs::Transform toMessage(const Eigen::Isometry3d& target_from_source);
 
-/// The 6 x 6 covariance of (x, y, z, roll, pitch, yaw) holds that of (x, y, yaw); the robot is taken
-/// to stand on the floor within a millimetre and a milliradian, so that the matrix can be inverted.
+/// The 6 x 6 covariance of (x, y, z, roll, pitch, yaw) holds that of (x, y, yaw); the robot is
+/// taken to stand on the floor within a millimetre and a milliradian, so that the matrix can be
+/// inverted.
 geometry_msgs::PoseWithCovariance toMessage(const PoseEstimate& estimate);
 
-/// The floor's share of a 6 x 6 covariance; nothing where it is not finite or not positive definite,
-/// i.e. was not filled in.
+/// The floor's share of a 6 x 6 covariance; nothing where it is not finite or not positive
+/// definite, i.e. was not filled in.
 std::optional<Eigen::Matrix3d> planarCovariance(const geometry_msgs::PoseWithCovariance& pose);
 
 Eigen::Isometry3d fromMessage(const geometry_msgs::Transform& target_from_source);

@@ -23,8 +23,9 @@ struct ReceivedImage {
 };
 
 /// Subscribes to images and hands them on one by one, to one thread. Of those that wait, the oldest
-/// give way to newer ones, and are counted: what this process received and dropped is known exactly.
-/// What the network or the sender dropped is not, since neither stamps nor sequence numbers tell.
+/// give way to newer ones, and are counted: what this process received and dropped is known
+/// exactly. What the network or the sender dropped is not, since neither stamps nor sequence
+/// numbers tell.
 class ImageInput {
  public:
   /// Subscribes to `image` by image_transport. `compressed` is decoded here, so that it needs no

@@ -22,8 +22,9 @@ struct ResultMessages {
   LocalizationStatus status;
 };
 
-/// Everything is stamped with the image, but for map -> odom: a correction that holds until the next
-/// one, it is stamped `transform_tolerance` later so that tf can be used meanwhile, as amcl does.
+/// Everything is stamped with the image, but for map -> odom: a correction that holds until the
+/// next one, it is stamped `transform_tolerance` later so that tf can be used meanwhile, as amcl
+/// does.
 ///
 /// The transform is map -> odom where an odometry frame is set, else map -> base. There is none
 /// without a pose, and none without odometry where there should be one.

@@ -34,8 +34,9 @@ void open(const std::string& path, rosbag::Bag* bag) {
   try {
     bag->open(path, rosbag::bagmode::Read);
   } catch (const rosbag::BagUnindexedException&) {
-    throw InputError(path + ": is not indexed, as a recording that was cut off; rosbag reindex "
-                            "repairs it");
+    throw InputError(path +
+                     ": is not indexed, as a recording that was cut off; rosbag reindex "
+                     "repairs it");
   } catch (const std::exception& error) {
     throw InputError(path + ": expected a bag: " + error.what());
   }
@@ -80,8 +81,8 @@ std::string chooseImageTopic(const std::string& path, const rosbag::Bag& bag,
     const bool is_one = candidates.size() == 1 ||
                         (candidates.size() == 2 && candidates[1] == candidates[0] + kCompressed);
     if (is_one) return candidates.front();
-    throw InputError(path + ": has several image topics, choose one with --image-topic: " +
-                     join(candidates));
+    throw InputError(
+        path + ": has several image topics, choose one with --image-topic: " + join(candidates));
   }
   for (const std::string& name : {wanted, wanted + kCompressed}) {
     const auto found =

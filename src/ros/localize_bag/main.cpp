@@ -88,8 +88,7 @@ void run(const BagOptions& options) {
     try {
       const cv_bridge::CvImageConstPtr image = BagInput::grayImageOf(message);
       stamp = image->header.stamp;
-      const std::optional<LocalizedImage> localized =
-          localizer.localize(image, input.transforms());
+      const std::optional<LocalizedImage> localized = localizer.localize(image, input.transforms());
       if (localized) {
         if (localized->started_anew) {
           progress.warn(stampText(stamp) + ": stamps went back: started anew");

@@ -26,8 +26,8 @@ Pose2 parsePose(const std::string& text) {
   char first_comma = 0;
   char second_comma = 0;
   stream >> pose.x >> first_comma >> pose.y >> second_comma >> pose.yaw;
-  const bool is_read = !stream.fail() && first_comma == ',' && second_comma == ',' &&
-                       (stream >> std::ws).eof();
+  const bool is_read =
+      !stream.fail() && first_comma == ',' && second_comma == ',' && (stream >> std::ws).eof();
   if (!is_read || !std::isfinite(pose.x + pose.y + pose.yaw)) {
     throw InputError("--initial-pose: expected X,Y,YAW in metres and radians, found '" + text +
                      "'");
@@ -75,23 +75,22 @@ std::optional<BagOptions> parseOptions(int argc, char** argv) {
   const auto text = [](std::string* value, const char* name) {
     return po::value<std::string>(value)->value_name(name);
   };
-  description.add_options()
-      ("help,h", "print this")
-      ("camera", text(&options.camera, "C.yaml")->required(), "camera file")
-      ("map", text(&options.map, "M.yaml")->required(), "marker map")
-      ("bag", text(&options.bag, "IN.bag")->required(), "bag with images and transforms")
-      ("trajectory", text(&options.trajectory, "OUT.tum")->required(),
-       "poses of base_link in the map: stamp x y z qx qy qz qw")
-      ("image-topic", text(&options.image_topic, "T"),
-       "with or without /compressed; default: the bag's only image topic")
-      ("initial-pose", text(&initial_pose, "X,Y,YAW"),
-       "base_link in the map at the first image (m, rad); default: search")
-      ("odom-frame", text(&odom_frame, "F"), "odometry frame of the bag's tf; default: none")
-      ("params", text(&options.params, "P.yaml"), "parameters, as in config/localizer.yaml")
-      ("poses", text(&options.poses, "OUT.csv"), "every frame with its covariance and mode")
-      ("detections", text(&options.detections, "OUT.csv"), "every marker that was read")
-      ("output", text(&options.output, "OUT.bag"),
-       "the bag's messages and, with them, what the localizer publishes");
+  description.add_options()("help,h", "print this")(
+      "camera", text(&options.camera, "C.yaml")->required(), "camera file")(
+      "map", text(&options.map, "M.yaml")->required(), "marker map")(
+      "bag", text(&options.bag, "IN.bag")->required(), "bag with images and transforms")(
+      "trajectory", text(&options.trajectory, "OUT.tum")->required(),
+      "poses of base_link in the map: stamp x y z qx qy qz qw")(
+      "image-topic", text(&options.image_topic, "T"),
+      "with or without /compressed; default: the bag's only image topic")(
+      "initial-pose", text(&initial_pose, "X,Y,YAW"),
+      "base_link in the map at the first image (m, rad); default: search")(
+      "odom-frame", text(&odom_frame, "F"), "odometry frame of the bag's tf; default: none")(
+      "params", text(&options.params, "P.yaml"), "parameters, as in config/localizer.yaml")(
+      "poses", text(&options.poses, "OUT.csv"), "every frame with its covariance and mode")(
+      "detections", text(&options.detections, "OUT.csv"), "every marker that was read")(
+      "output", text(&options.output, "OUT.bag"),
+      "the bag's messages and, with them, what the localizer publishes");
   try {
     const auto style = static_cast<int>(po::command_line_style::default_style) &
                        ~static_cast<int>(po::command_line_style::allow_guessing);

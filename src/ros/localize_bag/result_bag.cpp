@@ -35,13 +35,12 @@ void ResultBag::copy(const rosbag::MessageInstance& message) {
     if (const auto transforms = message.instantiate<tf2_msgs::TFMessage>()) {
       const std::string& child = frames_.odom.empty() ? frames_.base : frames_.odom;
       tf2_msgs::TFMessage kept = *transforms;
-      kept.transforms.erase(
-          std::remove_if(kept.transforms.begin(), kept.transforms.end(),
-                         [&](const geometry_msgs::TransformStamped& transform) {
-                           return transform.header.frame_id == frames_.map &&
-                                  transform.child_frame_id == child;
-                         }),
-          kept.transforms.end());
+      kept.transforms.erase(std::remove_if(kept.transforms.begin(), kept.transforms.end(),
+                                           [&](const geometry_msgs::TransformStamped& transform) {
+                                             return transform.header.frame_id == frames_.map &&
+                                                    transform.child_frame_id == child;
+                                           }),
+                            kept.transforms.end());
       if (!kept.transforms.empty()) bag_.write("/tf", message.getTime(), kept);
       return;
     }
