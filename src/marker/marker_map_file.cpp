@@ -20,7 +20,7 @@ std::string readFamily(const YamlReader& reader) {
   std::string known;
   for (const std::string& family : tagFamilies()) known += (known.empty() ? "" : ", ") + family;
   if (!reader.has("family")) reader.refuse("family", "one of " + known + " (or a default)");
-  const std::string family = reader.text("family");
+  std::string family = reader.text("family");
   if (tagFamilies().count(family) == 0) reader.refuse("family", "one of " + known);
   return family;
 }

@@ -16,6 +16,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -34,18 +35,18 @@ struct FamilyFunctions {
   void (*destroy)(apriltag_family_t*);
 };
 
-constexpr FamilyFunctions kFamilies[] = {
-    {"tag16h5", tag16h5_create, tag16h5_destroy},
-    {"tag25h9", tag25h9_create, tag25h9_destroy},
+constexpr std::array kFamilies = {
+    FamilyFunctions{"tag16h5", tag16h5_create, tag16h5_destroy},
+    FamilyFunctions{"tag25h9", tag25h9_create, tag25h9_destroy},
 #if __has_include(<apriltag/tag36h10.h>)
-    {"tag36h10", tag36h10_create, tag36h10_destroy},
+    FamilyFunctions{"tag36h10", tag36h10_create, tag36h10_destroy},
 #endif
-    {"tag36h11", tag36h11_create, tag36h11_destroy},
-    {"tagCircle21h7", tagCircle21h7_create, tagCircle21h7_destroy},
-    {"tagCircle49h12", tagCircle49h12_create, tagCircle49h12_destroy},
-    {"tagCustom48h12", tagCustom48h12_create, tagCustom48h12_destroy},
-    {"tagStandard41h12", tagStandard41h12_create, tagStandard41h12_destroy},
-    {"tagStandard52h13", tagStandard52h13_create, tagStandard52h13_destroy},
+    FamilyFunctions{"tag36h11", tag36h11_create, tag36h11_destroy},
+    FamilyFunctions{"tagCircle21h7", tagCircle21h7_create, tagCircle21h7_destroy},
+    FamilyFunctions{"tagCircle49h12", tagCircle49h12_create, tagCircle49h12_destroy},
+    FamilyFunctions{"tagCustom48h12", tagCustom48h12_create, tagCustom48h12_destroy},
+    FamilyFunctions{"tagStandard41h12", tagStandard41h12_create, tagStandard41h12_destroy},
+    FamilyFunctions{"tagStandard52h13", tagStandard52h13_create, tagStandard52h13_destroy},
 };
 
 using FamilyPointer = std::unique_ptr<apriltag_family_t, void (*)(apriltag_family_t*)>;
@@ -87,9 +88,7 @@ int affordableHamming(const apriltag_family_t& family, int wanted) {
 }
 
 /// The library has the centre of the top-left pixel at (0.5, 0.5).
-Eigen::Vector2d toPixel(const double (&library_point)[2]) {
-  return {library_point[0] - 0.5, library_point[1] - 0.5};
-}
+Eigen::Vector2d toPixel(double x, double y) { return {x - 0.5, y - 0.5}; }
 
 /// Where the diagonals meet.
 Eigen::Vector2d centerOf(const Corners<Eigen::Vector2d>& corners) {
@@ -104,7 +103,7 @@ TagDetection toTagDetection(const apriltag_detection_t& detection) {
   result.hamming = detection.hamming;
   result.decision_margin = detection.decision_margin;
   for (std::size_t i = 0; i < result.corners.size(); ++i) {
-    result.corners[i] = toPixel(detection.p[i]);
+    result.corners[i] = toPixel(detection.p[i][0], detection.p[i][1]);
   }
   return result;
 }
@@ -165,7 +164,7 @@ struct TagDetector::Library {
     detector->qtp.cos_critical_rad = static_cast<float>(std::cos(config.critical_angle));
     detector->qtp.max_line_fit_mse = static_cast<float>(config.max_line_fit_mse);
     detector->qtp.min_white_black_diff = config.min_white_black_diff;
-    detector->qtp.deglitch = config.deglitch;
+    detector->qtp.deglitch = config.deglitch ? 1 : 0;
     for (const std::string& name : family_names) {
       families.push_back(createFamily(name));
       apriltag_family_t* const family = families.back().get();

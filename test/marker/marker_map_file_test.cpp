@@ -4,6 +4,8 @@
 
 #include <cstdio>
 #include <fstream>
+#include <string>
+#include <vector>
 
 #include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
@@ -13,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr char kGood[] = R"(
+constexpr const char* kGood = R"(
 frame_id: hall
 family: tag36h11
 size: 0.30
@@ -71,7 +73,7 @@ TEST(MarkerMapFile, FrameIsMapWhereNotGiven) {
 
 struct BadMap {
   const char* name;
-  const char* text;
+  std::string text;
   /// All must be in the one line that says what is wrong.
   std::vector<std::string> fragments;
 };
@@ -79,14 +81,16 @@ struct BadMap {
 void PrintTo(const BadMap& bad, std::ostream* out) { *out << bad.name; }
 
 /// A map with two markers, of which the second, on line 5, has these keys.
-#define SECOND_MARKER(keys)                             \
-  "family: tag36h11\n"                                  \
-  "size: 0.3\n"                                         \
-  "markers:\n"                                          \
-  "  - {id: 1, name: a, position: [0, 0, 1], yaw: 0}\n" \
-  "  - {" keys "}\n"
+std::string secondMarker(const std::string& keys) {
+  return "family: tag36h11\n"
+         "size: 0.3\n"
+         "markers:\n"
+         "  - {id: 1, name: a, position: [0, 0, 1], yaw: 0}\n"
+         "  - {" +
+         keys + "}\n";
+}
 
-const BadMap kBadMaps[] = {
+const std::vector<BadMap> kBadMaps = {
     {"Empty", "", {"bad.yaml", "mapping", "empty"}},
     {"List", "- 1\n- 2\n", {"bad.yaml:1", "mapping", "list"}},
     {"Syntax", "family: tag36h11\nmarkers: [\n", {"bad.yaml:3"}},
@@ -112,86 +116,84 @@ const BadMap kBadMaps[] = {
      "size: 1\nmarkers:\n  - {id: 1, position: [0, 0, 1], yaw: 0}\n",
      {"bad.yaml:3", "markers[0].family", "default", "found nothing"}},
     {"NoId",
-     SECOND_MARKER("position: [0, 0, 1], yaw: 0"),
+     secondMarker("position: [0, 0, 1], yaw: 0"),
      {"bad.yaml:5", "markers[1].id", "integer", "found nothing"}},
     {"NegativeId",
-     SECOND_MARKER("id: -1, position: [0, 0, 1], yaw: 0"),
+     secondMarker("id: -1, position: [0, 0, 1], yaw: 0"),
      {"bad.yaml:5", "markers[1].id", ">= 0", "'-1'"}},
     {"FractionalId",
-     SECOND_MARKER("id: 1.5, position: [0, 0, 1], yaw: 0"),
+     secondMarker("id: 1.5, position: [0, 0, 1], yaw: 0"),
      {"bad.yaml:5", "markers[1].id", "integer", "'1.5'"}},
     {"IdNotInFamily",
-     SECOND_MARKER("id: 587, position: [0, 0, 1], yaw: 0"),
+     secondMarker("id: 587, position: [0, 0, 1], yaw: 0"),
      {"bad.yaml:5", "markers[1].id", "tag36h11", "0 to 586", "'587'"}},
     {"IdNotInItsOwnFamily",
-     SECOND_MARKER("id: 30, family: tag16h5, position: [0, 0, 1], yaw: 0"),
+     secondMarker("id: 30, family: tag16h5, position: [0, 0, 1], yaw: 0"),
      {"bad.yaml:5", "markers[1].id", "tag16h5", "0 to 29", "'30'"}},
     {"UnknownFamily",
-     SECOND_MARKER("id: 2, family: aruco, position: [0, 0, 1], yaw: 0"),
+     secondMarker("id: 2, family: aruco, position: [0, 0, 1], yaw: 0"),
      {"bad.yaml:5", "markers[1].family", "tag36h11", "'aruco'"}},
     {"ZeroSize",
-     SECOND_MARKER("id: 2, size: 0, position: [0, 0, 1], yaw: 0"),
+     secondMarker("id: 2, size: 0, position: [0, 0, 1], yaw: 0"),
      {"bad.yaml:5", "markers[1].size", "> 0", "'0'"}},
     {"BlankSize",
-     SECOND_MARKER("id: 2, size: , position: [0, 0, 1], yaw: 0"),
+     secondMarker("id: 2, size: , position: [0, 0, 1], yaw: 0"),
      {"bad.yaml:5", "markers[1].size", "> 0", "empty value"}},
     {"NanSize",
-     SECOND_MARKER("id: 2, size: .nan, position: [0, 0, 1], yaw: 0"),
+     secondMarker("id: 2, size: .nan, position: [0, 0, 1], yaw: 0"),
      {"bad.yaml:5", "markers[1].size", "> 0", "'.nan'"}},
     {"NoPosition",
-     SECOND_MARKER("id: 2, yaw: 0"),
+     secondMarker("id: 2, yaw: 0"),
      {"bad.yaml:5", "markers[1].position", "3 numbers", "found nothing"}},
     {"ShortPosition",
-     SECOND_MARKER("id: 2, position: [0, 1], yaw: 0"),
+     secondMarker("id: 2, position: [0, 1], yaw: 0"),
      {"bad.yaml:5", "markers[1].position", "3 numbers", "list of 2"}},
     {"WordInPosition",
-     SECOND_MARKER("id: 2, position: [0, zero, 1], yaw: 0"),
+     secondMarker("id: 2, position: [0, zero, 1], yaw: 0"),
      {"bad.yaml:5", "markers[1].position", "3 numbers", "'zero'"}},
     {"InfinitePosition",
-     SECOND_MARKER("id: 2, position: [0, .inf, 1], yaw: 0"),
+     secondMarker("id: 2, position: [0, .inf, 1], yaw: 0"),
      {"bad.yaml:5", "markers[1].position", "3 numbers", "'.inf'"}},
     {"NoOrientation",
-     SECOND_MARKER("id: 2, position: [0, 0, 1]"),
+     secondMarker("id: 2, position: [0, 0, 1]"),
      {"bad.yaml:5", "markers[1]", "yaw", "orientation"}},
     {"YawIsWord",
-     SECOND_MARKER("id: 2, position: [0, 0, 1], yaw: north"),
+     secondMarker("id: 2, position: [0, 0, 1], yaw: north"),
      {"bad.yaml:5", "markers[1].yaw", "number", "'north'"}},
     {"RollIsList",
-     SECOND_MARKER("id: 2, position: [0, 0, 1], yaw: 0, roll: [1]"),
+     secondMarker("id: 2, position: [0, 0, 1], yaw: 0, roll: [1]"),
      {"bad.yaml:5", "markers[1].roll", "number", "list"}},
     {"YawBesideOrientation",
-     SECOND_MARKER("id: 2, position: [0, 0, 1], yaw: 0, orientation: [0, 0, 0, 1]"),
+     secondMarker("id: 2, position: [0, 0, 1], yaw: 0, orientation: [0, 0, 0, 1]"),
      {"bad.yaml:5", "markers[1]", "yaw", "orientation", "both"}},
     {"RollBesideOrientation",
-     SECOND_MARKER("id: 2, position: [0, 0, 1], roll: 0, orientation: [0, 0, 0, 1]"),
+     secondMarker("id: 2, position: [0, 0, 1], roll: 0, orientation: [0, 0, 0, 1]"),
      {"bad.yaml:5", "markers[1]", "roll", "yaw", "orientation"}},
     {"RollAlone",
-     SECOND_MARKER("id: 2, position: [0, 0, 1], roll: 0"),
+     secondMarker("id: 2, position: [0, 0, 1], roll: 0"),
      {"bad.yaml:5", "markers[1]", "yaw", "orientation"}},
     {"ShortOrientation",
-     SECOND_MARKER("id: 2, position: [0, 0, 1], orientation: [0, 0, 1]"),
+     secondMarker("id: 2, position: [0, 0, 1], orientation: [0, 0, 1]"),
      {"bad.yaml:5", "markers[1].orientation", "4 numbers", "list of 3"}},
     {"ZeroOrientation",
-     SECOND_MARKER("id: 2, position: [0, 0, 1], orientation: [0, 0, 0, 0]"),
+     secondMarker("id: 2, position: [0, 0, 1], orientation: [0, 0, 0, 0]"),
      {"bad.yaml:5", "markers[1]", "orientation", "norm 1", "norm 0"}},
     {"LongOrientation",
-     SECOND_MARKER("id: 2, position: [0, 0, 1], orientation: [0, 0, 0.1, 1]"),
+     secondMarker("id: 2, position: [0, 0, 1], orientation: [0, 0, 0.1, 1]"),
      {"bad.yaml:5", "markers[1]", "orientation", "norm 1", "found norm 1.00"}},
     {"UnknownKey",
-     SECOND_MARKER("id: 2, position: [0, 0, 1], Yaw: 0"),
+     secondMarker("id: 2, position: [0, 0, 1], Yaw: 0"),
      {"bad.yaml:5", "markers[1].Yaw", "unknown key", "yaw"}},
     {"DuplicateKey",
-     SECOND_MARKER("id: 2, id: 3, position: [0, 0, 1], yaw: 0"),
+     secondMarker("id: 2, id: 3, position: [0, 0, 1], yaw: 0"),
      {"bad.yaml:5", "markers[1].id", "again"}},
     {"DuplicateName",
-     SECOND_MARKER("id: 2, name: a, position: [0, 0, 1], yaw: 0"),
+     secondMarker("id: 2, name: a, position: [0, 0, 1], yaw: 0"),
      {"bad.yaml:5", "markers[1].name", "no other marker", "'a'"}},
     {"EmptyName",
-     SECOND_MARKER("id: 2, name: '', position: [0, 0, 1], yaw: 0"),
+     secondMarker("id: 2, name: '', position: [0, 0, 1], yaw: 0"),
      {"bad.yaml:5", "markers[1].name", "''"}},
 };
-
-#undef SECOND_MARKER
 
 class BadMarkerMapFile : public testing::TestWithParam<BadMap> {};
 

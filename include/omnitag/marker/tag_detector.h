@@ -66,8 +66,8 @@ class TagDetector {
   /// Throws InputError for a family that the library does not have.
   TagDetector(const TagDetectorConfig& config, const std::set<std::string>& families);
   ~TagDetector();
-  TagDetector(TagDetector&&) noexcept;
-  TagDetector& operator=(TagDetector&&) noexcept;
+  TagDetector(TagDetector&& other) noexcept;
+  TagDetector& operator=(TagDetector&& other) noexcept;
 
   /// The tags in an image (CV_8UC1, at most 32767 pixels a side), ordered by id. In an image of
   /// less than 8 pixels a side, times `quad_decimate`, there is none. Rows may be padded. Throws
