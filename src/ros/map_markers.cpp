@@ -92,7 +92,7 @@ visualization_msgs::MarkerArray mapMarkers(const MarkerMap& map, const std::stri
 
     RvizMarker name = rvizMarker(map_frame, "names", RvizMarker::TEXT_VIEW_FACING, white);
     name.id = static_cast<int>(array.markers.size());
-    name.text = marker.name.empty() ? std::to_string(marker.id) : marker.name;
+    name.text = std::to_string(marker.id) + (marker.name.empty() ? "" : "  " + marker.name);
     name.scale.z = 0.2;
     name.pose.position =
         toMessage(marker.center() + (marker.size + name.scale.z) * Eigen::Vector3d::UnitZ());
