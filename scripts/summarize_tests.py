@@ -24,16 +24,20 @@ def count_cases(path: Path) -> Tuple[int, List[str]]:
     failed = []
     for case in ElementTree.parse(path).getroot().iter("testcase"):
         name = case.get("name", "")
-        node_path = path.with_name(f"rosunit-{name[len('test'):]}.xml")
         if case.find("failure") is not None or case.find("error") is not None:
             failed.append(f"{case.get('classname', '')}.{name}")
-        elif path.name.startswith("rostest-") and node_path.exists():
-            node_passed, node_failed = count_cases(node_path)
+        elif path.name.startswith("rostest-") and _node_results(path, name).exists():
+            node_passed, node_failed = count_cases(_node_results(path, name))
             passed += node_passed
             failed += node_failed
         elif case.find("skipped") is None and case.get("status") != "notrun":
             passed += 1
     return passed, failed
+
+
+def _node_results(rostest: Path, case: str) -> Path:
+    """Where rostest leaves what a test node, its case `testNODE`, has written."""
+    return rostest.with_name(f"rosunit-{case[len('test'):]}.xml")
 
 
 def summarize(results: Path) -> Tuple[int, List[str]]:

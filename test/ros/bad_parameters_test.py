@@ -39,12 +39,12 @@ class BadParametersTest(unittest.TestCase):
             good_map = file.read()
         with open(CAMERA, encoding="utf-8") as file:
             good_camera = file.read()
-        bad_map = self.write("map.yaml", good_map.replace("size: 0.80", "size: -1"))
+        bad_map = self.write("map.yaml", good_map.replace("\nsize: ", "\nsize: -"))
         bad_camera = self.write("camera.yaml", good_camera.replace("spherical", "conical"))
         return [
             ({}, "/bad: camera_file: expected the path of a file, found nothing"),
             ({"camera_file": CAMERA}, "/bad: map_file: expected the path of a file, found nothing"),
-            ({"camera_file": "/no/such.yaml", "map_file": MAP}, "/no/such.yaml: cannot be read"),
+            ({"camera_file": "/no/such.yaml", "map_file": MAP}, "/no/such.yaml: expected a readable file"),
             ({"camera_file": bad_camera, "map_file": MAP}, bad_camera + ":"),
             ({"camera_file": CAMERA, "map_file": bad_map}, bad_map + ":"),
             ({"camera_file": CAMERA, "map_file": CAMERA}, CAMERA),
