@@ -126,7 +126,7 @@ TEST(MapMarkers, TagsAreWhereTheMapHasThem) {
   for (const auto& marker : array.markers) {
     if (marker.ns == "names") names.insert(marker.text);
   }
-  EXPECT_EQ(names, (std::set<std::string>{"2", "door"}));
+  EXPECT_EQ(names, (std::set<std::string>{"2", "3  door"}));
 }
 
 TEST(DebugImageLayout, CellsAreDistinctAndInOrder) {
