@@ -1,7 +1,6 @@
 #include "omnitag/ros/conversions.h"
 
 #include <Eigen/Cholesky>
-#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -13,11 +12,11 @@ namespace {
 constexpr double kFloorVariance = 1e-6;
 
 /// Where x, y and yaw stand among (x, y, z, roll, pitch, yaw).
-constexpr std::array<int, 3> kPlanarIndices = {0, 1, 5};
+constexpr std::array<std::size_t, 3> kPlanarIndices = {0, 1, 5};
 
 std::size_t covarianceIndex(int row, int column) {
-  return static_cast<std::size_t>(6 * kPlanarIndices[static_cast<std::size_t>(row)] +
-                                  kPlanarIndices[static_cast<std::size_t>(column)]);
+  return 6 * kPlanarIndices[static_cast<std::size_t>(row)] +
+         kPlanarIndices[static_cast<std::size_t>(column)];
 }
 
 std::uint8_t toMessage(Mode mode) {
@@ -73,10 +72,10 @@ geometry_msgs::PoseWithCovariance toMessage(const PoseEstimate& estimate) {
   geometry_msgs::PoseWithCovariance message;
   message.pose = toMessage(estimate.pose);
   for (std::size_t i = 0; i < 6; ++i) message.covariance[7 * i] = kFloorVariance;
+  const Eigen::Matrix3d covariance = estimate.covariance.selfadjointView<Eigen::Upper>();
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column) {
-      message.covariance[covarianceIndex(row, column)] =
-          estimate.covariance(std::min(row, column), std::max(row, column));
+      message.covariance[covarianceIndex(row, column)] = covariance(row, column);
     }
   }
   return message;
@@ -86,14 +85,13 @@ std::optional<Eigen::Matrix3d> planarCovariance(const geometry_msgs::PoseWithCov
   Eigen::Matrix3d covariance;
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column) {
-      covariance(row, column) = (pose.covariance[covarianceIndex(row, column)] +
-                                 pose.covariance[covarianceIndex(column, row)]) /
-                                2.0;
+      covariance(row, column) = pose.covariance[covarianceIndex(row, column)];
     }
   }
-  if (!covariance.allFinite()) return std::nullopt;
-  if (covariance.llt().info() != Eigen::Success) return std::nullopt;
-  return covariance;
+  const Eigen::Matrix3d symmetric = (covariance + covariance.transpose()) / 2.0;
+  if (!symmetric.allFinite()) return std::nullopt;
+  if (symmetric.llt().info() != Eigen::Success) return std::nullopt;
+  return symmetric;
 }
 
 Eigen::Isometry3d fromMessage(const geometry_msgs::Transform& target_from_source) {

@@ -47,7 +47,7 @@ cv_bridge::CvImageConstPtr upperBytes(const sensor_msgs::Image& message) {
   auto* const data = const_cast<std::uint8_t*>(message.data.data());
   const cv::Mat bytes(static_cast<int>(message.height), static_cast<int>(message.width), CV_8UC2,
                       data, message.step);
-  const auto gray = boost::make_shared<cv_bridge::CvImage>(message.header, encodings::MONO8);
+  auto gray = boost::make_shared<cv_bridge::CvImage>(message.header, encodings::MONO8);
   cv::extractChannel(bytes, gray->image, message.is_bigendian != 0U ? 0 : 1);
   return gray;
 }
@@ -77,7 +77,7 @@ cv_bridge::CvImageConstPtr grayImage(const sensor_msgs::ImageConstPtr& message) 
 }
 
 cv_bridge::CvImageConstPtr grayImage(const sensor_msgs::CompressedImageConstPtr& message) {
-  const auto gray = boost::make_shared<cv_bridge::CvImage>(message->header, encodings::MONO8);
+  auto gray = boost::make_shared<cv_bridge::CvImage>(message->header, encodings::MONO8);
   try {
     if (!message->data.empty()) {
       gray->image =

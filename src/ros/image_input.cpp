@@ -29,7 +29,7 @@ ImageInput::ImageInput(const ros::NodeHandle& node, const ros::NodeHandle& priva
     : queue_size_(static_cast<std::size_t>(queue_size)), image_transport_(node) {
   // What waits is decided here, not in ROS's own queue, which drops without a word.
   constexpr int kMessagesInRosQueue = 10;
-  const uint32_t ros_queue_size = static_cast<uint32_t>(queue_size + kMessagesInRosQueue);
+  const auto ros_queue_size = static_cast<uint32_t>(queue_size + kMessagesInRosQueue);
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   if (transport == "compressed") {
     ros::NodeHandle subscribing_node(node);

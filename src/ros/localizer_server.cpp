@@ -57,8 +57,17 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
   initial_pose_subscriber_ =
       node_.subscribe("initialpose", 1, &LocalizerServer::onInitialPose, this);
   global_localization_server_ =
-      node_.advertiseService("global_localization", &LocalizerServer::onGlobalLocalization, this);
-  save_map_server_ = node_.advertiseService("save_map", &LocalizerServer::onSaveMap, this);
+      node_.advertiseService<std_srvs::Empty::Request, std_srvs::Empty::Response>(
+          "global_localization", [this](auto& /*request*/, auto& /*response*/) {
+            forgetPose();
+            return true;
+          });
+  save_map_server_ =
+      node_.advertiseService<std_srvs::Trigger::Request, std_srvs::Trigger::Response>(
+          "save_map", [this](auto& /*request*/, auto& response) {
+            response.message = "mapping is off: the map is as " + parameters_.map_file + " has it";
+            return true;
+          });
 
   ROS_INFO_STREAM(name_ << ": camera " << parameters_.camera_file << ", "
                         << localizer_.map().markers.size() << " markers of " << parameters_.map_file
@@ -142,23 +151,26 @@ void LocalizerServer::publish(const LocalizedImage& localized) {
                     localized.input.odometry_problem);
 }
 
-void LocalizerServer::onInitialPose(
-    const geometry_msgs::PoseWithCovarianceStampedConstPtr& message) {
+void LocalizerServer::onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message) {
   try {
-    const Eigen::Isometry3d map_from_frame = mapFrom(message->header.frame_id);
-    const Pose2 pose = Pose2::fromIsometry(map_from_frame * fromMessage(message->pose.pose));
-    const std::optional<Eigen::Matrix3d> covariance = planarCovariance(message->pose);
-    ROS_INFO_STREAM(name_ << ": initial pose x " << pose.x << " m, y " << pose.y << " m, yaw "
-                          << pose.yaw << " rad, from the next image on");
-    if (covariance) {
-      const PoseEstimate estimate{pose, rotated(*covariance, map_from_frame)};
-      request([estimate](Localizer* localizer) { localizer->setPose(estimate); });
-    } else {
-      request([pose](Localizer* localizer) { localizer->setPose(pose); });
-    }
+    takePose(message);
   } catch (const InputError& error) {
     ROS_ERROR_STREAM(name_ << ": initialpose refused: " << error.what());
   }
+}
+
+void LocalizerServer::takePose(const geometry_msgs::PoseWithCovarianceStamped& message) {
+  const Eigen::Isometry3d map_from_frame = mapFrom(message.header.frame_id);
+  const Pose2 pose = Pose2::fromIsometry(map_from_frame * fromMessage(message.pose.pose));
+  const std::optional<Eigen::Matrix3d> covariance = planarCovariance(message.pose);
+  if (covariance) {
+    const PoseEstimate estimate{pose, rotated(*covariance, map_from_frame)};
+    request([estimate](Localizer* localizer) { localizer->setPose(estimate); });
+  } else {
+    request([pose](Localizer* localizer) { localizer->setPose(pose); });
+  }
+  ROS_INFO_STREAM(name_ << ": initial pose x " << pose.x << " m, y " << pose.y << " m, yaw "
+                        << pose.yaw << " rad, from the next image on");
 }
 
 Eigen::Isometry3d LocalizerServer::mapFrom(const std::string& frame) const {
@@ -172,18 +184,9 @@ Eigen::Isometry3d LocalizerServer::mapFrom(const std::string& frame) const {
   }
 }
 
-bool LocalizerServer::onGlobalLocalization(std_srvs::Empty::Request& /*request*/,
-                                           std_srvs::Empty::Response& /*response*/) {
-  ROS_INFO_STREAM(name_ << ": pose forgotten, searching from the next image on");
+void LocalizerServer::forgetPose() {
   request([](Localizer* localizer) { localizer->forgetPose(); });
-  return true;
-}
-
-bool LocalizerServer::onSaveMap(std_srvs::Trigger::Request& /*request*/,
-                                std_srvs::Trigger::Response& response) {
-  response.success = 0U;
-  response.message = "mapping is off: the map is as " + parameters_.map_file + " has it";
-  return true;
+  ROS_INFO_STREAM(name_ << ": pose forgotten, searching from the next image on");
 }
 
 void LocalizerServer::request(Request request) {

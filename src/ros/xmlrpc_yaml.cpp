@@ -23,7 +23,8 @@ YAML::Node yamlFromXmlRpc(const XmlRpc::XmlRpcValue& value, const std::string& p
     }
     case XmlRpc::XmlRpcValue::TypeStruct: {
       YAML::Node mapping(YAML::NodeType::Map);
-      for (const auto& [key, child] : value) mapping[key] = yamlFromXmlRpc(child, path + "/" + key);
+      const std::string parent = path + "/";
+      for (const auto& [key, child] : value) mapping[key] = yamlFromXmlRpc(child, parent + key);
       return mapping;
     }
     default:

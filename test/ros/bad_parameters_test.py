@@ -2,6 +2,7 @@
 """What a wrong parameter or file does to the node, and to a nodelet and its manager."""
 
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -39,12 +40,12 @@ class BadParametersTest(unittest.TestCase):
             good_map = file.read()
         with open(CAMERA, encoding="utf-8") as file:
             good_camera = file.read()
-        bad_map = self.write("map.yaml", good_map.replace("\nsize: ", "\nsize: -"))
+        bad_map = self.write("map.yaml", re.sub("(?m)^size: .*$", "size: -1", good_map))
         bad_camera = self.write("camera.yaml", good_camera.replace("spherical", "conical"))
         return [
             ({}, "/bad: camera_file: expected the path of a file, found nothing"),
             ({"camera_file": CAMERA}, "/bad: map_file: expected the path of a file, found nothing"),
-            ({"camera_file": "/no/such.yaml", "map_file": MAP}, "/no/such.yaml: expected a readable file"),
+            ({"camera_file": "/no/such.yaml", "map_file": MAP}, "/no/such.yaml: expected a readable file, found none"),
             ({"camera_file": bad_camera, "map_file": MAP}, bad_camera + ":"),
             ({"camera_file": CAMERA, "map_file": bad_map}, bad_map + ":"),
             ({"camera_file": CAMERA, "map_file": CAMERA}, CAMERA),

@@ -3,11 +3,9 @@
 #include <opencv2/core/types.hpp>
 #include <vector>
 
-namespace omnitag {
-
 /// Where things stand in the debug image: a title, below it a square of cells whose inner ones the
 /// panorama fills and whose outer ones hold the views.
-namespace debug_layout {
+namespace omnitag::debug_layout {
 
 constexpr int kCell = 170;
 constexpr int kCellsPerSide = 6;
@@ -22,5 +20,4 @@ cv::Rect middle();
 /// cyclic order, so that lines from the middle do not cross; at most kSlots directions.
 std::vector<cv::Rect> cellsFor(const std::vector<double>& directions);
 
-}  // namespace debug_layout
-}  // namespace omnitag
+}  // namespace omnitag::debug_layout

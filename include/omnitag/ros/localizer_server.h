@@ -42,11 +42,12 @@ class LocalizerServer {
   void waitForTransforms(const std_msgs::Header& header) const;
   void publish(const LocalizedImage& localized);
 
-  void onInitialPose(const geometry_msgs::PoseWithCovarianceStampedConstPtr& message);
+  void onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message);
+  /// Throws InputError.
+  void takePose(const geometry_msgs::PoseWithCovarianceStamped& message);
   /// map_from_frame of a message's frame, as tf has it now. Throws InputError.
   Eigen::Isometry3d mapFrom(const std::string& frame) const;
-  bool onGlobalLocalization(std_srvs::Empty::Request& request, std_srvs::Empty::Response& response);
-  bool onSaveMap(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
+  void forgetPose();
   using Request = std::function<void(Localizer*)>;
   void request(Request request);
 

@@ -30,7 +30,7 @@ std::string withoutSlash(const std::string& topic) {
 }
 
 void open(const std::string& path, rosbag::Bag* bag) {
-  if (!std::ifstream(path)) throw InputError(path + ": cannot be read");
+  if (!std::ifstream(path)) throw InputError(path + ": expected a readable file, found none");
   try {
     bag->open(path, rosbag::bagmode::Read);
   } catch (const rosbag::BagUnindexedException&) {

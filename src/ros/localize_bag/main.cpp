@@ -1,6 +1,7 @@
 #include <rosbag/view.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <iostream>
@@ -45,8 +46,8 @@ struct Summary {
 double quantile(std::vector<double> sample, double share) {
   if (sample.empty()) return 0.0;
   std::sort(sample.begin(), sample.end());
-  const double last = static_cast<double>(sample.size() - 1);
-  return sample[static_cast<std::size_t>(share * last + 0.5)];
+  const auto last = static_cast<double>(sample.size() - 1);
+  return sample[static_cast<std::size_t>(std::lround(share * last))];
 }
 
 void print(const Summary& summary, std::uint64_t late) {

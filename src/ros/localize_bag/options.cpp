@@ -40,6 +40,11 @@ bool isSameFile(const std::string& a, const std::string& b) {
   return std::filesystem::equivalent(a, b, ignored);
 }
 
+[[noreturn]] void refuseOutput(const std::string& option, const std::string& path,
+                               const std::string& why) {
+  throw InputError(option + ": " + path + " " + why);
+}
+
 /// Results are written over what was there, but never over an input or another result.
 void checkOutputs(const BagOptions& options) {
   const std::vector<std::string> inputs = {options.camera, options.map, options.bag,
@@ -54,12 +59,12 @@ void checkOutputs(const BagOptions& options) {
     if (path.empty()) continue;
     for (const std::string& input : inputs) {
       if (isSameFile(path, input)) {
-        throw InputError(option + ": " + path + " is an input and would be overwritten");
+        refuseOutput(option, path, "is an input and would be overwritten");
       }
     }
     for (std::size_t j = 0; j < i; ++j) {
       if (path == outputs[j].second) {
-        throw InputError(option + ": " + path + " is given to " + outputs[j].first + ", too");
+        refuseOutput(option, path, "is given twice");
       }
     }
   }

@@ -27,7 +27,7 @@ void Progress::show(std::size_t done) {
   last_shown_ = now;
 }
 
-void Progress::warn(const std::string& line) {
+void Progress::warn(const std::string& line) const {
   std::cerr << (is_terminal_ ? "\r" : "") << line << '\n';
 }
 

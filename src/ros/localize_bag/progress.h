@@ -16,7 +16,7 @@ class Progress {
   void show(std::size_t done);
 
   /// Writes a line of its own.
-  void warn(const std::string& line);
+  void warn(const std::string& line) const;
 
  private:
   const std::size_t total_;

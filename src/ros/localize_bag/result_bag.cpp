@@ -9,6 +9,14 @@
 #include "omnitag/ros/result_messages.h"
 
 namespace omnitag {
+namespace {
+
+bool isOwn(const std::string& topic) {
+  return topic == "/pose" || topic == "/pose_with_covariance" || topic == "/detections" ||
+         topic == "/status" || topic == "/path" || topic == "/markers";
+}
+
+}  // namespace
 
 ResultBag::ResultBag(const std::string& path, const MarkerMap& map, const FrameNames& frames,
                      const LocalizerParameters& parameters)
@@ -22,11 +30,6 @@ ResultBag::ResultBag(const std::string& path, const MarkerMap& map, const FrameN
   } catch (const std::exception&) {
     throw InputError(path + ": cannot be written");
   }
-}
-
-bool ResultBag::isOwn(const std::string& topic) const {
-  return topic == "/pose" || topic == "/pose_with_covariance" || topic == "/detections" ||
-         topic == "/status" || topic == "/path" || topic == "/markers";
 }
 
 void ResultBag::copy(const rosbag::MessageInstance& message) {

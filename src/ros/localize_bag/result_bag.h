@@ -31,8 +31,6 @@ class ResultBag {
   void close() { bag_.close(); }
 
  private:
-  bool isOwn(const std::string& topic) const;
-
   const MarkerMap& map_;
   FrameNames frames_;
   double transform_tolerance_;
