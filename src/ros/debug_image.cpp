@@ -197,7 +197,7 @@ void DebugImagePainter::paintView(const FrameResult& result, std::size_t view_in
   write(verdict, {corner.x, pen.y + kTextLine}, frame_color, kTextSize, canvas);
 }
 
-void DebugImagePainter::paintTitle(const FrameResult& result, cv::Mat* canvas) const {
+void DebugImagePainter::paintTitle(const FrameResult& result, cv::Mat* canvas) {
   constexpr double kTextSize = 0.55;
   const bool has_pose = result.map_from_base.has_value();
   const cv::Scalar color = result.mode == Mode::kTracking ? kGreen : (has_pose ? kYellow : kOrange);

@@ -40,7 +40,7 @@ class DebugImagePainter {
   void paintPanorama(const cv::Mat& panorama, const FrameResult& result, cv::Mat* canvas) const;
   void paintView(const FrameResult& result, std::size_t view, const cv::Rect& cell,
                  cv::Mat* canvas) const;
-  void paintTitle(const FrameResult& result, cv::Mat* canvas) const;
+  static void paintTitle(const FrameResult& result, cv::Mat* canvas);
 
   std::shared_ptr<const CameraModel> camera_;
   MarkerMap map_;
