@@ -27,7 +27,7 @@ run_tests() {
   local results=$1/test_results/omnitag
   rm -rf "$results"
   mkdir -p "$results"
-  ctest --test-dir "$1" --parallel "$(nproc)" --timeout 300 --output-on-failure \
+  ctest --test-dir "$1" --parallel "$(nproc)" --timeout 900 --output-on-failure \
     --output-junit "$results/ctest.xml" || true
   /usr/bin/python3 "$root/scripts/summarize_tests.py" "$results"
 }
