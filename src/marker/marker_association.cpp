@@ -1,5 +1,6 @@
 #include "omnitag/marker/marker_association.h"
 
+#include <array>
 #include <cmath>
 #include <complex>
 #include <cstdio>
@@ -38,9 +39,9 @@ double meanEdge(const Corners<Eigen::Vector2d>& corners) {
 }
 
 std::string format(const char* pattern, double value) {
-  char text[128];
-  std::snprintf(text, sizeof(text), pattern, value);
-  return text;
+  std::array<char, 128> text{};
+  std::snprintf(text.data(), text.size(), pattern, value);
+  return text.data();
 }
 
 }  // namespace

@@ -22,9 +22,10 @@ std::uint8_t sample(const cv::Mat& image, float u, float v) {
   const std::uint8_t* top = image.ptr<std::uint8_t>(row) + column;
   const std::uint8_t* bottom = top + image.step[0];
   const auto blend = [right](const std::uint8_t* pixels) {
-    return pixels[0] + right * static_cast<float>(pixels[1] - pixels[0]);
+    const auto left = static_cast<float>(pixels[0]);
+    return left + right * (static_cast<float>(pixels[1]) - left);
   };
-  return static_cast<std::uint8_t>(blend(top) + below * (blend(bottom) - blend(top)) + 0.5F);
+  return cv::saturate_cast<std::uint8_t>(blend(top) + below * (blend(bottom) - blend(top)));
 }
 
 }  // namespace
