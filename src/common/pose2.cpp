@@ -1,5 +1,7 @@
 #include "omnitag/common/pose2.h"
 
+#include <Eigen/Cholesky>
+
 #include "omnitag/common/angle.h"
 
 namespace omnitag {
@@ -26,6 +28,17 @@ Pose2 inverse(const Pose2& a_from_b) {
   const double s = std::sin(a_from_b.yaw);
   return {-c * a_from_b.x - s * a_from_b.y, s * a_from_b.x - c * a_from_b.y,
           normalizeAngle(-a_from_b.yaw)};
+}
+
+Eigen::Vector3d difference(const Pose2& a, const Pose2& b) {
+  return {a.x - b.x, a.y - b.y, normalizeAngle(a.yaw - b.yaw)};
+}
+
+bool agree(const PoseEstimate& a, const PoseEstimate& b) {
+  constexpr double kLimit = 16.27;
+  const Eigen::Vector3d d = difference(a.pose, b.pose);
+  const Eigen::Matrix3d covariance = a.covariance + b.covariance;
+  return d.dot(covariance.ldlt().solve(d)) <= kLimit;
 }
 
 }  // namespace omnitag

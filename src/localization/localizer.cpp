@@ -5,13 +5,17 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <string>
 #include <utility>
 
 #include "omnitag/common/error.h"
+#include "omnitag/localization/displacement.h"
 #include "omnitag/marker/marker_association.h"
 
 namespace omnitag {
 namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// m. The contours of horizontal lines hardly change beyond; nearer ones only bend a view a little,
 /// since positions go back to the panorama through the same table.
@@ -41,54 +45,32 @@ std::string describe(const cv::Mat& image) {
          cv::typeToString(image.type());
 }
 
-/// A reading in the panorama; nothing where a corner is off the world that the panorama shows.
-std::optional<MarkerReading> inPanorama(const TagDetection& tag, const View& view,
-                                        const ViewWarper& warper) {
-  MarkerReading reading{tag.family, tag.id, {}, {}};
-  for (std::size_t k = 0; k < tag.corners.size(); ++k) {
-    const auto corner = warper.panoramaFromView(view, tag.corners[k]);
-    if (!corner) return std::nullopt;
-    reading.corners[k] = *corner;
-  }
-  const auto center = warper.panoramaFromView(view, tag.center);
-  if (!center) return std::nullopt;
-  reading.center = *center;
-  return reading;
+MarkerDetection toDetection(const MarkerReading& reading) {
+  MarkerDetection detection;
+  detection.family = reading.family;
+  detection.id = reading.id;
+  detection.corners = reading.corners;
+  detection.center = reading.center;
+  detection.residual = kNaN;
+  return detection;
+}
+
+/// How many detections are of the map's markers and yet not accepted.
+int contradictions(const FrameResult& result, const MarkerMap& map) {
+  return static_cast<int>(std::count_if(
+      result.detections.begin(), result.detections.end(), [&map](const MarkerDetection& d) {
+        return !d.accepted && !entriesOf(map, d.family, d.id).empty();
+      }));
 }
 
 }  // namespace
-
-const char* toString(Mode mode) {
-  switch (mode) {
-    case Mode::kSearching:
-      return "searching";
-    case Mode::kTracking:
-      return "tracking";
-    case Mode::kDeadReckoning:
-      return "dead_reckoning";
-  }
-  return "";
-}
-
-int FrameResult::acceptedMarkers() const {
-  return static_cast<int>(std::count_if(detections.begin(), detections.end(),
-                                        [](const MarkerDetection& d) { return d.accepted; }));
-}
-
-/// What was read in a frame, and which of the detections are observations of the map.
-struct Localizer::Look {
-  std::vector<MarkerObservation> observations;
-  /// For each observation, its index among the frame's detections.
-  std::vector<std::size_t> detections;
-};
 
 Localizer::Localizer(std::shared_ptr<const CameraModel> camera, MarkerMap map,
                      const LocalizerConfig& config)
     : camera_(std::move(camera)),
       map_(std::move(map)),
       config_(config),
-      warper_(camera_, kWorkingDistance),
-      detector_(config.detector, familiesOf(map_)),
+      reader_(camera_, kWorkingDistance, config.detector, familiesOf(map_)),
       motion_(config.motion) {}
 
 void Localizer::setPose(const PoseEstimate& map_from_base) { given_pose_ = map_from_base; }
@@ -106,6 +88,22 @@ void Localizer::forgetPose() {
 }
 
 FrameResult Localizer::process(const Frame& frame) {
+  check(frame);
+  last_stamp_ = frame.stamp;
+
+  Stopwatch total;
+  FrameResult result;
+  result.stamp = frame.stamp;
+  const MountedCamera camera(camera_, frame.base_from_camera);
+  const std::optional<PoseEstimate> predicted = predict(frame);
+  if (predicted) track(frame, camera, *predicted, &result);
+  if (!result.map_from_base) search(frame, camera, predicted, &result);
+  measure(camera, &result);
+  result.timings.total = total.lap();
+  return result;
+}
+
+void Localizer::check(const Frame& frame) const {
   const ImageSize& size = camera_->imageSize();
   if (frame.image.type() != CV_8UC1 || frame.image.cols != size.width ||
       frame.image.rows != size.height) {
@@ -118,110 +116,163 @@ FrameResult Localizer::process(const Frame& frame) {
                      std::to_string(last_stamp_.value_or(0.0)) + " s, found " +
                      std::to_string(frame.stamp) + " s");
   }
-  last_stamp_ = frame.stamp;
-
-  Stopwatch total;
-  FrameResult result;
-  result.stamp = frame.stamp;
-  std::optional<PoseEstimate> predicted;
-  if (given_pose_) {
-    predicted = *std::exchange(given_pose_, std::nullopt);
-    motion_.reset(*predicted, frame.stamp, frame.odom_from_base);
-    has_pose_ = true;
-  } else if (has_pose_) {
-    predicted = motion_.predict(frame.stamp, frame.odom_from_base);
-  }
-  if (predicted) {
-    const MountedCamera camera(camera_, frame.base_from_camera);
-    Stopwatch step;
-    result.predicted = predictMarkers(map_, camera, *predicted, config_.visibility);
-    result.timings.predict = step.lap();
-    solve(camera, *predicted, look(frame, camera, &result), &result);
-  }
-  result.timings.total = total.lap();
-  return result;
 }
 
-Localizer::Look Localizer::look(const Frame& frame, const MountedCamera& camera,
-                                FrameResult* result) const {
+std::optional<PoseEstimate> Localizer::predict(const Frame& frame) {
+  if (given_pose_) {
+    const PoseEstimate given = *std::exchange(given_pose_, std::nullopt);
+    motion_.reset(given, frame.stamp, frame.odom_from_base);
+    has_pose_ = true;
+    return given;
+  }
+  if (!has_pose_) return std::nullopt;
+  const PoseEstimate predicted = motion_.predict(frame.stamp, frame.odom_from_base);
+  has_pose_ = motion_.isTrustworthy();
+  return has_pose_ ? std::optional(predicted) : std::nullopt;
+}
+
+void Localizer::track(const Frame& frame, const MountedCamera& camera,
+                      const PoseEstimate& predicted, FrameResult* result) {
   Stopwatch step;
+  result->predicted = predictMarkers(map_, camera, predicted, config_.visibility);
   std::vector<ViewTarget> targets;
   targets.reserve(result->predicted.size());
   for (const PredictedMarker& marker : result->predicted) {
     targets.push_back(viewTarget(marker, *camera_));
   }
-  result->views = planViews(targets, warper_.table(), camera_->imagePlane().scale(),
+  result->views = planViews(targets, reader_.warper().table(), camera_->imagePlane().scale(),
                             camera.axisUp(), config_.view);
   result->timings.predict += step.lap();
-  for (const View& view : result->views) {
-    result->view_images.push_back(warper_.warp(frame.image, view));
-  }
-  result->timings.warp = step.lap();
+  const std::vector<MarkerReading> readings = read(frame, result);
 
-  Look look;
-  for (std::size_t v = 0; v < result->views.size(); ++v) {
-    const View& view = result->views[v];
-    for (const TagDetection& tag : detector_.detect(result->view_images[v])) {
-      const std::optional<MarkerReading> reading = inPanorama(tag, view, warper_);
-      if (!reading) continue;
-      const Association association =
-          associate(*reading, result->predicted, view.targets, map_, config_.association);
-      MarkerDetection detection;
-      detection.family = tag.family;
-      detection.id = tag.id;
-      detection.corners = reading->corners;
-      detection.center = reading->center;
-      detection.reason = association.reason;
-      if (association.prediction) {
-        detection.map_entry = result->predicted[*association.prediction].map_entry;
-        look.observations.push_back({*detection.map_entry, reading->corners, reading->center});
-        look.detections.push_back(result->detections.size());
-      }
-      result->detections.push_back(std::move(detection));
+  step.lap();
+  std::vector<MarkerObservation> observations;
+  std::vector<std::size_t> observed;
+  for (const MarkerReading& reading : readings) {
+    const Association association = associate(
+        reading, result->predicted, result->views[reading.view].targets, map_, config_.association);
+    MarkerDetection detection = toDetection(reading);
+    detection.reason = association.reason;
+    if (association.prediction) {
+      detection.map_entry = result->predicted[*association.prediction].map_entry;
+      observations.push_back({*detection.map_entry, reading.corners, reading.center});
+      observed.push_back(result->detections.size());
+    }
+    result->detections.push_back(std::move(detection));
+  }
+  const std::optional<PoseSolution> solution =
+      estimatePose(map_, camera, observations, predicted, config_.estimation);
+  for (std::size_t i = 0; i < observed.size(); ++i) {
+    MarkerDetection& detection = result->detections[observed[i]];
+    detection.accepted = solution && solution->used[i];
+    if (solution) detection.residual = solution->residuals[i];
+    if (!detection.accepted) {
+      detection.reason = solution ? "disagrees with the other markers" : "no pose agrees with it";
     }
   }
-  result->timings.decode = step.lap();
-  return look;
-}
-
-void Localizer::solve(const MountedCamera& camera, const PoseEstimate& predicted, const Look& look,
-                      FrameResult* result) {
-  Stopwatch step;
-  const std::optional<PoseSolution> solution =
-      estimatePose(map_, camera, look.observations, predicted, config_.estimation);
-  if (solution) {
+  // Where most of what is read contradicts, the prediction itself is in doubt.
+  if (solution && contradictions(*result, map_) <= result->acceptedMarkers()) {
     motion_.correct(solution->map_from_base);
     result->mode = Mode::kTracking;
     result->map_from_base = solution->map_from_base;
-  } else if (motion_.isTrustworthy()) {
-    result->mode = Mode::kDeadReckoning;
-    result->map_from_base = predicted;
-  } else {
-    has_pose_ = false;
+  }
+  result->timings.solve += step.lap();
+}
+
+void Localizer::search(const Frame& frame, const MountedCamera& camera,
+                       const std::optional<PoseEstimate>& predicted, FrameResult* result) {
+  Stopwatch step;
+  result->views =
+      viewsAllAround(map_, camera, reader_.warper().table(), config_.visibility.max_range,
+                     config_.view.oversampling, config_.look_around);
+  result->view_images.clear();
+  result->detections.clear();
+  result->timings.predict += step.lap();
+  const std::vector<MarkerReading> readings =
+      withoutRepetitions(read(frame, result), result->views, reader_.warper());
+
+  step.lap();
+  const Relocalization found = relocalize(map_, camera, readings, config_.estimation.reprojection,
+                                          config_.estimation.max_residual, config_.relocalization);
+  int explained = 0;
+  for (std::size_t i = 0; i < readings.size(); ++i) {
+    MarkerDetection detection = toDetection(readings[i]);
+    detection.map_entry = found.entries[i];
+    detection.residual = found.residuals[i];
+    detection.accepted = found.entries[i].has_value();
+    if (entriesOf(map_, detection.family, detection.id).empty()) {
+      detection.reason = "not in the map";
+    } else if (!detection.accepted) {
+      detection.reason = found.map_from_base ? "disagrees with the other markers" : found.reason;
+    }
+    explained += detection.accepted ? 1 : 0;
+    result->detections.push_back(std::move(detection));
   }
 
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  // A single marker may hang elsewhere than the map says: it does not overrule a prediction that
+  // markers confirmed a moment ago.
+  const bool is_expected =
+      predicted && found.map_from_base && agree(*predicted, *found.map_from_base);
+  const bool overrules = !predicted || is_expected || explained >= 2 ||
+                         motion_.uncorrectedTime() > config_.motion.max_dead_reckoning_time;
+  if (found.map_from_base && overrules) {
+    if (predicted && !is_expected) result->remark = "found far from where it was expected";
+    motion_.reset(*found.map_from_base, frame.stamp, frame.odom_from_base);
+    has_pose_ = true;
+    result->map_from_base = found.map_from_base;
+  } else {
+    for (MarkerDetection& detection : result->detections) {
+      if (!detection.accepted) continue;
+      detection.accepted = false;
+      detection.reason = "contradicts the predicted pose";
+    }
+    const int contradicting = contradictions(*result, map_);
+    if (predicted && contradicting == 0) {
+      result->mode = Mode::kDeadReckoning;
+      result->map_from_base = predicted;
+    } else {
+      result->remark =
+          predicted ? "the markers that were read contradict the predicted pose" : found.reason;
+    }
+  }
+  result->timings.solve += step.lap();
+}
+
+std::vector<MarkerReading> Localizer::read(const Frame& frame, FrameResult* result) const {
+  Stopwatch step;
+  for (const View& view : result->views) {
+    result->view_images.push_back(reader_.warper().warp(frame.image, view));
+  }
+  result->timings.warp += step.lap();
+  std::vector<MarkerReading> readings;
+  for (std::size_t v = 0; v < result->views.size(); ++v) {
+    for (MarkerReading& reading : reader_.read(result->view_images[v], result->views[v])) {
+      reading.view = v;
+      readings.push_back(std::move(reading));
+    }
+  }
+  result->timings.decode += step.lap();
+  return readings;
+}
+
+void Localizer::measure(const MountedCamera& camera, FrameResult* result) const {
   for (MarkerDetection& detection : result->detections) {
     const std::optional<Ray> ray = camera.rayInBase(detection.center);
     detection.bearing = ray ? std::atan2(ray->direction.y(), ray->direction.x()) : kNaN;
     detection.range = kNaN;
-    detection.residual = kNaN;
-    if (!detection.map_entry || !result->map_from_base) continue;
-    const Eigen::Vector3d viewpoint =
-        camera.mapFromCamera(result->map_from_base->pose).translation();
-    detection.range = (map_.markers[*detection.map_entry].center() - viewpoint).head<2>().norm();
-  }
-  for (std::size_t i = 0; i < look.observations.size(); ++i) {
-    MarkerDetection& detection = result->detections[look.detections[i]];
-    if (!solution) {
-      detection.reason = "no pose agrees with it";
-      continue;
+    if (!result->map_from_base) continue;
+    const Pose2& pose = result->map_from_base->pose;
+    if (detection.map_entry) {
+      const Eigen::Vector3d viewpoint = camera.mapFromCamera(pose).translation();
+      detection.range = (map_.markers[*detection.map_entry].center() - viewpoint).head<2>().norm();
     }
-    detection.residual = solution->residuals[i];
-    detection.accepted = solution->used[i];
-    if (!detection.accepted) detection.reason = "disagrees with the other markers";
+    const bool is_measured = result->acceptedMarkers() > 0;
+    if (detection.accepted || !is_measured) continue;
+    const auto displaced =
+        displacement(map_, camera, detection.family, detection.id,
+                     {0, detection.corners, detection.center}, pose, config_.estimation);
+    if (displaced) result->displaced.push_back(*displaced);
   }
-  result->timings.solve = step.lap();
 }
 
 }  // namespace omnitag

@@ -17,6 +17,12 @@ LocalizerConfig readLocalizerConfig(const YamlReader& reader) {
   if (reader.has("estimation")) {
     config.estimation = readEstimatorConfig(reader.mapping("estimation"));
   }
+  if (reader.has("look_around")) {
+    config.look_around = readLookAroundConfig(reader.mapping("look_around"));
+  }
+  if (reader.has("relocalization")) {
+    config.relocalization = readRelocalizationConfig(reader.mapping("relocalization"));
+  }
   if (reader.has("motion")) config.motion = readMotionModelConfig(reader.mapping("motion"));
   if (reader.has("estimator")) {
     const std::string estimator = reader.text("estimator");

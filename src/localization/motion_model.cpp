@@ -85,8 +85,7 @@ bool MotionModel::isTrustworthy() const {
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(position_covariance).eigenvalues()(1);
   const bool is_certain = std::sqrt(position_variance) <= config_.max_position_deviation &&
                           std::sqrt(covariance_(2, 2)) <= config_.max_heading_deviation;
-  const bool is_fresh =
-      moved_by_odometry_ || stamp_ - corrected_stamp_ <= config_.max_dead_reckoning_time;
+  const bool is_fresh = moved_by_odometry_ || uncorrectedTime() <= config_.max_dead_reckoning_time;
   return is_certain && is_fresh;
 }
 
@@ -107,7 +106,9 @@ void MotionModel::moveByOdometry(const Pose2& motion) {
   pose_covariance.diagonal() +=
       Eigen::Vector3d(translation_variance, translation_variance, rotation_variance);
   // Odometry tells the motion whatever the velocity; should it fail, the velocity starts unknown.
+  const double corrected_stamp = corrected_stamp_;
   reset({moved, pose_covariance}, stamp_, odom_from_base_);
+  corrected_stamp_ = corrected_stamp;
   moved_by_odometry_ = true;
 }
 

@@ -1,7 +1,6 @@
 #include "omnitag/localization/pose_estimator.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -18,28 +17,6 @@ std::vector<MarkerObservation> chosen(const std::vector<MarkerObservation>& obse
     if (used[i]) subset.push_back(observations[i]);
   }
   return subset;
-}
-
-/// Pixels, RMS over the corners of each observation.
-std::vector<double> residualsAt(const Pose2& pose, const MarkerMap& map,
-                                const MountedCamera& camera,
-                                const std::vector<MarkerObservation>& observations) {
-  std::vector<double> residuals;
-  residuals.reserve(observations.size());
-  for (const MarkerObservation& observation : observations) {
-    const Corners<Eigen::Vector3d> corners = map.markers[observation.map_entry].corners();
-    double squares = 0.0;
-    for (std::size_t k = 0; k < corners.size(); ++k) {
-      const auto pixel = camera.pixelFromMap(pose, corners[k]);
-      if (!pixel) {
-        squares = std::numeric_limits<double>::infinity();
-        break;
-      }
-      squares += (*pixel - observation.corners[k]).squaredNorm();
-    }
-    residuals.push_back(std::sqrt(squares / static_cast<double>(corners.size())));
-  }
-  return residuals;
 }
 
 /// The line of sight of an observation's centre, seen from above.
@@ -86,7 +63,7 @@ std::optional<PoseSolution> triangulateRobustly(const MarkerMap& map, const Moun
       const std::optional<PoseEstimate> estimate = triangulate(used_sights, yaw);
       if (!estimate) return std::nullopt;
       solution.map_from_base = *estimate;
-      solution.residuals = residualsAt(estimate->pose, map, camera, observations);
+      solution.residuals = reprojectionResiduals(map, camera, observations, estimate->pose);
       yaw = estimate->pose.yaw;
       for (std::size_t k = 0; k < used.size(); ++k) {
         const double ratio = solution.residuals[used[k]] / config.reprojection.robust_width;
@@ -103,32 +80,6 @@ std::optional<PoseSolution> triangulateRobustly(const MarkerMap& map, const Moun
   }
 }
 
-/// Refines with a robust width that starts wide, so that a start far off sees all markers, and
-/// narrows down to the configured one.
-std::optional<ReprojectionFit> refineFrom(const Pose2& start, const MarkerMap& map,
-                                          const MountedCamera& camera,
-                                          const std::vector<MarkerObservation>& observations,
-                                          const std::optional<PoseEstimate>& prior,
-                                          const ReprojectionConfig& config) {
-  constexpr std::array<double, 2> kWidths = {16.0, 2.0};  // pixels
-  Pose2 pose = start;
-  for (const double width : kWidths) {
-    ReprojectionConfig wide = config;
-    wide.robust_width = std::max(width, config.robust_width);
-    const auto fit = refineByReprojection(map, camera, observations, pose, prior, wide);
-    if (fit) pose = fit->map_from_base.pose;
-  }
-  return refineByReprojection(map, camera, observations, pose, prior, config);
-}
-
-/// How many times larger than expected the squared residuals are, at least 1: a map that is not as
-/// exact as the corners must not make the pose look more certain than it is.
-double varianceFactor(const ReprojectionFit& fit) {
-  constexpr double kResidualsPerMarker = 8.0;
-  const double freedom = kResidualsPerMarker * static_cast<double>(fit.residuals.size()) - 3.0;
-  return std::max(1.0, fit.weighted_squares / freedom);
-}
-
 std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera& camera,
                                       const std::vector<MarkerObservation>& observations,
                                       const std::optional<PoseEstimate>& prior,
@@ -140,7 +91,7 @@ std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera&
   const auto all = static_cast<std::ptrdiff_t>(observations.size());
   std::optional<ReprojectionFit> best;
   const auto tryFrom = [&](const Pose2& start) {
-    auto fit = refineFrom(start, map, camera, observations, prior, config.reprojection);
+    auto fit = refineFromAfar(map, camera, observations, start, prior, config.reprojection);
     if (fit && (!best || agreeing(*fit) > agreeing(*best))) best = std::move(fit);
   };
   if (prior) tryFrom(prior->pose);
@@ -163,7 +114,7 @@ std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera&
   if (!fit) return std::nullopt;
   solution.map_from_base = fit->map_from_base;
   solution.map_from_base.covariance *= varianceFactor(*fit);
-  solution.residuals = residualsAt(fit->map_from_base.pose, map, camera, observations);
+  solution.residuals = reprojectionResiduals(map, camera, observations, fit->map_from_base.pose);
   return solution;
 }
 

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -19,10 +20,6 @@ struct Linearization {
   double weighted_squares = 0.0;
   std::vector<double> residuals;
 };
-
-Eigen::Vector3d difference(const Pose2& a, const Pose2& b) {
-  return {a.x - b.x, a.y - b.y, normalizeAngle(a.yaw - b.yaw)};
-}
 
 class Problem {
  public:
@@ -80,8 +77,8 @@ class Problem {
 
   const MountedCamera& camera_;
   const std::vector<MarkerObservation>& observations_;
-  const std::optional<PoseEstimate>& prior_;
-  const ReprojectionConfig& config_;
+  std::optional<PoseEstimate> prior_;
+  ReprojectionConfig config_;
   std::vector<Corners<Eigen::Vector3d>> corners_;
   Eigen::Matrix3d prior_information_ = Eigen::Matrix3d::Zero();
 };
@@ -132,6 +129,34 @@ std::optional<ReprojectionFit> refineByReprojection(
   fit.residuals = std::move(linear.residuals);
   fit.weighted_squares = linear.weighted_squares;
   return fit;
+}
+
+std::optional<ReprojectionFit> refineFromAfar(const MarkerMap& map, const MountedCamera& camera,
+                                              const std::vector<MarkerObservation>& observations,
+                                              const Pose2& initial,
+                                              const std::optional<PoseEstimate>& prior,
+                                              const ReprojectionConfig& config) {
+  constexpr std::array<double, 2> kWidths = {16.0, 2.0};  // pixels
+  Pose2 pose = initial;
+  for (const double width : kWidths) {
+    ReprojectionConfig wide = config;
+    wide.robust_width = std::max(width, config.robust_width);
+    const auto fit = refineByReprojection(map, camera, observations, pose, prior, wide);
+    if (fit) pose = fit->map_from_base.pose;
+  }
+  return refineByReprojection(map, camera, observations, pose, prior, config);
+}
+
+double varianceFactor(const ReprojectionFit& fit) {
+  constexpr double kResidualsPerMarker = 8.0;
+  const double freedom = kResidualsPerMarker * static_cast<double>(fit.residuals.size()) - 3.0;
+  return std::max(1.0, fit.weighted_squares / freedom);
+}
+
+std::vector<double> reprojectionResiduals(const MarkerMap& map, const MountedCamera& camera,
+                                          const std::vector<MarkerObservation>& observations,
+                                          const Pose2& map_from_base) {
+  return Problem(map, camera, observations, std::nullopt, {}).linearize(map_from_base).residuals;
 }
 
 }  // namespace omnitag

@@ -30,14 +30,6 @@ std::complex<double> turnAndScale(const Corners<Eigen::Vector2d>& from,
   return correlation / size;
 }
 
-double meanEdge(const Corners<Eigen::Vector2d>& corners) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    sum += (corners[(i + 1) % corners.size()] - corners[i]).norm();
-  }
-  return sum / static_cast<double>(corners.size());
-}
-
 std::string format(const char* pattern, double value) {
   std::array<char, 128> text{};
   std::snprintf(text.data(), text.size(), pattern, value);

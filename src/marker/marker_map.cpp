@@ -10,6 +10,14 @@ Corners<Eigen::Vector3d> Marker::corners() const {
           map_from_marker * Eigen::Vector3d(-half, half, 0.0)};
 }
 
+std::vector<std::size_t> entriesOf(const MarkerMap& map, const std::string& family, int id) {
+  std::vector<std::size_t> entries;
+  for (std::size_t i = 0; i < map.markers.size(); ++i) {
+    if (map.markers[i].id == id && map.markers[i].family == family) entries.push_back(i);
+  }
+  return entries;
+}
+
 Eigen::Quaterniond uprightOrientation(double yaw, double roll) {
   // At yaw 0 the normal is the map's x axis; a person who looks at the marker then has the map's
   // y axis to the right: the marker's axes x, y, z are the map's y, z, x.

@@ -65,7 +65,7 @@ cv_bridge::CvImageConstPtr grayImage(const sensor_msgs::ImageConstPtr& message) 
     // cv_bridge does not swap the bytes of colors of 16 bits.
     const bool is_swapped = message->is_bigendian != 0U && encodings::bitDepth(encoding) > 8;
     if (!is_swapped) {
-      const cv_bridge::CvImageConstPtr gray =
+      cv_bridge::CvImageConstPtr gray =
           is_gray ? cv_bridge::toCvShare(message) : cv_bridge::toCvShare(message, encodings::MONO8);
       if (gray->image.type() == CV_8UC1) return gray;
     }

@@ -12,35 +12,6 @@ struct Group {
   std::vector<std::size_t> members;
 };
 
-View viewOf(const Group& group, const ContourTable& table, double pixels_per_unit, bool axis_up,
-            const ViewPlannerConfig& config) {
-  const ViewTarget& target = group.target;
-  View view;
-  view.azimuth = target.azimuth;
-  view.distance = target.distance;
-  view.axis_up = axis_up;
-  view.targets = group.members;
-
-  // The rectangle's heights must take in the target's middle as well as its sides, which are
-  // farther away.
-  const double half_width = std::min(target.half_width, ContourTable::kMaxAzimuthOffset);
-  const double side_distance = target.distance / std::cos(half_width);
-  const auto [bottom, top] = std::minmax({table.height(target.min_radius, target.distance),
-                                          table.height(target.max_radius, target.distance),
-                                          table.height(target.min_radius, side_distance),
-                                          table.height(target.max_radius, side_distance)});
-  view.middle_height = 0.5 * (bottom + top);
-
-  const double width = 2.0 * std::tan(half_width);
-  const double height = (top - bottom) / target.distance;
-  const double best_resolution = target.max_radius * pixels_per_unit;  // pixels per radian
-  view.focal_length =
-      std::min(config.oversampling * best_resolution, config.max_size / std::max(width, height));
-  view.size = {static_cast<int>(std::ceil(width * view.focal_length)),
-               static_cast<int>(std::ceil(height * view.focal_length))};
-  return view;
-}
-
 Group merged(const Group& a, const Group& b) {
   const double offset = normalizeAngle(b.target.azimuth - a.target.azimuth);
   const double low = std::min(-a.target.half_width, offset - b.target.half_width);
@@ -68,10 +39,39 @@ ViewPlannerConfig readViewPlannerConfig(const YamlReader& reader) {
   return config;
 }
 
+View planView(const ViewTarget& target, const ContourTable& table, double pixels_per_unit,
+              bool axis_up, const ViewPlannerConfig& config) {
+  View view;
+  view.azimuth = target.azimuth;
+  view.distance = target.distance;
+  view.axis_up = axis_up;
+
+  // The rectangle's heights must take in the target's middle as well as its sides, which are
+  // farther away.
+  const double half_width = std::min(target.half_width, ContourTable::kMaxAzimuthOffset);
+  const double side_distance = target.distance / std::cos(half_width);
+  const auto [bottom, top] = std::minmax({table.height(target.min_radius, target.distance),
+                                          table.height(target.max_radius, target.distance),
+                                          table.height(target.min_radius, side_distance),
+                                          table.height(target.max_radius, side_distance)});
+  view.middle_height = 0.5 * (bottom + top);
+
+  const double width = 2.0 * std::tan(half_width);
+  const double height = (top - bottom) / target.distance;
+  const double best_resolution = target.max_radius * pixels_per_unit;  // pixels per radian
+  view.focal_length =
+      std::min(config.oversampling * best_resolution, config.max_size / std::max(width, height));
+  view.size = {static_cast<int>(std::ceil(width * view.focal_length)),
+               static_cast<int>(std::ceil(height * view.focal_length))};
+  return view;
+}
+
 std::vector<View> planViews(const std::vector<ViewTarget>& targets, const ContourTable& table,
                             double pixels_per_unit, bool axis_up, const ViewPlannerConfig& config) {
   const auto plan = [&](const Group& group) {
-    return viewOf(group, table, pixels_per_unit, axis_up, config);
+    View view = planView(group.target, table, pixels_per_unit, axis_up, config);
+    view.targets = group.members;
+    return view;
   };
   std::vector<std::pair<Group, View>> planned;
   for (std::size_t i = 0; i < targets.size(); ++i) {

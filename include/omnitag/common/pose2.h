@@ -32,4 +32,11 @@ struct PoseEstimate {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 };
 
+/// a - b, its yaw normalised.
+Eigen::Vector3d difference(const Pose2& a, const Pose2& b);
+
+/// Whether two independent estimates of the same pose may both be right: their difference is within
+/// what 999 of 1000 such pairs have (Mahalanobis distance, chi-square with 3 degrees of freedom).
+bool agree(const PoseEstimate& a, const PoseEstimate& b);
+
 }  // namespace omnitag

@@ -1,94 +1,21 @@
 #pragma once
 
-#include <Eigen/Geometry>
 #include <memory>
-#include <opencv2/core/mat.hpp>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "omnitag/camera/mounted_camera.h"
 #include "omnitag/common/pose2.h"
+#include "omnitag/localization/frame_result.h"
 #include "omnitag/localization/localizer_config.h"
 #include "omnitag/localization/motion_model.h"
 #include "omnitag/marker/marker_map.h"
-#include "omnitag/marker/marker_prediction.h"
-#include "omnitag/marker/tag_detector.h"
-#include "omnitag/view/view.h"
-#include "omnitag/view/view_warper.h"
+#include "omnitag/marker/marker_reader.h"
 
 namespace omnitag {
 
-/// How a frame's pose came about.
-enum class Mode {
-  kSearching,      ///< no prediction: found by search in this frame, or no pose at all
-  kTracking,       ///< prediction and markers
-  kDeadReckoning,  ///< prediction alone
-};
-
-/// "searching", "tracking" or "dead_reckoning".
-const char* toString(Mode mode);
-
-/// One image and what is known of the robot at its stamp.
-struct Frame {
-  /// s.
-  double stamp = 0.0;
-  /// CV_8UC1, as large as the camera file says.
-  cv::Mat image;
-  /// The camera's mounting, optical frame to robot.
-  Eigen::Isometry3d base_from_camera = Eigen::Isometry3d::Identity();
-  /// Odometry at the stamp, where the robot has one.
-  std::optional<Pose2> odom_from_base;
-};
-
-/// A marker that was read in a frame, accepted or not.
-struct MarkerDetection {
-  std::string family;
-  int id = 0;
-  /// The entry of the map that it was taken for; none where no entry fits.
-  std::optional<std::size_t> map_entry;
-  bool accepted = false;
-  /// Why it was rejected; empty for an accepted one.
-  std::string reason;
-  /// Pixels of the panoramic image.
-  Corners<Eigen::Vector2d> corners;
-  Eigen::Vector2d center;
-  /// rad, direction of its centre's line of sight about z of base_link, counter-clockwise from x.
-  double bearing = 0.0;
-  /// m, horizontal distance from the camera to the map entry at the frame's pose; NaN without one.
-  double range = 0.0;
-  /// Pixels of the panoramic image, RMS over its corners at the frame's pose; NaN without one.
-  double residual = 0.0;
-};
-
-/// Wall-clock seconds that the steps of a frame took.
-struct Timings {
-  double predict = 0.0;
-  double warp = 0.0;
-  double decode = 0.0;
-  double solve = 0.0;
-  double total = 0.0;
-};
-
-/// What a frame gave.
-struct FrameResult {
-  double stamp = 0.0;
-  Mode mode = Mode::kSearching;
-  /// base_link in the map; none while searching in vain.
-  std::optional<PoseEstimate> map_from_base;
-  /// What the frame was expected to show.
-  std::vector<PredictedMarker> predicted;
-  /// Where it was looked, and what was seen there (CV_8UC1, as many as views).
-  std::vector<View> views;
-  std::vector<cv::Mat> view_images;
-  std::vector<MarkerDetection> detections;
-  Timings timings;
-
-  /// How many of the detections the pose stands on.
-  int acceptedMarkers() const;
-};
-
-/// Follows a robot through a stream of images: predicts, looks, triangulates, judges.
+/// Follows a robot through a stream of images: predicts, looks, triangulates, judges; and looks all
+/// around where it has no pose, or none that the image agrees with.
 ///
 /// Same input, same result. Not safe to use from two threads at once.
 class Localizer {
@@ -115,16 +42,21 @@ class Localizer {
   const LocalizerConfig& config() const { return config_; }
 
  private:
-  struct Look;
-  Look look(const Frame& frame, const MountedCamera& camera, FrameResult* result) const;
-  void solve(const MountedCamera& camera, const PoseEstimate& predicted, const Look& look,
+  void check(const Frame& frame) const;
+  std::optional<PoseEstimate> predict(const Frame& frame);
+  /// Looks where the prediction has markers; leaves the result without a pose where none agrees.
+  void track(const Frame& frame, const MountedCamera& camera, const PoseEstimate& predicted,
              FrameResult* result);
+  /// Looks all around, and decides between what it finds and the prediction.
+  void search(const Frame& frame, const MountedCamera& camera,
+              const std::optional<PoseEstimate>& predicted, FrameResult* result);
+  std::vector<MarkerReading> read(const Frame& frame, FrameResult* result) const;
+  void measure(const MountedCamera& camera, FrameResult* result) const;
 
   std::shared_ptr<const CameraModel> camera_;
   MarkerMap map_;
   LocalizerConfig config_;
-  ViewWarper warper_;
-  TagDetector detector_;
+  MarkerReader reader_;
   MotionModel motion_;
   /// A pose that was set and waits for the next frame.
   std::optional<PoseEstimate> given_pose_;

@@ -1,8 +1,10 @@
 #pragma once
 
 #include "omnitag/common/yaml_reader.h"
+#include "omnitag/localization/look_around.h"
 #include "omnitag/localization/motion_model.h"
 #include "omnitag/localization/pose_estimator.h"
+#include "omnitag/localization/relocalization.h"
 #include "omnitag/marker/marker_association.h"
 #include "omnitag/marker/marker_prediction.h"
 #include "omnitag/marker/tag_detector.h"
@@ -17,12 +19,14 @@ struct LocalizerConfig {
   TagDetectorConfig detector;
   AssociationConfig association;
   EstimatorConfig estimation;
+  LookAroundConfig look_around;
+  RelocalizationConfig relocalization;
   MotionModelConfig motion;
 };
 
-/// Reads the groups `visibility`, `view`, `detector`, `association`, `estimation` and `motion`, and
-/// the key `estimator` (triangulation | reprojection). Absent keys keep their defaults; other keys
-/// of the top level are not looked at. Throws InputError.
+/// Reads the groups `visibility`, `view`, `detector`, `association`, `estimation`, `look_around`,
+/// `relocalization` and `motion`, and the key `estimator` (triangulation | reprojection). Absent
+/// keys keep their defaults; other keys of the top level are not looked at. Throws InputError.
 LocalizerConfig readLocalizerConfig(const YamlReader& reader);
 
 }  // namespace omnitag

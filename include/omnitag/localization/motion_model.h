@@ -53,6 +53,9 @@ class MotionModel {
   /// Takes the pose that the image at the last stamp led to, the prediction included in it.
   void correct(const PoseEstimate& map_from_base);
 
+  /// s from the last correction or start to the last stamp.
+  double uncorrectedTime() const { return stamp_ - corrected_stamp_; }
+
   /// Whether the pose at the last stamp is still worth having without a marker.
   bool isTrustworthy() const;
 

@@ -40,4 +40,21 @@ std::optional<ReprojectionFit> refineByReprojection(
     const std::vector<MarkerObservation>& observations, const Pose2& initial,
     const std::optional<PoseEstimate>& prior, const ReprojectionConfig& config);
 
+/// The same from a start that may be far off: with a robust width that is wide at first, so that
+/// all markers pull, and narrows down to the configured one.
+std::optional<ReprojectionFit> refineFromAfar(const MarkerMap& map, const MountedCamera& camera,
+                                              const std::vector<MarkerObservation>& observations,
+                                              const Pose2& initial,
+                                              const std::optional<PoseEstimate>& prior,
+                                              const ReprojectionConfig& config);
+
+/// How many times larger than expected the squared residuals of a fit are, at least 1: a map that
+/// is not as exact as the corners must not make the pose look more certain than it is.
+double varianceFactor(const ReprojectionFit& fit);
+
+/// Pixels, RMS over the corners of each observation; infinity where the pose hides a corner.
+std::vector<double> reprojectionResiduals(const MarkerMap& map, const MountedCamera& camera,
+                                          const std::vector<MarkerObservation>& observations,
+                                          const Pose2& map_from_base);
+
 }  // namespace omnitag

@@ -9,6 +9,7 @@
 #include "omnitag/common/yaml_reader.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/marker/marker_prediction.h"
+#include "omnitag/marker/marker_reader.h"
 
 namespace omnitag {
 
@@ -24,14 +25,6 @@ struct AssociationConfig {
 
 /// Reads the keys above; absent ones keep their defaults. Throws InputError.
 AssociationConfig readAssociationConfig(const YamlReader& reader);
-
-/// A marker that was read, in pixels of the panoramic image.
-struct MarkerReading {
-  std::string family;
-  int id = 0;
-  Corners<Eigen::Vector2d> corners;
-  Eigen::Vector2d center;
-};
 
 /// Which prediction a reading belongs to, as an index, or why to none.
 struct Association {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <array>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,9 @@ struct MarkerMap {
   std::string frame_id = "map";
   std::vector<Marker> markers;
 };
+
+/// The entries that a marker of this family and id may be; none where the map has no such marker.
+std::vector<std::size_t> entriesOf(const MarkerMap& map, const std::string& family, int id);
 
 /// Orientation of a marker on a vertical surface: `yaw` is the heading of its outward normal in the
 /// map, `roll` turns it in its own plane, counter-clockwise as seen by a person who looks at it

@@ -23,10 +23,14 @@ struct ViewPlannerConfig {
 /// Reads the keys above; absent ones keep their defaults. Throws InputError.
 ViewPlannerConfig readViewPlannerConfig(const YamlReader& reader);
 
-/// Views that together cover all targets, overlapping ones merged where that leaves fewer pixels to
-/// look at. A target that reaches farther than the table's contours is cut there.
+/// The view of one target.
 ///
 /// `pixels_per_unit`: pixels of the panorama per unit of the ideal image plane.
+View planView(const ViewTarget& target, const ContourTable& table, double pixels_per_unit,
+              bool axis_up, const ViewPlannerConfig& config);
+
+/// Views that together cover all targets, overlapping ones merged where that leaves fewer pixels to
+/// look at. A target that reaches farther than the table's contours is cut there.
 std::vector<View> planViews(const std::vector<ViewTarget>& targets, const ContourTable& table,
                             double pixels_per_unit, bool axis_up, const ViewPlannerConfig& config);
 

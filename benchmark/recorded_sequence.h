@@ -1,0 +1,31 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "omnitag/camera/camera_model.h"
+#include "omnitag/localization/frame_result.h"
+#include "omnitag/marker/marker_map.h"
+
+namespace omnitag {
+
+/// A rendered sequence with its truth.
+struct RecordedSequence {
+  std::shared_ptr<const CameraModel> camera;
+  MarkerMap map;
+  /// With the camera's mounting and without odometry.
+  std::vector<Frame> frames;
+  /// base_link in the map, for each frame.
+  std::vector<Pose2> truth;
+};
+
+/// Loads camera file, map, images, the mounting from /tf_static and the truth from
+/// /ground_truth/pose of a bag of render_sequence. Throws InputError.
+RecordedSequence loadSequence(const std::string& bag, const std::string& camera_file,
+                              const std::string& map_file);
+
+/// The shipped one: the paper's experiment.
+RecordedSequence shippedSequence();
+
+}  // namespace omnitag

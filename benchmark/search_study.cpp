@@ -1,0 +1,133 @@
+// How often a single image is enough to find the robot, and whether a pose found so is ever wrong:
+// for 1, 2, 3 and 5 visible markers, chosen at random, all others painted over.
+//
+//   search_study [BAG CAMERA MAP]     a bag of render_sequence; the shipped one by default
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <iostream>
+#include <numeric>
+#include <opencv2/imgproc.hpp>
+#include <random>
+#include <vector>
+
+#include "omnitag/common/error.h"
+#include "omnitag/localization/localizer.h"
+#include "recorded_sequence.h"
+
+namespace omnitag {
+namespace {
+
+constexpr int kTrialsPerFrame = 3;
+
+/// The marker and its white border, in the colour of a wall.
+void paintOver(const PredictedMarker& marker, cv::Mat* image) {
+  constexpr double kWithBorder = 1.5;
+  constexpr int kGrey = 120;
+  std::vector<cv::Point> outline;
+  for (const Eigen::Vector2d& corner : marker.corners) {
+    const Eigen::Vector2d point = marker.center + kWithBorder * (corner - marker.center);
+    outline.emplace_back(cvRound(point.x()), cvRound(point.y()));
+  }
+  cv::fillConvexPoly(*image, outline, kGrey);
+}
+
+struct Tally {
+  int frames = 0;
+  int solved = 0;
+  int wrong = 0;
+  std::vector<double> errors;
+  std::vector<double> milliseconds;
+};
+
+/// Wrong is what no robot should act on: half a metre or ten degrees off, or so far outside of the
+/// covariance that it would happen once in a million poses.
+bool isWrong(const PoseEstimate& estimate, const Pose2& truth) {
+  constexpr double kChiSquareLimit = 30.66;
+  const Eigen::Vector3d error = difference(estimate.pose, truth);
+  return error.head<2>().norm() > 0.5 || std::abs(error.z()) > radians(10.0) ||
+         error.dot(estimate.covariance.inverse() * error) > kChiSquareLimit;
+}
+
+double quantile(std::vector<double> sample, double share) {
+  if (sample.empty()) return 0.0;
+  std::sort(sample.begin(), sample.end());
+  return sample[static_cast<std::size_t>(share * static_cast<double>(sample.size() - 1))];
+}
+
+Tally study(const RecordedSequence& sequence, std::size_t visible) {
+  std::mt19937 generator(1);
+  Tally tally;
+  for (std::size_t i = 0; i < sequence.frames.size(); ++i) {
+    const Frame& frame = sequence.frames[i];
+    Localizer tracking(sequence.camera, sequence.map, {});
+    tracking.setPose(sequence.truth[i]);
+    const FrameResult seen = tracking.process(frame);
+    std::vector<std::size_t> readable;
+    for (std::size_t k = 0; k < seen.predicted.size(); ++k) {
+      const bool is_read =
+          std::any_of(seen.detections.begin(), seen.detections.end(), [&](const auto& detection) {
+            return detection.accepted && detection.map_entry == seen.predicted[k].map_entry;
+          });
+      if (is_read) readable.push_back(k);
+    }
+    if (readable.size() < visible) continue;
+    for (int trial = 0; trial < kTrialsPerFrame; ++trial) {
+      std::shuffle(readable.begin(), readable.end(), generator);
+      Frame masked = frame;
+      masked.image = frame.image.clone();
+      for (std::size_t k = 0; k < seen.predicted.size(); ++k) {
+        const auto end = readable.begin() + static_cast<std::ptrdiff_t>(visible);
+        if (std::find(readable.begin(), end, k) == end) {
+          paintOver(seen.predicted[k], &masked.image);
+        }
+      }
+      Localizer localizer(sequence.camera, sequence.map, {});
+      const FrameResult result = localizer.process(masked);
+      ++tally.frames;
+      tally.milliseconds.push_back(1e3 * result.timings.total);
+      if (!result.map_from_base) continue;
+      ++tally.solved;
+      const Eigen::Vector3d error = difference(result.map_from_base->pose, sequence.truth[i]);
+      tally.errors.push_back(error.head<2>().norm());
+      if (isWrong(*result.map_from_base, sequence.truth[i])) {
+        ++tally.wrong;
+        const Eigen::Vector3d deviations = result.map_from_base->covariance.diagonal().cwiseSqrt();
+        std::printf(
+            "wrong: frame %zu, %d used, off by %.3f m %.3f m %.2f deg, said %.3f %.3f %.2f\n", i,
+            result.acceptedMarkers(), error.x(), error.y(), degrees(error.z()), deviations.x(),
+            deviations.y(), degrees(deviations.z()));
+      }
+    }
+  }
+  return tally;
+}
+
+void run(const RecordedSequence& sequence) {
+  std::printf("visible  images  solved   wrong  median error     99th  ms median   99th\n");
+  for (const std::size_t visible : {1U, 2U, 3U, 5U}) {
+    const Tally tally = study(sequence, visible);
+    std::printf("%7zu %7d %6.1f %% %6d %10.4f m %8.4f m %9.1f %6.1f\n", visible, tally.frames,
+                100.0 * tally.solved / std::max(tally.frames, 1), tally.wrong,
+                quantile(tally.errors, 0.5), quantile(tally.errors, 0.99),
+                quantile(tally.milliseconds, 0.5), quantile(tally.milliseconds, 0.99));
+  }
+}
+
+}  // namespace
+}  // namespace omnitag
+
+int main(int argc, char** argv) {
+  try {
+    if (argc != 1 && argc != 4) throw omnitag::InputError("expected BAG CAMERA MAP or nothing");
+    omnitag::run(argc == 1 ? omnitag::shippedSequence()
+                           : omnitag::loadSequence(argv[1], argv[2], argv[3]));
+  } catch (const std::exception& error) {
+    std::cerr << "search_study: " << error.what() << '\n';
+    return 1;
+  }
+  return 0;
+}

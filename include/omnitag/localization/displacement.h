@@ -1,0 +1,24 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "omnitag/camera/mounted_camera.h"
+#include "omnitag/localization/frame_result.h"
+#include "omnitag/localization/observation.h"
+#include "omnitag/localization/pose_estimator.h"
+#include "omnitag/marker/marker_map.h"
+
+namespace omnitag {
+
+/// How far a marker hangs from where the map has it, as it was observed from a known pose of the
+/// robot, at the height and the tilt that the map says; of several entries with its id, the
+/// nearest. `observation.map_entry` is not looked at. Nothing where the map has no such marker, or
+/// where none at this height looks like what was observed.
+std::optional<DisplacedMarker> displacement(const MarkerMap& map, const MountedCamera& camera,
+                                            const std::string& family, int id,
+                                            const MarkerObservation& observation,
+                                            const Pose2& map_from_base,
+                                            const EstimatorConfig& config);
+
+}  // namespace omnitag

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "omnitag/common/pose2.h"
+#include "omnitag/marker/marker_map.h"
+#include "omnitag/marker/marker_prediction.h"
+#include "omnitag/view/view.h"
+
+namespace omnitag {
+
+/// How a frame's pose came about.
+enum class Mode {
+  kSearching,      ///< no prediction: found by search in this frame, or no pose at all
+  kTracking,       ///< prediction and markers
+  kDeadReckoning,  ///< prediction alone
+};
+
+/// "searching", "tracking" or "dead_reckoning".
+const char* toString(Mode mode);
+
+/// One image and what is known of the robot at its stamp.
+struct Frame {
+  /// s.
+  double stamp = 0.0;
+  /// CV_8UC1, as large as the camera file says.
+  cv::Mat image;
+  /// The camera's mounting, optical frame to robot.
+  Eigen::Isometry3d base_from_camera = Eigen::Isometry3d::Identity();
+  /// Odometry at the stamp, where the robot has one.
+  std::optional<Pose2> odom_from_base;
+};
+
+/// A marker that was read in a frame, accepted or not.
+struct MarkerDetection {
+  std::string family;
+  int id = 0;
+  /// The entry of the map that it was taken for; none where no entry fits.
+  std::optional<std::size_t> map_entry;
+  bool accepted = false;
+  /// Why it was rejected; empty for an accepted one.
+  std::string reason;
+  /// Pixels of the panoramic image.
+  Corners<Eigen::Vector2d> corners;
+  Eigen::Vector2d center;
+  /// rad, direction of its centre's line of sight about z of base_link, counter-clockwise from x.
+  double bearing = 0.0;
+  /// m, horizontal distance from the camera to the map entry at the frame's pose; NaN without one.
+  double range = 0.0;
+  /// Pixels of the panoramic image, RMS over its corners at the frame's pose; NaN without one.
+  double residual = 0.0;
+};
+
+/// A marker that was read elsewhere than the map has it.
+struct DisplacedMarker {
+  std::size_t map_entry = 0;
+  /// m, from where the map has it to where it seems to hang, at the same height.
+  double distance = 0.0;
+};
+
+/// Wall-clock seconds that the steps of a frame took.
+struct Timings {
+  double predict = 0.0;
+  double warp = 0.0;
+  double decode = 0.0;
+  double solve = 0.0;
+  double total = 0.0;
+};
+
+/// What a frame gave.
+struct FrameResult {
+  double stamp = 0.0;
+  Mode mode = Mode::kSearching;
+  /// base_link in the map; none while searching in vain.
+  std::optional<PoseEstimate> map_from_base;
+  /// In words, what is odd about the frame: why it has no pose, or that the robot was found far
+  /// from where it should have been. Empty otherwise.
+  std::string remark;
+  /// What the frame was expected to show.
+  std::vector<PredictedMarker> predicted;
+  /// Where it was looked, and what was seen there (CV_8UC1, as many as views).
+  std::vector<View> views;
+  std::vector<cv::Mat> view_images;
+  std::vector<MarkerDetection> detections;
+  std::vector<DisplacedMarker> displaced;
+  Timings timings;
+
+  /// How many of the detections the pose stands on.
+  int acceptedMarkers() const;
+};
+
+}  // namespace omnitag

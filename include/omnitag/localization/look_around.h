@@ -1,0 +1,39 @@
+#pragma once
+
+#include <vector>
+
+#include "omnitag/camera/mounted_camera.h"
+#include "omnitag/common/angle.h"
+#include "omnitag/common/yaml_reader.h"
+#include "omnitag/marker/marker_map.h"
+#include "omnitag/view/contour_table.h"
+#include "omnitag/view/view.h"
+#include "omnitag/view/view_planner.h"
+
+namespace omnitag {
+
+/// How a camera looks all around for markers when it does not know where it is (the paper's
+/// Section 8).
+struct LookAroundConfig {
+  /// rad, between the middles of neighbouring views.
+  double step = radians(45.0);
+  /// rad, by which neighbouring views overlap: a marker that is narrower is whole in one of them.
+  double overlap = radians(20.0);
+  /// m, horizontally from the camera: nearer markers are not looked for, as they would be far above
+  /// or below.
+  double min_range = 0.8;
+  /// Pixels, width and height of a view at most; larger ones are made coarser.
+  int max_size = 960;
+};
+
+/// Reads the keys above; absent ones keep their defaults. Throws InputError.
+LookAroundConfig readLookAroundConfig(const YamlReader& reader);
+
+/// Views all around the camera, at the elevations at which the map's markers can be, from
+/// `config.min_range` to `max_range` metres away. `oversampling` as in ViewPlannerConfig. None
+/// where the camera sees none of these elevations.
+std::vector<View> viewsAllAround(const MarkerMap& map, const MountedCamera& camera,
+                                 const ContourTable& table, double max_range, double oversampling,
+                                 const LookAroundConfig& config);
+
+}  // namespace omnitag

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <vector>
+
+#include "omnitag/camera/mounted_camera.h"
+#include "omnitag/localization/observation.h"
+#include "omnitag/localization/reprojection.h"
+#include "omnitag/marker/marker_map.h"
+
+namespace omnitag {
+
+/// The poses of the robot from which a single marker images as it was observed, judged by its four
+/// corners alone: every local optimum that is at most `max_residual` pixels (RMS) off, best first.
+/// Seen from its front a marker often has two, which turn it to the left and to the right.
+std::vector<ReprojectionFit> posesFromMarker(const MarkerMap& map, const MountedCamera& camera,
+                                             const MarkerObservation& observation,
+                                             const ReprojectionConfig& config, double max_residual);
+
+}  // namespace omnitag

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "omnitag/marker/marker_map.h"
+#include "omnitag/marker/tag_detector.h"
+#include "omnitag/view/view.h"
+#include "omnitag/view/view_warper.h"
+
+namespace omnitag {
+
+/// A marker that was read, in pixels of the panoramic image.
+struct MarkerReading {
+  std::string family;
+  int id = 0;
+  /// Bits that had to be corrected.
+  int hamming = 0;
+  Corners<Eigen::Vector2d> corners;
+  Eigen::Vector2d center;
+  /// Index of the view in which it was read.
+  std::size_t view = 0;
+};
+
+/// Mean length of a quadrilateral's edges.
+double meanEdge(const Corners<Eigen::Vector2d>& corners);
+
+/// Reads markers in views and takes what it read back to the panorama. Not safe to use from two
+/// threads at once.
+class MarkerReader {
+ public:
+  /// `working_distance`: m, as in ViewWarper. Throws InputError for a family that the AprilTag
+  /// library does not have.
+  MarkerReader(std::shared_ptr<const CameraModel> camera, double working_distance,
+               const TagDetectorConfig& config, const std::set<std::string>& families);
+
+  /// The markers of one view's image. One that reaches off the world that the panorama shows is
+  /// left out.
+  std::vector<MarkerReading> read(const cv::Mat& view_image, const View& view) const;
+
+  const ViewWarper& warper() const { return warper_; }
+
+ private:
+  ViewWarper warper_;
+  TagDetector detector_;
+};
+
+/// Readings of overlapping views without repetitions: of the same marker read twice, the one that
+/// is nearer to the middle of its view stays.
+std::vector<MarkerReading> withoutRepetitions(const std::vector<MarkerReading>& readings,
+                                              const std::vector<View>& views,
+                                              const ViewWarper& warper);
+
+}  // namespace omnitag

@@ -1,0 +1,119 @@
+#include "omnitag/localization/marker_pose.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "omnitag/common/angle.h"
+#include "omnitag/marker/marker_reader.h"
+
+namespace omnitag {
+namespace {
+
+/// How well a pose explains the corners: sum of their squared distances, in pixels.
+struct Start {
+  Pose2 map_from_base;
+  double cost = std::numeric_limits<double>::infinity();
+};
+
+std::optional<Corners<Eigen::Vector2d>> project(const Corners<Eigen::Vector3d>& corners,
+                                                const MountedCamera& camera, const Pose2& pose) {
+  Corners<Eigen::Vector2d> pixels;
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const auto pixel = camera.pixelFromMap(pose, corners[k]);
+    if (!pixel) return std::nullopt;
+    pixels[k] = *pixel;
+  }
+  return pixels;
+}
+
+/// The pose from which a marker stands at the observed bearing and has the observed size, the
+/// camera being in the direction `azimuth` from the marker.
+Start startFrom(double azimuth, const Marker& marker, const MountedCamera& camera,
+                const MarkerObservation& observation, double bearing) {
+  constexpr int kRounds = 5;
+  constexpr std::array<double, 4> kFirstDistances = {3.0, 1.0, 8.0, 0.4};  // m
+  const Eigen::Vector3d camera_in_base = camera.baseFromCamera().translation();
+  const double yaw = normalizeAngle(azimuth + kPi - bearing);
+  const Eigen::Vector2d away(std::cos(azimuth), std::sin(azimuth));
+  const Eigen::Vector2d camera_offset = Eigen::Rotation2Dd(yaw) * camera_in_base.head<2>();
+  const double height = marker.center().z() - camera_in_base.z();
+  const Corners<Eigen::Vector3d> corners = marker.corners();
+
+  const auto poseAt = [&](double distance) {
+    const Eigen::Vector2d base = marker.center().head<2>() + distance * away - camera_offset;
+    return Pose2{base.x(), base.y(), yaw};
+  };
+  for (double distance : kFirstDistances) {
+    Start start;
+    for (int round = 0; round < kRounds; ++round) {
+      start.map_from_base = poseAt(distance);
+      const auto pixels = project(corners, camera, start.map_from_base);
+      if (!pixels) {
+        start.cost = std::numeric_limits<double>::infinity();
+        break;
+      }
+      start.cost = 0.0;
+      for (std::size_t k = 0; k < corners.size(); ++k) {
+        start.cost += ((*pixels)[k] - observation.corners[k]).squaredNorm();
+      }
+      constexpr double kNearest = 0.05;  // m
+      const double range =
+          std::hypot(distance, height) * meanEdge(*pixels) / meanEdge(observation.corners);
+      distance = std::sqrt(std::max(range * range - height * height, kNearest * kNearest));
+    }
+    if (std::isfinite(start.cost)) return start;
+  }
+  return {};
+}
+
+bool isFacing(const Marker& marker, const MountedCamera& camera, const Pose2& pose) {
+  const Eigen::Vector3d viewpoint = camera.mapFromCamera(pose).translation();
+  return marker.normal().dot(viewpoint - marker.center()) > 0.0;
+}
+
+}  // namespace
+
+std::vector<ReprojectionFit> posesFromMarker(const MarkerMap& map, const MountedCamera& camera,
+                                             const MarkerObservation& observation,
+                                             const ReprojectionConfig& config,
+                                             double max_residual) {
+  const Marker& marker = map.markers[observation.map_entry];
+  const std::optional<Ray> ray = camera.rayInBase(observation.center);
+  if (!ray) return {};
+  const double bearing = std::atan2(ray->direction.y(), ray->direction.x());
+
+  constexpr std::size_t kDirections = 36;
+  std::array<Start, kDirections> starts;
+  for (std::size_t i = 0; i < kDirections; ++i) {
+    const double azimuth = 2.0 * kPi * static_cast<double>(i) / kDirections;
+    const Start start = startFrom(azimuth, marker, camera, observation, bearing);
+    if (isFacing(marker, camera, start.map_from_base)) starts[i] = start;
+  }
+
+  std::vector<ReprojectionFit> fits;
+  for (std::size_t i = 0; i < kDirections; ++i) {
+    const double cost = starts[i].cost;
+    const bool is_lowest = std::isfinite(cost) && cost <= starts[(i + 1) % kDirections].cost &&
+                           cost <= starts[(i + kDirections - 1) % kDirections].cost;
+    if (!is_lowest) continue;
+    auto fit =
+        refineFromAfar(map, camera, {observation}, starts[i].map_from_base, std::nullopt, config);
+    if (!fit || fit->residuals[0] > max_residual) continue;
+    if (!isFacing(marker, camera, fit->map_from_base.pose)) continue;
+    const bool is_known = std::any_of(fits.begin(), fits.end(), [&fit](const ReprojectionFit& f) {
+      constexpr double kSamePosition = 1e-3;  // m
+      return std::hypot(f.map_from_base.pose.x - fit->map_from_base.pose.x,
+                        f.map_from_base.pose.y - fit->map_from_base.pose.y) < kSamePosition;
+    });
+    if (!is_known) fits.push_back(std::move(*fit));
+  }
+  std::sort(fits.begin(), fits.end(), [](const ReprojectionFit& a, const ReprojectionFit& b) {
+    return a.residuals[0] < b.residuals[0];
+  });
+  return fits;
+}
+
+}  // namespace omnitag

@@ -1,0 +1,259 @@
+#include "omnitag/localization/relocalization.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "omnitag/common/angle.h"
+#include "omnitag/localization/marker_pose.h"
+
+namespace omnitag {
+namespace {
+
+using Assignment = std::vector<std::optional<std::size_t>>;
+
+/// A pose and the readings that it explains.
+struct Hypothesis {
+  ReprojectionFit fit;
+  Assignment entries;
+  std::vector<double> residuals;
+  std::size_t explained = 0;
+  /// Negative logarithm of the likelihood of the explained readings, but for a constant.
+  double cost = 0.0;
+};
+
+/// A start for a hypothesis: the pose of one marker's corners, and how many readings may agree.
+struct Seed {
+  std::size_t reading = 0;
+  std::size_t entry = 0;
+  PoseEstimate map_from_base;
+  Assignment entries;
+  std::size_t promised = 0;
+};
+
+std::size_t countOf(const Assignment& entries) {
+  return static_cast<std::size_t>(
+      std::count_if(entries.begin(), entries.end(), [](const auto& entry) { return !!entry; }));
+}
+
+class Search {
+ public:
+  Search(const MarkerMap& map, const MountedCamera& camera,
+         const std::vector<MarkerReading>& readings, const ReprojectionConfig& reprojection,
+         double max_residual, const RelocalizationConfig& config)
+      : map_(map),
+        camera_(camera),
+        readings_(readings),
+        reprojection_(reprojection),
+        max_residual_(max_residual),
+        config_(config) {
+    for (const MarkerReading& reading : readings) {
+      candidates_.push_back(entriesOf(map, reading.family, reading.id));
+    }
+  }
+
+  bool hasCandidates() const {
+    return std::any_of(candidates_.begin(), candidates_.end(),
+                       [](const auto& candidates) { return !candidates.empty(); });
+  }
+
+  /// All poses worth comparing: that explain as many readings as the best one.
+  std::vector<Hypothesis> hypotheses() const {
+    std::vector<Seed> seeds = this->seeds();
+    std::stable_sort(seeds.begin(), seeds.end(),
+                     [](const Seed& a, const Seed& b) { return a.promised > b.promised; });
+    std::vector<Hypothesis> hypotheses;
+    std::size_t most = 1;
+    for (const Seed& seed : seeds) {
+      if (seed.promised < most) break;
+      std::optional<Hypothesis> hypothesis = grow(seed);
+      if (!hypothesis || hypothesis->explained < most) continue;
+      most = hypothesis->explained;
+      addUnlessKnown(std::move(*hypothesis), &hypotheses);
+    }
+    hypotheses.erase(std::remove_if(hypotheses.begin(), hypotheses.end(),
+                                    [most](const Hypothesis& h) { return h.explained < most; }),
+                     hypotheses.end());
+    std::stable_sort(hypotheses.begin(), hypotheses.end(),
+                     [](const Hypothesis& a, const Hypothesis& b) { return a.cost < b.cost; });
+    return hypotheses;
+  }
+
+  /// Whether the better of two leaves the other one possible.
+  bool isRival(const Hypothesis& best, const Hypothesis& other) const {
+    for (std::size_t i = 0; i < readings_.size(); ++i) {
+      if (best.entries[i].has_value() != other.entries[i].has_value()) return true;
+    }
+    return other.cost - best.cost < config_.min_lead;
+  }
+
+ private:
+  MarkerObservation observationOf(std::size_t reading, std::size_t entry) const {
+    return {entry, readings_[reading].corners, readings_[reading].center};
+  }
+
+  std::vector<Seed> seeds() const {
+    std::vector<Seed> seeds;
+    for (std::size_t i = 0; i < readings_.size(); ++i) {
+      for (const std::size_t entry : candidates_[i]) {
+        for (const ReprojectionFit& fit : posesFromMarker(map_, camera_, observationOf(i, entry),
+                                                          reprojection_, max_residual_)) {
+          Seed seed{i, entry, fit.map_from_base, Assignment(readings_.size()), 0};
+          for (std::size_t j = 0; j < readings_.size(); ++j) {
+            seed.entries[j] = j == i ? entry : nearbyEntry(j, seed.map_from_base);
+          }
+          seed.promised = countOf(seed.entries);
+          seeds.push_back(std::move(seed));
+        }
+      }
+    }
+    return seeds;
+  }
+
+  /// The candidate that an uncertain pose has nearest to where the reading is, if near enough.
+  std::optional<std::size_t> nearbyEntry(std::size_t reading, const PoseEstimate& pose) const {
+    constexpr double kDeviations = 4.0;
+    std::optional<std::size_t> nearest;
+    double least = std::numeric_limits<double>::infinity();
+    for (const std::size_t entry : candidates_[reading]) {
+      Eigen::Matrix<double, 2, 3> by_pose;
+      const auto center = camera_.pixelFromMap(pose.pose, map_.markers[entry].center(), &by_pose);
+      if (!center) continue;
+      const double variance = (by_pose * pose.covariance * by_pose.transpose()).trace();
+      const double reach = max_residual_ + 0.5 * meanEdge(readings_[reading].corners) +
+                           kDeviations * std::sqrt(variance);
+      const double offset = (*center - readings_[reading].center).norm();
+      if (offset <= reach && offset < least) {
+        least = offset;
+        nearest = entry;
+      }
+    }
+    return nearest;
+  }
+
+  /// Refines a seed with all readings that agree, until no more join or leave.
+  std::optional<Hypothesis> grow(const Seed& seed) const {
+    constexpr int kRounds = 4;
+    Hypothesis hypothesis;
+    hypothesis.entries = seed.entries;
+    Pose2 pose = seed.map_from_base.pose;
+    for (int round = 0; round < kRounds; ++round) {
+      std::vector<MarkerObservation> observations;
+      for (std::size_t i = 0; i < readings_.size(); ++i) {
+        if (hypothesis.entries[i]) observations.push_back(observationOf(i, *hypothesis.entries[i]));
+      }
+      if (observations.empty()) return std::nullopt;
+      auto fit = refineFromAfar(map_, camera_, observations, pose, std::nullopt, reprojection_);
+      if (!fit) return std::nullopt;
+      hypothesis.fit = std::move(*fit);
+      pose = hypothesis.fit.map_from_base.pose;
+      const Assignment before = hypothesis.entries;
+      explain(pose, &hypothesis);
+      if (hypothesis.entries == before) break;
+    }
+    if (hypothesis.explained == 0) return std::nullopt;
+    if (hypothesis.explained == 1 && !isBelievableAlone(hypothesis)) return std::nullopt;
+    return hypothesis;
+  }
+
+  void explain(const Pose2& pose, Hypothesis* hypothesis) const {
+    hypothesis->entries.assign(readings_.size(), std::nullopt);
+    hypothesis->residuals.assign(readings_.size(), std::numeric_limits<double>::quiet_NaN());
+    hypothesis->explained = 0;
+    hypothesis->cost = 0.0;
+    std::vector<std::size_t> claimed;
+    for (std::size_t i = 0; i < readings_.size(); ++i) {
+      double least = max_residual_;
+      for (const std::size_t entry : candidates_[i]) {
+        // No entry is in two places at once.
+        if (std::find(claimed.begin(), claimed.end(), entry) != claimed.end()) continue;
+        const double residual =
+            reprojectionResiduals(map_, camera_, {observationOf(i, entry)}, pose)[0];
+        if (residual > least) continue;
+        least = residual;
+        hypothesis->entries[i] = entry;
+        hypothesis->residuals[i] = residual;
+      }
+      if (!hypothesis->entries[i]) continue;
+      claimed.push_back(*hypothesis->entries[i]);
+      ++hypothesis->explained;
+      // Four corners with two coordinates each, of which the residual is the RMS distance.
+      const double ratio = least / config_.corner_noise;
+      hypothesis->cost += 0.5 * 4.0 * ratio * ratio;
+    }
+  }
+
+  bool isBelievableAlone(const Hypothesis& hypothesis) const {
+    for (std::size_t i = 0; i < readings_.size(); ++i) {
+      if (!hypothesis.entries[i]) continue;
+      return hypothesis.residuals[i] <= config_.max_residual_of_one &&
+             readings_[i].hamming <= config_.max_hamming_of_one;
+    }
+    return false;
+  }
+
+  static void addUnlessKnown(Hypothesis hypothesis, std::vector<Hypothesis>* hypotheses) {
+    for (Hypothesis& known : *hypotheses) {
+      if (known.entries != hypothesis.entries) continue;
+      if (!agree(known.fit.map_from_base, hypothesis.fit.map_from_base)) continue;
+      if (hypothesis.cost < known.cost) known = std::move(hypothesis);
+      return;
+    }
+    hypotheses->push_back(std::move(hypothesis));
+  }
+
+  const MarkerMap& map_;
+  const MountedCamera& camera_;
+  const std::vector<MarkerReading>& readings_;
+  const ReprojectionConfig& reprojection_;
+  double max_residual_;
+  const RelocalizationConfig& config_;
+  std::vector<std::vector<std::size_t>> candidates_;
+};
+
+}  // namespace
+
+RelocalizationConfig readRelocalizationConfig(const YamlReader& reader) {
+  reader.allowOnly({"corner_noise", "min_lead", "max_residual_of_one", "max_hamming_of_one"});
+  RelocalizationConfig config;
+  reader.read("corner_noise", &config.corner_noise, kPositive);
+  reader.read("min_lead", &config.min_lead, kNonNegative);
+  reader.read("max_residual_of_one", &config.max_residual_of_one, kPositive);
+  reader.read("max_hamming_of_one", &config.max_hamming_of_one, {0, 3});
+  return config;
+}
+
+Relocalization relocalize(const MarkerMap& map, const MountedCamera& camera,
+                          const std::vector<MarkerReading>& readings,
+                          const ReprojectionConfig& reprojection, double max_residual,
+                          const RelocalizationConfig& config) {
+  Relocalization result;
+  result.entries.resize(readings.size());
+  result.residuals.assign(readings.size(), std::numeric_limits<double>::quiet_NaN());
+  const Search search(map, camera, readings, reprojection, max_residual, config);
+  if (!search.hasCandidates()) {
+    result.reason = "no marker of the map was read";
+    return result;
+  }
+  const std::vector<Hypothesis> hypotheses = search.hypotheses();
+  if (hypotheses.empty()) {
+    result.reason = "no pose explains what was read";
+    return result;
+  }
+  const Hypothesis& best = hypotheses.front();
+  const auto rivals = std::count_if(hypotheses.begin() + 1, hypotheses.end(),
+                                    [&](const Hypothesis& h) { return search.isRival(best, h); });
+  if (rivals > 0) {
+    result.reason = std::to_string(rivals + 1) + " poses explain what was read about equally well";
+    return result;
+  }
+  result.map_from_base = best.fit.map_from_base;
+  result.map_from_base->covariance *= varianceFactor(best.fit);
+  result.entries = best.entries;
+  result.residuals = best.residuals;
+  return result;
+}
+
+}  // namespace omnitag

@@ -1,0 +1,81 @@
+#include "omnitag/marker/marker_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+namespace omnitag {
+namespace {
+
+/// A tag in the panorama; nothing where a corner is off the world that the panorama shows.
+std::optional<MarkerReading> inPanorama(const TagDetection& tag, const View& view,
+                                        const ViewWarper& warper) {
+  MarkerReading reading;
+  reading.family = tag.family;
+  reading.id = tag.id;
+  reading.hamming = tag.hamming;
+  for (std::size_t k = 0; k < tag.corners.size(); ++k) {
+    const auto corner = warper.panoramaFromView(view, tag.corners[k]);
+    if (!corner) return std::nullopt;
+    reading.corners[k] = *corner;
+  }
+  const auto center = warper.panoramaFromView(view, tag.center);
+  if (!center) return std::nullopt;
+  reading.center = *center;
+  return reading;
+}
+
+}  // namespace
+
+double meanEdge(const Corners<Eigen::Vector2d>& corners) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    sum += (corners[(i + 1) % corners.size()] - corners[i]).norm();
+  }
+  return sum / static_cast<double>(corners.size());
+}
+
+MarkerReader::MarkerReader(std::shared_ptr<const CameraModel> camera, double working_distance,
+                           const TagDetectorConfig& config, const std::set<std::string>& families)
+    : warper_(std::move(camera), working_distance), detector_(config, families) {}
+
+std::vector<MarkerReading> MarkerReader::read(const cv::Mat& view_image, const View& view) const {
+  std::vector<MarkerReading> readings;
+  for (const TagDetection& tag : detector_.detect(view_image)) {
+    std::optional<MarkerReading> reading = inPanorama(tag, view, warper_);
+    if (reading) readings.push_back(std::move(*reading));
+  }
+  return readings;
+}
+
+std::vector<MarkerReading> withoutRepetitions(const std::vector<MarkerReading>& readings,
+                                              const std::vector<View>& views,
+                                              const ViewWarper& warper) {
+  const auto offMiddle = [&](const MarkerReading& reading) {
+    const View& view = views[reading.view];
+    const auto position = warper.viewFromPanorama(view, reading.center);
+    return position ? std::abs(position->x() - 0.5 * view.size.width)
+                    : std::numeric_limits<double>::infinity();
+  };
+  const auto isSame = [](const MarkerReading& a, const MarkerReading& b) {
+    constexpr double kShareOfEdge = 0.25;
+    return a.id == b.id && a.family == b.family &&
+           (a.center - b.center).norm() < kShareOfEdge * meanEdge(a.corners);
+  };
+  std::vector<MarkerReading> kept;
+  for (const MarkerReading& reading : readings) {
+    const auto twin = std::find_if(kept.begin(), kept.end(), [&](const MarkerReading& other) {
+      return isSame(other, reading);
+    });
+    if (twin == kept.end()) {
+      kept.push_back(reading);
+    } else if (offMiddle(reading) < offMiddle(*twin)) {
+      *twin = reading;
+    }
+  }
+  return kept;
+}
+
+}  // namespace omnitag
