@@ -61,6 +61,7 @@ install(FILES nodelet_plugins.xml
 catkin_install_python(PROGRAMS
   tools/evaluate_trajectory
   tools/print_markers
+  tools/random_route
   tools/record_trajectory
   tools/render_sequence
   DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION}

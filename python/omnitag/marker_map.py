@@ -1,7 +1,7 @@
 """The marker map: which tags hang where."""
 
 from dataclasses import dataclass
-from typing import Dict, Tuple
+from typing import Dict, NamedTuple, Optional, Tuple
 
 import numpy as np
 
@@ -57,28 +57,33 @@ class Marker:
         return self.name or str(self.id)
 
 
+class MarkerDefaults(NamedTuple):
+    """What an entry has that does not say otherwise; None: it must."""
+
+    family: Optional[str] = None
+    size: Optional[float] = None  # m
+
+
 @dataclass(frozen=True)
 class MarkerMap:
     """Markers in the frame `frame_id`, in the order of the file."""
 
     markers: Tuple[Marker, ...]
     frame_id: str = "map"
+    defaults: MarkerDefaults = MarkerDefaults()
 
 
 def load_marker_map(path: str) -> MarkerMap:
     """Read a marker map; raises InputError naming file, line and key."""
     root = read_yaml(path).mapping(MAP_KEYS)
     frame_id = root["frame_id"].text() if "frame_id" in root else MarkerMap.frame_id
-    defaults = {}
-    if "family" in root:
-        defaults["family"] = _family(root["family"])
-    if "size" in root:
-        defaults["size"] = _size(root["size"])
+    defaults = MarkerDefaults(_family(root["family"]) if "family" in root else None,
+                              _size(root["size"]) if "size" in root else None)
     markers = []
     names: Dict[str, int] = {}
     for value in root["markers"].items("a list of markers"):
         entry = value.mapping(MARKER_KEYS)
-        marker = _marker(entry, defaults)
+        marker = read_marker(entry, defaults)
         if marker.name:
             if marker.name in names:
                 raise entry["name"].error(
@@ -88,7 +93,7 @@ def load_marker_map(path: str) -> MarkerMap:
         markers.append(marker)
     if not markers:
         raise root["markers"].error("at least one marker", "an empty list")
-    return MarkerMap(tuple(markers), frame_id)
+    return MarkerMap(tuple(markers), frame_id, defaults)
 
 
 def rotation_from_yaw_and_roll(yaw: float, roll: float = 0.0) -> np.ndarray:
@@ -97,6 +102,12 @@ def rotation_from_yaw_and_roll(yaw: float, roll: float = 0.0) -> np.ndarray:
     upright = np.array([[-sine, 0.0, cosine], [cosine, 0.0, sine], [0.0, 1.0, 0.0]])
     return upright @ np.array([[np.cos(roll), -np.sin(roll), 0.0],
                                [np.sin(roll), np.cos(roll), 0.0], [0.0, 0.0, 1.0]])
+
+
+def yaw_and_roll_from_rotation(map_from_marker: np.ndarray) -> Tuple[float, float]:
+    """The inverse of `rotation_from_yaw_and_roll`; of a marker on a vertical surface alone."""
+    return (float(np.arctan2(map_from_marker[1, 2], map_from_marker[0, 2])),
+            float(np.arctan2(map_from_marker[2, 0], map_from_marker[2, 1])))
 
 
 def rotation_from_quaternion(quaternion: np.ndarray) -> np.ndarray:
@@ -108,27 +119,26 @@ def rotation_from_quaternion(quaternion: np.ndarray) -> np.ndarray:
         [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)]])
 
 
-def _marker(entry: Mapping, defaults: dict) -> Marker:
-    if "family" in entry or "family" not in defaults:
+def read_marker(entry: Mapping, defaults: MarkerDefaults) -> Marker:
+    """An entry of the map's format; raises InputError naming file, line and key."""
+    family, size = defaults
+    if "family" in entry or family is None:
         family = _family(entry["family"])
-    else:
-        family = defaults["family"]
-    if "size" in entry or "size" not in defaults:
+    if "size" in entry or size is None:
         size = _size(entry["size"])
-    else:
-        size = defaults["size"]
     tag_id = entry["id"].integer()
     last_id = tag_family(family).number_of_ids - 1
     if not 0 <= tag_id <= last_id:
         raise entry["id"].error("0 to {} in {}".format(last_id, family))
     map_from_marker = np.eye(4)
-    map_from_marker[:3, :3] = _rotation(entry)
+    map_from_marker[:3, :3] = read_rotation(entry)
     map_from_marker[:3, 3] = entry["position"].reals(3)
     name = entry["name"].text() if "name" in entry else ""
     return Marker(tag_id, family, name, size, map_from_marker)
 
 
-def _rotation(entry: Mapping) -> np.ndarray:
+def read_rotation(entry: Mapping) -> np.ndarray:
+    """map_from_marker, (3, 3), from an entry's `yaw` and `roll` or its `orientation`."""
     if "orientation" not in entry:
         if "yaw" not in entry:
             raise entry.error("'yaw' or 'orientation'", "neither")

@@ -35,9 +35,17 @@ class Value:
             raise self.error("a string")
         return self._node.value
 
+    def is_mapping(self) -> bool:
+        """Whether `mapping` can read it."""
+        return isinstance(self._node, yaml.MappingNode)
+
+    def is_integer(self) -> bool:
+        """Whether `integer` can read it."""
+        return self._is_plain() and bool(_INTEGER.fullmatch(self._node.value))
+
     def integer(self) -> int:
         """A decimal integer."""
-        if not self._is_plain() or not _INTEGER.fullmatch(self._node.value):
+        if not self.is_integer():
             raise self.error("an integer")
         return int(self._node.value)
 
@@ -68,7 +76,7 @@ class Value:
 
     def mapping(self, keys: Sequence[str]) -> "Mapping":
         """A mapping that has none but these keys."""
-        if not isinstance(self._node, yaml.MappingNode):
+        if not self.is_mapping():
             raise self.error("a mapping of keys to values")
         values = {}
         for key_node, node in self._node.value:
@@ -90,7 +98,7 @@ class Value:
     def _describe(self) -> str:
         if isinstance(self._node, yaml.SequenceNode):
             return "a list"
-        if isinstance(self._node, yaml.MappingNode):
+        if self.is_mapping():
             return "a mapping"
         return "'{}'".format(self._node.value) if self._node.value else "nothing"
 

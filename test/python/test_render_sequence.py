@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import rosbag
 from omnitag.rendering.camera import load_camera
-from omnitag.rendering.sequence import read_route
+from omnitag.rendering.route import read_route
 from omnitag.rendering.world import load_world
 from omnitag.trajectory import read_trajectory
 
@@ -108,6 +108,44 @@ class RenderSequenceTest(FileTest):
                          (64, 48, 64, "mono8"))
         self.assertEqual(len(image.data), 64 * 48)
 
+    def test_odometry_comes_before_its_image(self):
+        self.world = self.write("world.yaml", WORLD + "odometry: {rate: 10}\n")
+        result = self.render("--frames", "0:2")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        order = []
+        with rosbag.Bag(self.path("out.bag")) as bag:
+            for topic, message, _ in bag.read_messages(["/tf", "/camera/image/compressed"]):
+                stamped = message.transforms[0] if topic == "/tf" else message
+                order.append((topic[:3], stamped.header.stamp.to_nsec() // 10**6))
+        self.assertEqual(order, [("/tf", 100500), ("/ca", 100500), ("/tf", 100600),
+                                 ("/tf", 100700), ("/tf", 100750), ("/ca", 100750)])
+        first, *_, last = self.messages("/tf")
+        self.assertEqual(first.transforms[0].transform.rotation.w, 1.0)
+        transform = last.transforms[0]
+        self.assertEqual((transform.header.frame_id, transform.child_frame_id),
+                         ("odom", "base_link"))
+        self.assertAlmostEqual(transform.transform.translation.x, 0.1)
+        self.assertAlmostEqual(transform.transform.rotation.z, np.sin(0.75))
+
+    def test_options_override_the_world(self):
+        self.world = self.write("world.yaml", WORLD + "odometry: {translation_per_metre: 0.1}\n")
+        other = self.write("other.yaml", MAP.replace("hall", "other"))
+        outcomes = []
+        for options in ((), ("--noise", "2"), ("--noise", "2", "--seed", "0"),
+                        ("--noise", "2", "--seed", "1"), ("--map", other)):
+            result = self.render("--frames", "0:2", *options)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            outcomes.append((self.messages("/camera/image/compressed")[1].data,
+                             self.messages("/tf")[-1].transforms[0].transform.translation.x,
+                             self.messages("/ground_truth/pose")[0].header.frame_id))
+        plain, noisy, default_seed, seeded, mapped = outcomes
+        self.assertNotEqual(noisy[0], plain[0])
+        self.assertEqual(noisy[1:], plain[1:])
+        self.assertEqual(default_seed, noisy)
+        self.assertNotEqual(seeded[0], noisy[0])
+        self.assertNotEqual(seeded[1], noisy[1])
+        self.assertEqual(mapped, (*plain[:2], "other"))
+
     def refused_world(self, old, new, *parts):
         self.world = self.write("world.yaml", WORLD.replace(old, new))
         self.assert_refused(self.render(), "world.yaml:", *parts)
@@ -139,7 +177,7 @@ class RenderSequenceTest(FileTest):
 
     def test_wrong_route(self):
         for text, parts in (
-                ("stamp,x,y\n", (":1:", "stamp,x,y,yaw")),
+                ("stamp,x,y\n", (":1:", "stamp,x,y,yaw or")),
                 (ROUTE + "0.5,0,0,0\n", (":5:", "stamp", "after")),
                 (ROUTE + "0.75,0,zero,0\n", (":5:", "y", "finite", "zero")),
                 ("stamp,x,y,yaw\n", ("poses", "none"))):
@@ -159,7 +197,7 @@ class ShippedExperimentTest(unittest.TestCase):
         frames = read_route(os.path.join(ROOT, "worlds", "paper_route.csv"), world.start)
         self.assertEqual(len(frames), 66)
         self.assertEqual(len(world.marker_map.markers), 17)
-        stamps, x, y, yaw = np.array(frames).T
+        stamps, x, y, yaw, _ = np.array(frames).T
         np.testing.assert_allclose(np.diff(stamps), 0.25e9)
         self.assertLessEqual(np.hypot(np.diff(x), np.diff(y)).max(), 0.25)
         self.assertLessEqual(np.abs(np.diff(np.unwrap(yaw))).max(), np.radians(12.0))

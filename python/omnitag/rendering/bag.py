@@ -12,6 +12,7 @@ from geometry_msgs.msg import PoseStamped, TransformStamped
 from sensor_msgs.msg import CompressedImage, Image
 from tf2_msgs.msg import TFMessage
 
+from omnitag.rendering.odometry import Sample
 from omnitag.rendering.world import Mounting
 
 IMAGE_TOPIC = "/camera/image"
@@ -34,7 +35,7 @@ def sequence_bag(path: str, encoding: str, jpeg_quality: int) -> "Iterator[Seque
 
 
 class SequenceBag:
-    """A bag with the images, the camera's mounting and the ground truth."""
+    """A bag with the images, the camera's mounting, the odometry and the ground truth."""
 
     def __init__(self, bag: rosbag.Bag, encoding: str, jpeg_quality: int) -> None:
         self._bag = bag
@@ -55,6 +56,18 @@ class SequenceBag:
                   "latching": "1"}
         self._bag.write("/tf_static", TFMessage([transform]), _time(stamp),
                         connection_header=header)
+
+    def write_odometry(self, frame_id: str, sample: Sample) -> None:
+        """The transform from base_link to the odometry frame; in the bag before its image."""
+        transform = TransformStamped()
+        transform.header.stamp = _time(sample.stamp)
+        transform.header.frame_id = frame_id
+        transform.child_frame_id = BASE_FRAME
+        _assign(transform.transform.translation, "xy", (sample.x, sample.y))
+        _assign(transform.transform.rotation, "zw",
+                (np.sin(0.5 * sample.yaw), np.cos(0.5 * sample.yaw)))
+        # The order of what was received in the same nanosecond is left to the reader.
+        self._bag.write("/tf", TFMessage([transform]), _time(max(sample.stamp - 1, 0)))
 
     def write_image(self, pixels: np.ndarray, frame_id: str, stamp: int) -> None:
         """An 8-bit grey image."""

@@ -2,6 +2,8 @@
 
 from omnitag.yaml_file import Value
 
+LARGEST_SEED = 2**32 - 1
+
 
 def positive(value: Value) -> float:
     """A number above 0."""
@@ -24,6 +26,14 @@ def not_negative(value: Value) -> float:
     number = value.real()
     if number < 0.0:
         raise value.error("a number of at least 0")
+    return number
+
+
+def seed(value: Value) -> int:
+    """What random numbers begin with."""
+    number = value.integer()
+    if not 0 <= number <= LARGEST_SEED:
+        raise value.error(f"an integer from 0 to {LARGEST_SEED}")
     return number
 
 

@@ -6,7 +6,8 @@ import numpy as np
 
 from omnitag.marker_map import Marker
 from omnitag.rendering.povray import MILLIMETRES, matrix, point, vector
-from omnitag.rendering.world import Boards, Box, Light, Material, Room, Shape, World
+from omnitag.rendering.world import (
+    Boards, Box, Light, Material, Room, Shape, World, present)
 from omnitag.tag_bitmap import tag_bitmap, tag_family
 
 # How far a board stays behind its marker's face: clear of POV-Ray's tolerances, not to be seen.
@@ -23,12 +24,15 @@ _PATTERNS = {
 }
 
 
-def world_scene(world: World) -> str:
-    """Everything that stands still; the markers refer to `marker_bitmaps`."""
+def world_scene(world: World, moment: int) -> str:
+    """Everything but the robot at `moment`, in nanoseconds on the route's clock.
+
+    The markers refer to `marker_bitmaps`.
+    """
     parts = [_settings(), *map(_light, world.lights), _room(world.room, world.ambient),
-             shapes_scene(world.furniture, np.eye(4), world.ambient)]
+             shapes_scene(present(world.furniture, moment), np.eye(4), world.ambient)]
     parts += [marker_scene(marker, world.boards, world.ambient)
-              for marker in world.marker_map.markers]
+              for marker in world.hung_markers.at(moment)]
     return "".join(parts)
 
 
@@ -48,8 +52,7 @@ def marker_bitmaps(markers: Iterable[Marker], boards: Boards) -> Dict[str, np.nd
 
 def marker_scene(marker: Marker, boards: Boards, ambient: float) -> str:
     """A marker, its face exactly on its plane, and the board behind it."""
-    module = marker.size / tag_family(marker.family).width_at_border
-    half = 0.5 * module * len(_board_modules(marker, boards))
+    half = 0.5 * board_width(marker, boards)
     edge = 2.0 * MILLIMETRES * half
     corners = ", ".join(point((x, y, 0)) for x, y in (
         (-half, -half), (half, -half), (half, half), (-half, half), (-half, -half)))
@@ -69,6 +72,12 @@ def marker_scene(marker: Marker, boards: Boards, ambient: float) -> str:
   {matrix(marker.map_from_marker)}
 }}
 """
+
+
+def board_width(marker: Marker, boards: Boards) -> float:
+    """Metres along each edge of the marker's board."""
+    module = marker.size / tag_family(marker.family).width_at_border
+    return module * len(_board_modules(marker, boards))
 
 
 def _settings() -> str:

@@ -1,12 +1,16 @@
 """The world file: the room, what stands in it, its light, and how the robot carries its camera."""
 
 import os
-from typing import Dict, NamedTuple, Tuple, Union
+from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple, Union
 
 import numpy as np
 
 from omnitag.marker_map import MarkerMap, load_marker_map, rotation_from_quaternion
 from omnitag.rendering.checks import not_negative, positive, share
+from omnitag.rendering.hung_markers import HungMarkers, read_hung_markers
+from omnitag.rendering.odometry import Odometry, read_odometry
+from omnitag.rendering.poses import upright_transform
+from omnitag.rendering.stretches import Stretches, read_during
 from omnitag.yaml_file import Mapping, Value, read_yaml
 
 PATTERNS = ("plain", "checker", "brick", "wood", "granite", "clouds")
@@ -32,6 +36,7 @@ class Box(NamedTuple):
     """Metres along its own x, y and z."""
     parent_from_shape: np.ndarray
     material: Material
+    during: Stretches
 
 
 class Cylinder(NamedTuple):
@@ -41,6 +46,7 @@ class Cylinder(NamedTuple):
     height: float
     parent_from_shape: np.ndarray
     material: Material
+    during: Stretches
 
 
 Shape = Union[Box, Cylinder]
@@ -102,6 +108,8 @@ class World(NamedTuple):
     """Everything but the camera and the robot's way."""
 
     marker_map: MarkerMap
+    hung_markers: HungMarkers
+    """What really hangs in the room."""
     mounting: Mounting
     start: int
     """Nanoseconds, added to the trajectory's stamps."""
@@ -115,17 +123,24 @@ class World(NamedTuple):
     furniture: Tuple[Shape, ...]
     robot: Tuple[Shape, ...]
     """Parts of the robot, in base_link."""
+    odometry: Optional[Odometry]
 
 
-def load_world(path: str) -> World:
-    """Read a world file; raises InputError naming file, line and key."""
+def load_world(path: str, map_path: Optional[str] = None) -> World:
+    """Read a world file, with the marker map at `map_path` instead of its own where given.
+
+    Raises InputError naming file, line and key.
+    """
     root = read_yaml(path).mapping(("marker_map", "camera", "images", "ambient", "lights",
-                                    "materials", "room", "boards", "furniture", "robot"))
+                                    "materials", "room", "boards", "furniture", "robot",
+                                    "displaced_markers", "missing_markers", "decoys", "odometry"))
     images = root["images"].mapping(("start", "noise"))
     materials = _materials(root["materials"])
+    own_map_path = os.path.join(os.path.dirname(path), root["marker_map"].text())
+    marker_map = load_marker_map(own_map_path if map_path is None else map_path)
     return World(
-        marker_map=load_marker_map(
-            os.path.join(os.path.dirname(path), root["marker_map"].text())),
+        marker_map=marker_map,
+        hung_markers=read_hung_markers(root, marker_map),
         mounting=_mounting(root["camera"]),
         start=round(not_negative(images["start"]) * 1e9),
         noise=not_negative(images["noise"]),
@@ -134,16 +149,13 @@ def load_world(path: str) -> World:
         room=_room(root["room"], materials),
         boards=_boards(root["boards"], materials),
         furniture=_shapes(root, "furniture", materials),
-        robot=_shapes(root, "robot", materials))
+        robot=_shapes(root, "robot", materials),
+        odometry=read_odometry(root["odometry"]) if "odometry" in root else None)
 
 
-def upright_transform(position: np.ndarray, yaw: float) -> np.ndarray:
-    """(4, 4) transform of a body that stands at `position`, turned by `yaw` rad about z."""
-    transform = np.eye(4)
-    sine, cosine = np.sin(yaw), np.cos(yaw)
-    transform[:2, :2] = [[cosine, -sine], [sine, cosine]]
-    transform[:3, 3] = position
-    return transform
+def present(shapes: Iterable[Shape], moment: int) -> List[Shape]:
+    """Those that are there at `moment`, in nanoseconds on the route's clock."""
+    return [shape for shape in shapes if shape.during.cover(moment)]
 
 
 def _mounting(value: Value) -> Mounting:
@@ -212,7 +224,7 @@ def _shapes(root: Mapping, key: str, materials: Dict[str, Material]) -> Tuple[Sh
 
 
 def _shape(value: Value, materials: Dict[str, Material]) -> Shape:
-    common = ("shape", "name", "position", "yaw", "material")
+    common = ("shape", "name", "position", "yaw", "material", "during")
     entry = value.mapping(common + ("size", "radius", "height"))
     shape = entry["shape"].text()
     if shape not in ("box", "cylinder"):
@@ -221,13 +233,14 @@ def _shape(value: Value, materials: Dict[str, Material]) -> Shape:
     parent_from_shape = upright_transform(np.array(entry["position"].reals(3)),
                                           entry["yaw"].real() if "yaw" in entry else 0.0)
     material = _named(entry["material"], materials)
+    during = read_during(entry)
     if shape == "cylinder":
         return Cylinder(positive(entry["radius"]), positive(entry["height"]),
-                        parent_from_shape, material)
+                        parent_from_shape, material, during)
     size = entry["size"].reals(3)
     if min(size) <= 0.0:
         raise entry["size"].error("three positive numbers", str(size))
-    return Box(tuple(size), parent_from_shape, material)
+    return Box(tuple(size), parent_from_shape, material, during)
 
 
 def _named(value: Value, materials: Dict[str, Material]) -> Material:

@@ -1,0 +1,34 @@
+"""When something is there: stretches of the route."""
+
+from typing import NamedTuple, Tuple
+
+from omnitag.yaml_file import Mapping
+
+
+class Stretches(NamedTuple):
+    """Parts of a route; without any, all of it."""
+
+    bounds: Tuple[Tuple[int, int], ...] = ()
+    """First and last moment of each: nanoseconds on the route's clock, both inclusive."""
+
+    def cover(self, moment: int) -> bool:
+        """Whether `moment`, in nanoseconds on the route's clock, lies within a stretch."""
+        return not self.bounds or any(first <= moment <= last for first, last in self.bounds)
+
+
+ALWAYS = Stretches()
+
+
+def read_during(entry: Mapping) -> Stretches:
+    """The optional key `during: [[from, until], ...]` of an entry, in seconds."""
+    if "during" not in entry:
+        return ALWAYS
+    bounds = []
+    for item in entry["during"].items("a list of [from, until]"):
+        first, last = item.reals(2)
+        if first > last:
+            raise item.error("the earlier stamp first", f"[{first:g}, {last:g}]")
+        bounds.append((round(first * 1e9), round(last * 1e9)))
+    if not bounds:
+        raise entry["during"].error("at least one [from, until]", "an empty list")
+    return Stretches(tuple(bounds))
