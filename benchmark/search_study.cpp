@@ -5,15 +5,13 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <exception>
 #include <iostream>
-#include <numeric>
-#include <opencv2/imgproc.hpp>
 #include <random>
 #include <vector>
 
+#include "masking.h"
 #include "omnitag/common/error.h"
 #include "omnitag/localization/localizer.h"
 #include "recorded_sequence.h"
@@ -22,18 +20,6 @@ namespace omnitag {
 namespace {
 
 constexpr int kTrialsPerFrame = 3;
-
-/// The marker and its white border, in the colour of a wall.
-void paintOver(const PredictedMarker& marker, cv::Mat* image) {
-  constexpr double kWithBorder = 1.5;
-  constexpr int kGrey = 120;
-  std::vector<cv::Point> outline;
-  for (const Eigen::Vector2d& corner : marker.corners) {
-    const Eigen::Vector2d point = marker.center + kWithBorder * (corner - marker.center);
-    outline.emplace_back(cvRound(point.x()), cvRound(point.y()));
-  }
-  cv::fillConvexPoly(*image, outline, kGrey);
-}
 
 struct Tally {
   int frames = 0;
@@ -62,29 +48,15 @@ Tally study(const RecordedSequence& sequence, std::size_t visible) {
   std::mt19937 generator(1);
   Tally tally;
   for (std::size_t i = 0; i < sequence.frames.size(); ++i) {
-    const Frame& frame = sequence.frames[i];
-    Localizer tracking(sequence.camera, sequence.map, {});
-    tracking.setPose(sequence.truth[i]);
-    const FrameResult seen = tracking.process(frame);
-    std::vector<std::size_t> readable;
-    for (std::size_t k = 0; k < seen.predicted.size(); ++k) {
-      const bool is_read =
-          std::any_of(seen.detections.begin(), seen.detections.end(), [&](const auto& detection) {
-            return detection.accepted && detection.map_entry == seen.predicted[k].map_entry;
-          });
-      if (is_read) readable.push_back(k);
-    }
+    const FrameResult seen = lookAtTruth(sequence, i);
+    std::vector<std::size_t> readable = readableMarkers(seen);
     if (readable.size() < visible) continue;
     for (int trial = 0; trial < kTrialsPerFrame; ++trial) {
       std::shuffle(readable.begin(), readable.end(), generator);
-      Frame masked = frame;
-      masked.image = frame.image.clone();
-      for (std::size_t k = 0; k < seen.predicted.size(); ++k) {
-        const auto end = readable.begin() + static_cast<std::ptrdiff_t>(visible);
-        if (std::find(readable.begin(), end, k) == end) {
-          paintOver(seen.predicted[k], &masked.image);
-        }
-      }
+      const std::vector<std::size_t> chosen(
+          readable.begin(), readable.begin() + static_cast<std::ptrdiff_t>(visible));
+      Frame masked = sequence.frames[i];
+      masked.image = withOnly(chosen, seen, masked.image);
       Localizer localizer(sequence.camera, sequence.map, {});
       const FrameResult result = localizer.process(masked);
       ++tally.frames;

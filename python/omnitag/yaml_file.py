@@ -123,6 +123,10 @@ class Mapping:
             raise self.error("the key '{}'".format(key), "none")
         return self._values[key]
 
+    def over(self, base: "Mapping") -> "Mapping":
+        """This mapping, completed by the keys that only `base` has."""
+        return Mapping(self._place, {**base._values, **self._values})
+
     def error(self, expected: str, found: str) -> InputError:
         """The error to raise about the mapping as a whole."""
         return self._place.error(expected, found)

@@ -71,6 +71,7 @@ Localizer::Localizer(std::shared_ptr<const CameraModel> camera, MarkerMap map,
       map_(std::move(map)),
       config_(config),
       reader_(camera_, kWorkingDistance, config.detector, familiesOf(map_)),
+      patterns_(map_),
       motion_(config.motion) {}
 
 void Localizer::setPose(const PoseEstimate& map_from_base) { given_pose_ = map_from_base; }
@@ -160,8 +161,16 @@ void Localizer::track(const Frame& frame, const MountedCamera& camera,
     }
     result->detections.push_back(std::move(detection));
   }
-  const std::optional<PoseSolution> solution =
+  std::optional<PoseSolution> solution =
       estimatePose(map_, camera, observations, predicted, config_.estimation);
+  if (solution) {
+    std::vector<std::size_t> entries;
+    for (std::size_t i = 0; i < observations.size(); ++i) {
+      if (solution->used[i]) entries.push_back(observations[i].map_entry);
+    }
+    solution->map_from_base =
+        refined(frame.image, camera, entries, solution->map_from_base, predicted);
+  }
   for (std::size_t i = 0; i < observed.size(); ++i) {
     MarkerDetection& detection = result->detections[observed[i]];
     detection.accepted = solution && solution->used[i];
@@ -194,7 +203,7 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
   step.lap();
   const Relocalization found = relocalize(map_, camera, readings, config_.estimation.reprojection,
                                           config_.estimation.max_residual, config_.relocalization);
-  int explained = 0;
+  std::vector<std::size_t> explaining;
   for (std::size_t i = 0; i < readings.size(); ++i) {
     MarkerDetection detection = toDetection(readings[i]);
     detection.map_entry = found.entries[i];
@@ -205,7 +214,7 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
     } else if (!detection.accepted) {
       detection.reason = found.map_from_base ? "disagrees with the other markers" : found.reason;
     }
-    explained += detection.accepted ? 1 : 0;
+    if (detection.accepted) explaining.push_back(*found.entries[i]);
     result->detections.push_back(std::move(detection));
   }
 
@@ -213,13 +222,14 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
   // markers confirmed a moment ago.
   const bool is_expected =
       predicted && found.map_from_base && agree(*predicted, *found.map_from_base);
-  const bool overrules = !predicted || is_expected || explained >= 2 ||
+  const bool overrules = !predicted || is_expected || explaining.size() >= 2 ||
                          motion_.uncorrectedTime() > config_.motion.max_dead_reckoning_time;
   if (found.map_from_base && overrules) {
     if (predicted && !is_expected) result->remark = "found far from where it was expected";
-    motion_.reset(*found.map_from_base, frame.stamp, frame.odom_from_base);
+    result->map_from_base =
+        refined(frame.image, camera, explaining, *found.map_from_base, std::nullopt);
+    motion_.reset(*result->map_from_base, frame.stamp, frame.odom_from_base);
     has_pose_ = true;
-    result->map_from_base = found.map_from_base;
   } else {
     for (MarkerDetection& detection : result->detections) {
       if (!detection.accepted) continue;
@@ -236,6 +246,19 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
     }
   }
   result->timings.solve += step.lap();
+}
+
+PoseEstimate Localizer::refined(const cv::Mat& panorama, const MountedCamera& camera,
+                                const std::vector<std::size_t>& entries,
+                                const PoseEstimate& from_corners,
+                                const std::optional<PoseEstimate>& predicted) const {
+  if (config_.estimation.kind != EstimatorKind::kPhotometric) return from_corners;
+  const std::optional<PhotometricFit> fit =
+      refinePhotometrically(panorama, map_, camera, patterns_, entries, from_corners.pose,
+                            predicted, config_.estimation.photometric);
+  // Where the two contradict each other, something covers a marker or the map is not exact enough
+  // to align pixels with: corners bear more.
+  return fit && agree(fit->map_from_base, from_corners) ? fit->map_from_base : from_corners;
 }
 
 std::vector<MarkerReading> Localizer::read(const Frame& frame, FrameResult* result) const {

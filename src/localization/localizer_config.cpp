@@ -30,8 +30,10 @@ LocalizerConfig readLocalizerConfig(const YamlReader& reader) {
       config.estimation.kind = EstimatorKind::kTriangulation;
     } else if (estimator == "reprojection") {
       config.estimation.kind = EstimatorKind::kReprojection;
+    } else if (estimator == "photometric") {
+      config.estimation.kind = EstimatorKind::kPhotometric;
     } else {
-      reader.refuse("estimator", "triangulation or reprojection");
+      reader.refuse("estimator", "triangulation, reprojection or photometric");
     }
   }
   return config;

@@ -121,11 +121,15 @@ std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera&
 }  // namespace
 
 EstimatorConfig readEstimatorConfig(const YamlReader& reader) {
-  reader.allowOnly({"corner_noise", "robust_width", "max_residual"});
+  reader.allowOnly(
+      {"corner_noise", "robust_width", "max_residual", "blur", "min_noise", "placement_deviation"});
   EstimatorConfig config;
   reader.read("corner_noise", &config.reprojection.corner_noise, kPositive);
   reader.read("robust_width", &config.reprojection.robust_width, kPositive);
   reader.read("max_residual", &config.max_residual, kPositive);
+  reader.read("blur", &config.photometric.blur, {0.0, 5.0});
+  reader.read("min_noise", &config.photometric.min_noise, kPositive);
+  reader.read("placement_deviation", &config.photometric.placement_deviation, kNonNegative);
   return config;
 }
 
@@ -134,7 +138,9 @@ std::optional<PoseSolution> estimatePose(const MarkerMap& map, const MountedCame
                                          const std::optional<PoseEstimate>& prior,
                                          const EstimatorConfig& config) {
   if (observations.empty()) return std::nullopt;
-  if (config.kind == EstimatorKind::kTriangulation) {
+  constexpr std::size_t kFewestToTriangulate = 3;
+  const bool are_enough = observations.size() >= kFewestToTriangulate || !prior;
+  if (config.kind == EstimatorKind::kTriangulation && are_enough) {
     return triangulateRobustly(map, camera, observations, prior ? prior->pose.yaw : 0.0, config);
   }
   return reproject(map, camera, observations, prior, config);

@@ -6,6 +6,7 @@
 
 #include "omnitag/common/yaml_reader.h"
 #include "omnitag/marker/tag_detector.h"
+#include "omnitag/marker/tag_family.h"
 
 namespace omnitag {
 namespace {

@@ -1,18 +1,6 @@
 #include "omnitag/marker/tag_detector.h"
 
 #include <apriltag/apriltag.h>
-#include <apriltag/tag16h5.h>
-#include <apriltag/tag25h9.h>
-#include <apriltag/tag36h11.h>
-#include <apriltag/tagCircle21h7.h>
-#include <apriltag/tagCircle49h12.h>
-#include <apriltag/tagCustom48h12.h>
-#include <apriltag/tagStandard41h12.h>
-#include <apriltag/tagStandard52h13.h>
-// Not in every 3.x release of the library.
-#if __has_include(<apriltag/tag36h10.h>)
-#include <apriltag/tag36h10.h>
-#endif
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -23,33 +11,12 @@
 #include <stdexcept>
 #include <utility>
 
+#include "apriltag_family.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/marker/corner_refinement.h"
 
 namespace omnitag {
 namespace {
-
-struct FamilyFunctions {
-  const char* name;
-  apriltag_family_t* (*create)();
-  void (*destroy)(apriltag_family_t*);
-};
-
-constexpr std::array kFamilies = {
-    FamilyFunctions{"tag16h5", tag16h5_create, tag16h5_destroy},
-    FamilyFunctions{"tag25h9", tag25h9_create, tag25h9_destroy},
-#if __has_include(<apriltag/tag36h10.h>)
-    FamilyFunctions{"tag36h10", tag36h10_create, tag36h10_destroy},
-#endif
-    FamilyFunctions{"tag36h11", tag36h11_create, tag36h11_destroy},
-    FamilyFunctions{"tagCircle21h7", tagCircle21h7_create, tagCircle21h7_destroy},
-    FamilyFunctions{"tagCircle49h12", tagCircle49h12_create, tagCircle49h12_destroy},
-    FamilyFunctions{"tagCustom48h12", tagCustom48h12_create, tagCustom48h12_destroy},
-    FamilyFunctions{"tagStandard41h12", tagStandard41h12_create, tagStandard41h12_destroy},
-    FamilyFunctions{"tagStandard52h13", tagStandard52h13_create, tagStandard52h13_destroy},
-};
-
-using FamilyPointer = std::unique_ptr<apriltag_family_t, void (*)(apriltag_family_t*)>;
 
 struct DestroyDetector {
   void operator()(apriltag_detector_t* detector) const { apriltag_detector_destroy(detector); }
@@ -58,13 +25,6 @@ struct DestroyDetector {
 struct DestroyDetections {
   void operator()(zarray_t* detections) const { apriltag_detections_destroy(detections); }
 };
-
-FamilyPointer createFamily(const std::string& name) {
-  for (const FamilyFunctions& family : kFamilies) {
-    if (name == family.name) return {family.create(), family.destroy};
-  }
-  throw InputError("expected a tag family of the AprilTag library, found '" + name + "'");
-}
 
 /// The library keeps every code with every combination of up to `hamming` wrong bits in a hash
 /// table. It reserves three entries of 16 bytes for each, and counts combinations as if the order
@@ -135,17 +95,6 @@ TagDetectorConfig readTagDetectorConfig(const YamlReader& reader) {
   return config;
 }
 
-const std::set<std::string>& tagFamilies() {
-  static const std::set<std::string> names = [] {
-    std::set<std::string> result;
-    for (const FamilyFunctions& family : kFamilies) result.insert(family.name);
-    return result;
-  }();
-  return names;
-}
-
-int tagCount(const std::string& family) { return static_cast<int>(createFamily(family)->ncodes); }
-
 struct TagDetector::Library {
   Library(const TagDetectorConfig& config, const std::set<std::string>& family_names)
       : min_decision_margin(config.min_decision_margin),
@@ -166,7 +115,7 @@ struct TagDetector::Library {
     detector->qtp.min_white_black_diff = config.min_white_black_diff;
     detector->qtp.deglitch = config.deglitch ? 1 : 0;
     for (const std::string& name : family_names) {
-      families.push_back(createFamily(name));
+      families.push_back(createAprilTagFamily(name));
       apriltag_family_t* const family = families.back().get();
       apriltag_detector_add_family_bits(detector.get(), family,
                                         affordableHamming(*family, config.max_hamming));
@@ -178,7 +127,7 @@ struct TagDetector::Library {
   bool deglitches;
   double smallest_side;
   // The detector lets go of its families when it is destroyed: they must outlive it.
-  std::vector<FamilyPointer> families;
+  std::vector<AprilTagFamily> families;
   std::unique_ptr<apriltag_detector_t, DestroyDetector> detector{apriltag_detector_create()};
 };
 

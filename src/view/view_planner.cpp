@@ -50,19 +50,24 @@ View planView(const ViewTarget& target, const ContourTable& table, double pixels
   // farther away.
   const double half_width = std::min(target.half_width, ContourTable::kMaxAzimuthOffset);
   const double side_distance = target.distance / std::cos(half_width);
-  const auto [bottom, top] = std::minmax({table.height(target.min_radius, target.distance),
-                                          table.height(target.max_radius, target.distance),
-                                          table.height(target.min_radius, side_distance),
-                                          table.height(target.max_radius, side_distance)});
+  // Lines of sight along the axis never reach the rectangle.
+  const auto height = [&](double radius, double distance) {
+    constexpr double kSteepest = 4.0;
+    const double limit = kSteepest * target.distance;
+    return std::clamp(table.height(radius, distance), -limit, limit);
+  };
+  const auto [bottom, top] = std::minmax(
+      {height(target.min_radius, target.distance), height(target.max_radius, target.distance),
+       height(target.min_radius, side_distance), height(target.max_radius, side_distance)});
   view.middle_height = 0.5 * (bottom + top);
 
   const double width = 2.0 * std::tan(half_width);
-  const double height = (top - bottom) / target.distance;
+  const double view_height = (top - bottom) / target.distance;
   const double best_resolution = target.max_radius * pixels_per_unit;  // pixels per radian
-  view.focal_length =
-      std::min(config.oversampling * best_resolution, config.max_size / std::max(width, height));
+  view.focal_length = std::min(config.oversampling * best_resolution,
+                               config.max_size / std::max(width, view_height));
   view.size = {static_cast<int>(std::ceil(width * view.focal_length)),
-               static_cast<int>(std::ceil(height * view.focal_length))};
+               static_cast<int>(std::ceil(view_height * view.focal_length))};
   return view;
 }
 

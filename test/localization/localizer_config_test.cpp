@@ -15,7 +15,7 @@ LocalizerConfig read(const std::string& text) {
 TEST(LocalizerConfigTest, AbsentKeysKeepTheirDefaults) {
   const LocalizerConfig defaults;
   const LocalizerConfig config = read("{camera_file: other.yaml}");
-  EXPECT_EQ(config.estimation.kind, EstimatorKind::kReprojection);
+  EXPECT_EQ(config.estimation.kind, EstimatorKind::kPhotometric);
   EXPECT_EQ(config.view.oversampling, defaults.view.oversampling);
   EXPECT_EQ(config.detector.min_white_black_diff, defaults.detector.min_white_black_diff);
 }
@@ -27,7 +27,9 @@ visibility: {max_range: 7}
 view: {oversampling: 2}
 detector: {quad_decimate: 2}
 association: {max_roll: 0.2}
-estimation: {corner_noise: 0.3}
+estimation: {corner_noise: 0.3, blur: 0.7}
+look_around: {step: 0.5}
+relocalization: {min_lead: 20}
 motion: {acceleration_deviation: 3}
 )");
   EXPECT_EQ(config.estimation.kind, EstimatorKind::kTriangulation);
@@ -36,6 +38,9 @@ motion: {acceleration_deviation: 3}
   EXPECT_EQ(config.detector.quad_decimate, 2.0);
   EXPECT_EQ(config.association.max_roll, 0.2);
   EXPECT_EQ(config.estimation.reprojection.corner_noise, 0.3);
+  EXPECT_EQ(config.estimation.photometric.blur, 0.7);
+  EXPECT_EQ(config.look_around.step, 0.5);
+  EXPECT_EQ(config.relocalization.min_lead, 20.0);
   EXPECT_EQ(config.motion.acceleration_deviation, 3.0);
 }
 
@@ -47,7 +52,7 @@ struct BadInput {
 TEST(LocalizerConfigTest, RefusesWhatIsWrongAndNamesIt) {
   const std::vector<BadInput> inputs = {
       {"estimator: magic",
-       {"params.yaml:1", "estimator", "triangulation or reprojection", "magic"}},
+       {"params.yaml:1", "estimator", "triangulation, reprojection or photometric", "magic"}},
       {"visibility: {max_range: -1}", {"visibility.max_range", "> 0", "'-1'"}},
       {"visibility: 7", {"visibility", "mapping", "'7'"}},
       {"view: {oversampling: .nan}", {"view.oversampling", "nan"}},
@@ -55,6 +60,8 @@ TEST(LocalizerConfigTest, RefusesWhatIsWrongAndNamesIt) {
       {"detector: {refine_edges: perhaps}", {"detector.refine_edges", "true or false", "perhaps"}},
       {"association: {max_scale: 0.5}", {"association.max_scale", ">= 1"}},
       {"estimation: {corner_noise: [1]}", {"estimation.corner_noise", "a list"}},
+      {"look_around: {step: 0}", {"look_around.step", "'0'"}},
+      {"relocalization: {max_hamming_of_one: 4}", {"relocalization.max_hamming_of_one", "'4'"}},
       {"motion: {speed: 1}", {"motion.speed", "unknown key"}},
   };
   for (const BadInput& input : inputs) {

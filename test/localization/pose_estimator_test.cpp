@@ -160,9 +160,13 @@ TEST_F(PoseEstimatorTest, NoObservationsGiveNoPose) {
   EXPECT_FALSE(estimatePose(map_, camera_, {}, prior(truth_, 0.1, 0.1), config_));
 }
 
-TEST_F(PoseEstimatorTest, TwoMarkersAreTooFewToTriangulate) {
+TEST_F(PoseEstimatorTest, TwoMarkersAreTooFewToTriangulateButNotToNarrowThePrior) {
   config_.kind = EstimatorKind::kTriangulation;
-  EXPECT_FALSE(estimatePose(map_, camera_, observe({0, 5}), prior(truth_, 0.1, 0.1), config_));
+  EXPECT_FALSE(estimatePose(map_, camera_, observe({0, 5}), std::nullopt, config_));
+  const auto solution =
+      estimatePose(map_, camera_, observe({0, 5}), prior({0.75, -0.85, 1.33}, 0.1, 0.1), config_);
+  ASSERT_TRUE(solution);
+  EXPECT_LT(error(solution->map_from_base.pose).norm(), 0.01);
 }
 
 }  // namespace

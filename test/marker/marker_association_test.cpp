@@ -37,8 +37,8 @@ class AssociationTest : public testing::Test {
 
   Association match(int id, const Eigen::Vector2d& center, double edge = 40.0, double roll = 0.0,
                     const std::string& family = "tag36h11") const {
-    return associate({family, id, square(center, edge, roll), center}, predictions_, {0, 1, 2},
-                     map_, {});
+    return associate({family, id, 0, square(center, edge, roll), center, 0}, predictions_,
+                     {0, 1, 2}, map_, {});
   }
 
   MarkerMap map_;
@@ -80,8 +80,8 @@ TEST_F(AssociationTest, RefusesAnotherRoll) {
 }
 
 TEST_F(AssociationTest, OnlyCandidatesCount) {
-  const Association association = associate({"tag36h11", 5, square({100, 100}, 40), {100, 100}},
-                                            predictions_, {1, 2}, map_, {});
+  const Association association = associate(
+      {"tag36h11", 5, 0, square({100, 100}, 40), {100, 100}, 0}, predictions_, {1, 2}, map_, {});
   EXPECT_EQ(association.prediction, std::nullopt);
 }
 

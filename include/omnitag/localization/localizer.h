@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <opencv2/core/mat.hpp>
 #include <optional>
 #include <vector>
 
@@ -50,6 +51,11 @@ class Localizer {
   /// Looks all around, and decides between what it finds and the prediction.
   void search(const Frame& frame, const MountedCamera& camera,
               const std::optional<PoseEstimate>& predicted, FrameResult* result);
+  /// The pose that the markers' corners gave, aligned with their pixels where that is asked for and
+  /// possible.
+  PoseEstimate refined(const cv::Mat& panorama, const MountedCamera& camera,
+                       const std::vector<std::size_t>& entries, const PoseEstimate& from_corners,
+                       const std::optional<PoseEstimate>& predicted) const;
   std::vector<MarkerReading> read(const Frame& frame, FrameResult* result) const;
   void measure(const MountedCamera& camera, FrameResult* result) const;
 
@@ -57,6 +63,7 @@ class Localizer {
   MarkerMap map_;
   LocalizerConfig config_;
   MarkerReader reader_;
+  TagPatterns patterns_;
   MotionModel motion_;
   /// A pose that was set and waits for the next frame.
   std::optional<PoseEstimate> given_pose_;

@@ -7,6 +7,7 @@
 #include "omnitag/common/pose2.h"
 #include "omnitag/common/yaml_reader.h"
 #include "omnitag/localization/observation.h"
+#include "omnitag/localization/photometric_refinement.h"
 #include "omnitag/localization/reprojection.h"
 #include "omnitag/marker/marker_map.h"
 
@@ -16,17 +17,19 @@ namespace omnitag {
 enum class EstimatorKind {
   kTriangulation,  ///< the paper's: bearings of the centres, Eqns 1 and 2
   kReprojection,   ///< all corners, in the panoramic image
+  kPhotometric,    ///< all pixels of the markers, starting from the corners
 };
 
 struct EstimatorConfig {
-  EstimatorKind kind = EstimatorKind::kReprojection;
+  EstimatorKind kind = EstimatorKind::kPhotometric;
   ReprojectionConfig reprojection;
   /// Pixels of the panorama, RMS over a marker's corners: beyond, a marker is rejected.
   double max_residual = 1.5;
+  PhotometricConfig photometric;
 };
 
-/// Reads the keys corner_noise, robust_width and max_residual; absent ones keep their defaults.
-/// Throws InputError.
+/// Reads the keys corner_noise, robust_width and max_residual, and those of PhotometricConfig;
+/// absent ones keep their defaults. Throws InputError.
 EstimatorConfig readEstimatorConfig(const YamlReader& reader);
 
 /// A pose, and what it makes of each observation.
@@ -41,9 +44,12 @@ struct PoseSolution {
 /// Estimates the robot's pose from what was observed and, where there is one, the predicted pose.
 /// Observations that disagree with the others are left out.
 ///
-/// Triangulation wants three markers and uses the prior for its heading only. Reprojection takes
-/// any number and the prior with its covariance. Nothing where the pose stays undetermined or
-/// nothing agrees.
+/// Triangulation uses the prior for its heading only. Where there are fewer than the three markers
+/// that it needs, and with the other kinds, all corners and the prior with its covariance give the
+/// pose: two bearings, which leave a line of poses, or one, then decide as far as they can, and the
+/// prior the rest. Nothing where the pose stays undetermined or nothing agrees.
+///
+/// What kPhotometric adds needs the image: refinePhotometrically().
 std::optional<PoseSolution> estimatePose(const MarkerMap& map, const MountedCamera& camera,
                                          const std::vector<MarkerObservation>& observations,
                                          const std::optional<PoseEstimate>& prior,

@@ -13,7 +13,7 @@ namespace omnitag {
 /// How corners are weighed.
 struct ReprojectionConfig {
   /// Pixels of the panorama, standard deviation of a corner's position along each axis.
-  double corner_noise = 0.06;
+  double corner_noise = 0.045;
   /// Pixels: a corner that is farther off than this counts less and less, as does one at an edge
   /// that something covers.
   double robust_width = 0.25;

@@ -53,12 +53,6 @@ struct TagDetection {
   Eigen::Vector2d center;
 };
 
-/// The names of all families of the installed AprilTag library that maps can use.
-const std::set<std::string>& tagFamilies();
-
-/// How many ids a family has; throws InputError for an unknown family.
-int tagCount(const std::string& family);
-
 /// Finds AprilTags in small grey images. Not safe to use from two threads at once: give each thread
 /// its own (the library's own threads are not used).
 class TagDetector {

@@ -13,6 +13,8 @@ from omnitag.rendering.poses import upright_transform
 from omnitag.rendering.stretches import Stretches, read_during
 from omnitag.yaml_file import Mapping, Value, read_yaml
 
+KEYS = ("marker_map", "camera", "images", "ambient", "lights", "materials", "room", "boards",
+        "furniture", "robot", "displaced_markers", "missing_markers", "decoys", "odometry")
 PATTERNS = ("plain", "checker", "brick", "wood", "granite", "clouds")
 QUATERNION_TOLERANCE = 1e-3
 
@@ -131,9 +133,7 @@ def load_world(path: str, map_path: Optional[str] = None) -> World:
 
     Raises InputError naming file, line and key.
     """
-    root = read_yaml(path).mapping(("marker_map", "camera", "images", "ambient", "lights",
-                                    "materials", "room", "boards", "furniture", "robot",
-                                    "displaced_markers", "missing_markers", "decoys", "odometry"))
+    root = _root(path)
     images = root["images"].mapping(("start", "noise"))
     materials = _materials(root["materials"])
     own_map_path = os.path.join(os.path.dirname(path), root["marker_map"].text())
@@ -151,6 +151,15 @@ def load_world(path: str, map_path: Optional[str] = None) -> World:
         furniture=_shapes(root, "furniture", materials),
         robot=_shapes(root, "robot", materials),
         odometry=read_odometry(root["odometry"]) if "odometry" in root else None)
+
+
+def _root(path: str) -> Mapping:
+    """The keys of a world file, with those of the file that it extends where it has none itself."""
+    root = read_yaml(path).mapping(("extends",) + KEYS)
+    if "extends" not in root:
+        return root
+    base_path = os.path.join(os.path.dirname(path), root["extends"].text())
+    return root.over(read_yaml(base_path).mapping(KEYS))
 
 
 def present(shapes: Iterable[Shape], moment: int) -> List[Shape]:

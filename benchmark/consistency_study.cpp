@@ -1,0 +1,173 @@
+// Whether the covariance is true: the normalised estimation error squared (NEES) over independent
+// frames in good and in bad geometry. Each frame starts from a prediction that is as wrong as its
+// own covariance says; markers that a row does not ask for are painted over.
+//
+//   consistency_study [BAG CAMERA MAP]     a bag of render_sequence; the shipped one by default
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <functional>
+#include <iostream>
+#include <random>
+#include <vector>
+
+#include "masking.h"
+#include "omnitag/common/error.h"
+#include "omnitag/localization/localizer.h"
+#include "recorded_sequence.h"
+
+namespace omnitag {
+namespace {
+
+/// Chooses among the markers that were read in a frame (indices of FrameResult::predicted).
+using Choice = std::function<std::vector<std::size_t>(
+    const RecordedSequence&, const FrameResult&, const Pose2&, const std::vector<std::size_t>&)>;
+
+double bearingOf(const RecordedSequence& sequence, const FrameResult& seen, const Pose2& truth,
+                 std::size_t index) {
+  const Eigen::Vector3d center = sequence.map.markers[seen.predicted[index].map_entry].center();
+  return std::atan2(center.y() - truth.y, center.x() - truth.x);
+}
+
+std::vector<std::size_t> all(const RecordedSequence& /*sequence*/, const FrameResult& /*seen*/,
+                             const Pose2& /*truth*/, const std::vector<std::size_t>& readable) {
+  return readable.size() >= 4 ? readable : std::vector<std::size_t>();
+}
+
+/// Those within 100 degrees, three at least.
+std::vector<std::size_t> onOneSide(const RecordedSequence& sequence, const FrameResult& seen,
+                                   const Pose2& truth, const std::vector<std::size_t>& readable) {
+  for (const std::size_t first : readable) {
+    std::vector<std::size_t> side;
+    for (const std::size_t index : readable) {
+      const double offset = normalizeAngle(bearingOf(sequence, seen, truth, index) -
+                                           bearingOf(sequence, seen, truth, first));
+      if (offset >= 0.0 && offset < radians(100.0)) side.push_back(index);
+    }
+    if (side.size() >= 3) return side;
+  }
+  return {};
+}
+
+/// The three markers whose circle the robot is nearest to, where bearings alone tell least.
+std::vector<std::size_t> onACircle(const RecordedSequence& sequence, const FrameResult& seen,
+                                   const Pose2& truth, const std::vector<std::size_t>& readable) {
+  const auto place = [&](std::size_t i) -> Eigen::Vector2d {
+    return sequence.map.markers[seen.predicted[i].map_entry].center().head<2>();
+  };
+  std::vector<std::size_t> best;
+  double nearest = 0.1;  // of the circle's radius
+  for (std::size_t i = 0; i < readable.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      for (std::size_t k = 0; k < j; ++k) {
+        const Eigen::Vector2d a = place(readable[i]);
+        const Eigen::Vector2d b = place(readable[j]) - a;
+        const Eigen::Vector2d c = place(readable[k]) - a;
+        const double cross = 2.0 * (b.x() * c.y() - b.y() * c.x());
+        if (std::abs(cross) < 1e-3) continue;
+        const Eigen::Vector2d center(
+            a.x() + (c.y() * b.squaredNorm() - b.y() * c.squaredNorm()) / cross,
+            a.y() + (b.x() * c.squaredNorm() - c.x() * b.squaredNorm()) / cross);
+        const double radius = (center - a).norm();
+        const double off =
+            std::abs((center - Eigen::Vector2d(truth.x, truth.y)).norm() / radius - 1.0);
+        if (off >= nearest) continue;
+        nearest = off;
+        best = {readable[i], readable[j], readable[k]};
+      }
+    }
+  }
+  return best;
+}
+
+template <std::size_t kCount>
+std::vector<std::size_t> some(const RecordedSequence& /*sequence*/, const FrameResult& /*seen*/,
+                              const Pose2& truth, std::vector<std::size_t> readable) {
+  if (readable.size() < kCount) return {};
+  std::mt19937 generator(static_cast<unsigned>(std::abs(truth.x) * 1e6));
+  std::shuffle(readable.begin(), readable.end(), generator);
+  readable.resize(kCount);
+  return readable;
+}
+
+void study(const char* name, const RecordedSequence& sequence,
+           const std::vector<FrameResult>& at_truth, const Choice& choose, EstimatorKind kind) {
+  constexpr double kPositionDeviation = 0.1;
+  const double heading_deviation = radians(4.0);
+  std::mt19937 generator(3);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  PoseEstimate prediction;
+  prediction.covariance.diagonal() << kPositionDeviation * kPositionDeviation,
+      kPositionDeviation * kPositionDeviation, heading_deviation * heading_deviation;
+  LocalizerConfig config;
+  config.estimation.kind = kind;
+
+  double sum = 0.0;
+  double squares = 0.0;
+  int count = 0;
+  int outside = 0;
+  int without = 0;
+  for (std::size_t i = 0; i < sequence.frames.size(); ++i) {
+    const Pose2& truth = sequence.truth[i];
+    const FrameResult& seen = at_truth[i];
+    const std::vector<std::size_t> chosen = choose(sequence, seen, truth, readableMarkers(seen));
+    if (chosen.empty()) continue;
+    Frame frame = sequence.frames[i];
+    frame.image = withOnly(chosen, seen, frame.image);
+    prediction.pose = {truth.x + kPositionDeviation * normal(generator),
+                       truth.y + kPositionDeviation * normal(generator),
+                       truth.yaw + heading_deviation * normal(generator)};
+    Localizer localizer(sequence.camera, sequence.map, config);
+    localizer.setPose(prediction);
+    const FrameResult result = localizer.process(frame);
+    if (!result.map_from_base || result.mode != Mode::kTracking) {
+      ++without;
+      continue;
+    }
+    const Eigen::Vector3d error = difference(result.map_from_base->pose, truth);
+    const double nees = error.dot(result.map_from_base->covariance.inverse() * error);
+    sum += nees;
+    squares += error.head<2>().squaredNorm();
+    outside += nees > 16.27 ? 1 : 0;
+    ++count;
+  }
+  const double bound = 1.96 * std::sqrt(6.0 / std::max(count, 1));
+  std::printf("%-22s %6d %9d %7.2f   %.2f to %.2f %10d %10.2f mm\n", name, count, without,
+              sum / std::max(count, 1), 3.0 - bound, 3.0 + bound, outside,
+              1e3 * std::sqrt(squares / std::max(count, 1)));
+}
+
+void run(const RecordedSequence& sequence) {
+  std::vector<FrameResult> at_truth;
+  for (std::size_t i = 0; i < sequence.frames.size(); ++i) {
+    at_truth.push_back(lookAtTruth(sequence, i));
+  }
+  for (const EstimatorKind kind : {EstimatorKind::kPhotometric, EstimatorKind::kReprojection}) {
+    std::printf("%s\n", kind == EstimatorKind::kPhotometric ? "photometric" : "reprojection");
+    std::printf("%-22s %6s %9s %7s   %12s %10s %13s\n", "geometry", "frames", "untracked", "NEES",
+                "95 % bounds", "beyond .999", "RMSE");
+    study("four or more", sequence, at_truth, all, kind);
+    study("three, one side", sequence, at_truth, onOneSide, kind);
+    study("three, near a circle", sequence, at_truth, onACircle, kind);
+    study("two", sequence, at_truth, some<2>, kind);
+    study("one", sequence, at_truth, some<1>, kind);
+  }
+}
+
+}  // namespace
+}  // namespace omnitag
+
+int main(int argc, char** argv) {
+  try {
+    if (argc != 1 && argc != 4) throw omnitag::InputError("expected BAG CAMERA MAP or nothing");
+    omnitag::run(argc == 1 ? omnitag::shippedSequence()
+                           : omnitag::loadSequence(argv[1], argv[2], argv[3]));
+  } catch (const std::exception& error) {
+    std::cerr << "consistency_study: " << error.what() << '\n';
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "omnitag/camera/mounted_camera.h"
+#include "omnitag/common/pose2.h"
+#include "omnitag/marker/marker_map.h"
+#include "omnitag/marker/tag_pattern.h"
+
+namespace omnitag {
+
+/// How a pose is aligned with the grey levels of the panorama.
+struct PhotometricConfig {
+  /// Pixels of the panorama: standard deviation of the blur that lens and sensor add to the
+  /// averaging over a pixel's area.
+  double blur = 0.0;
+  /// Grey levels, the least that noise is taken for: grey levels are rounded, and no pattern is
+  /// printed and lit as evenly as the model has it.
+  double min_noise = 1.0;
+  /// m: standard deviation of a marker's place along each axis, and of its edges' places against
+  /// each other, from what the map says.
+  double placement_deviation = 0.0001;
+};
+
+/// A pose that was aligned with the panorama.
+struct PhotometricFit {
+  PoseEstimate map_from_base;
+  /// Standard deviations as the residuals tell them: grey levels on even ground, and pixels by
+  /// which edges seem displaced by chance from pixel to pixel.
+  double noise = 0.0;
+  double edge_noise = 0.0;
+  /// For each marker how much it counts: less than 1 where it disagrees with the others.
+  std::vector<double> weights;
+};
+
+/// The patterns of a map's markers, each drawn once.
+class TagPatterns {
+ public:
+  explicit TagPatterns(const MarkerMap& map);
+  const TagPattern& of(const Marker& marker) const;
+
+ private:
+  std::map<std::pair<std::string, int>, TagPattern> patterns_;
+};
+
+/// Refines a pose, good to about half a pixel, so that the patterns of the markers at `entries`
+/// explain the panorama's grey levels: every pixel of a marker is predicted as the pattern's
+/// average over what the pixel sees of it, the light's level and slope being free for each marker.
+/// Least squares over all pixels (Gauss-Newton), with pixels that something covers weighed down,
+/// and the prior, where there is one, taking part with its covariance.
+///
+/// The covariance is the Cramer-Rao bound of the pixels at the noise that their residuals show;
+/// markers that disagree with the others by more than that count less. Nothing where the alignment
+/// does not converge or leaves the pose undetermined. `panorama`: CV_8UC1.
+std::optional<PhotometricFit> refinePhotometrically(
+    const cv::Mat& panorama, const MarkerMap& map, const MountedCamera& camera,
+    const TagPatterns& patterns, const std::vector<std::size_t>& entries, const Pose2& initial,
+    const std::optional<PoseEstimate>& prior, const PhotometricConfig& config);
+
+}  // namespace omnitag

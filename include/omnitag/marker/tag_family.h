@@ -1,0 +1,14 @@
+#pragma once
+
+#include <set>
+#include <string>
+
+namespace omnitag {
+
+/// The names of all families of the installed AprilTag library that maps can use.
+const std::set<std::string>& tagFamilies();
+
+/// How many ids a family has; throws InputError for an unknown family.
+int tagCount(const std::string& family);
+
+}  // namespace omnitag
