@@ -226,9 +226,15 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
                          motion_.uncorrectedTime() > config_.motion.max_dead_reckoning_time;
   if (found.map_from_base && overrules) {
     if (predicted && !is_expected) result->remark = "found far from where it was expected";
-    result->map_from_base =
-        refined(frame.image, camera, explaining, *found.map_from_base, std::nullopt);
-    motion_.reset(*result->map_from_base, frame.stamp, frame.odom_from_base);
+    const PoseEstimate pose = refined(frame.image, camera, explaining, *found.map_from_base,
+                                      is_expected ? predicted : std::nullopt);
+    if (is_expected) {
+      motion_.correct(pose);
+      result->mode = Mode::kTracking;
+    } else {
+      motion_.reset(pose, frame.stamp, frame.odom_from_base);
+    }
+    result->map_from_base = pose;
     has_pose_ = true;
   } else {
     for (MarkerDetection& detection : result->detections) {
