@@ -26,4 +26,24 @@ std::optional<DisplacedMarker> displacement(const MarkerMap& map, const MountedC
   return nearest;
 }
 
+void DisplacementLog::add(const FrameResult& result) {
+  for (const MarkerDetection& detection : result.detections) {
+    if (detection.accepted) sightings_.erase(*detection.map_entry);
+  }
+  for (const DisplacedMarker& displaced : result.displaced) {
+    Sightings& sightings = sightings_[displaced.map_entry];
+    ++sightings.count;
+    sightings.mean_distance += (displaced.distance - sightings.mean_distance) / sightings.count;
+  }
+}
+
+std::vector<DisplacedMarker> DisplacementLog::persistent() const {
+  constexpr int kFewestSightings = 5;
+  std::vector<DisplacedMarker> persistent;
+  for (const auto& [entry, sightings] : sightings_) {
+    if (sightings.count >= kFewestSightings) persistent.push_back({entry, sightings.mean_distance});
+  }
+  return persistent;
+}
+
 }  // namespace omnitag

@@ -152,6 +152,7 @@ LocalizationStatus toMessage(const std_msgs::Header& header, const FrameResult& 
   message.header = header;
   message.mode = toMessage(result.mode);
   message.has_pose = static_cast<std::uint8_t>(result.map_from_base.has_value());
+  message.remark = result.remark;
   message.markers_predicted = static_cast<std::uint32_t>(result.predicted.size());
   message.markers_detected = static_cast<std::uint32_t>(result.detections.size());
   message.markers_used = static_cast<std::uint32_t>(result.acceptedMarkers());

@@ -1,6 +1,8 @@
 #include "omnitag/ros/health_monitor.h"
 
 #include <cmath>
+#include <iomanip>
+#include <sstream>
 
 #include "omnitag/common/angle.h"
 #include "omnitag/localization/localizer.h"
@@ -32,8 +34,9 @@ const char* modeName(const LocalizationStatus& status) {
 }  // namespace
 
 HealthMonitor::HealthMonitor(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
-                             const ImageInput& input)
+                             const ImageInput& input, const MarkerMap& map)
     : input_(input),
+      map_(map),
       name_(private_node.getNamespace()),
       updater_(node, private_node, name_),
       last_report_(Clock::now()) {
@@ -41,6 +44,7 @@ HealthMonitor::HealthMonitor(const ros::NodeHandle& node, const ros::NodeHandle&
   updater_.add("images", this, &HealthMonitor::reportImages);
   updater_.add("transforms", this, &HealthMonitor::reportTransforms);
   updater_.add("localization", this, &HealthMonitor::reportLocalization);
+  updater_.add("marker map", this, &HealthMonitor::reportMap);
   timer_ = node.createWallTimer(ros::WallDuration(kReportPeriod),
                                 [this](const ros::WallTimerEvent&) { updater_.force_update(); });
 }
@@ -66,26 +70,43 @@ void HealthMonitor::transformMissing(const std::string& why) {
   complain(&transforms_, "waiting for tf: " + why);
 }
 
-void HealthMonitor::localized(const LocalizationStatus& status,
-                              const std::optional<PoseEstimate>& pose,
+void HealthMonitor::localized(const LocalizationStatus& status, const FrameResult& result,
                               const std::string& odometry_problem) {
   const std::lock_guard<std::mutex> lock(mutex_);
   last_image_ = Clock::now();
   last_status_ = status;
-  last_pose_ = pose;
+  last_pose_ = result.map_from_base;
   settle(&images_, "images are coming");
   if (odometry_problem.empty()) {
     settle(&transforms_, "tf has all transforms");
   } else {
     complain(&transforms_, "no odometry, hence no map -> odom: " + odometry_problem);
   }
-  if (pose) {
-    settle(&localization_, std::string("localized, ") + modeName(status));
+  if (!result.map_from_base) {
+    complain(&localization_, "searching: " + result.remark);
   } else {
-    complain(&localization_,
-             "searching: " + std::to_string(status.markers_detected) +
-                 " markers read, no pose; waiting for an initial pose (RViz: 2D Pose Estimate)");
+    settle(&localization_, std::string("localized, ") + modeName(status));
+    if (!result.remark.empty()) ROS_WARN_STREAM(name_ << ": " << result.remark);
   }
+  displacements_.add(result);
+  const std::vector<DisplacedMarker> displaced = displacements_.persistent();
+  if (displaced.empty()) {
+    settle(&marker_map_, "all markers that are read hang where the map has them");
+  } else {
+    complain(&marker_map_, describe(displaced));
+  }
+}
+
+std::string HealthMonitor::describe(const std::vector<DisplacedMarker>& displaced) const {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(2);
+  for (const DisplacedMarker& each : displaced) {
+    const Marker& marker = map_.markers[each.map_entry];
+    text << (text.tellp() > 0 ? "; " : "") << "marker " << marker.id;
+    if (!marker.name.empty()) text << " (" << marker.name << ")";
+    text << " is " << each.distance << " m from where the map has it";
+  }
+  return text.str();
 }
 
 void HealthMonitor::reportImages(Report& report) {
@@ -157,6 +178,16 @@ void HealthMonitor::reportLocalization(Report& report) {
                 std::sqrt(covariance.topLeftCorner<2, 2>().trace()));
     report.addf("standard deviation of the yaw", "%.2g deg", degrees(std::sqrt(covariance(2, 2))));
   }
+}
+
+void HealthMonitor::reportMap(Report& report) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (marker_map_.problem.empty()) {
+    report.summary(Report::OK, "no marker is known to hang elsewhere");
+  } else {
+    report.summary(Report::WARN, marker_map_.problem);
+  }
+  report.add("markers", map_.markers.size());
 }
 
 void HealthMonitor::complain(Subject* subject, const std::string& problem) {

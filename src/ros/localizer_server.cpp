@@ -41,7 +41,7 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
       path_(parameters_.path_min_step, parameters_.path_max_poses),
       image_transport_(node),
       input_(node, private_node, parameters_.image_transport, parameters_.queue_size),
-      health_(node, private_node, input_) {
+      health_(node, private_node, input_, localizer_.map()) {
   pose_publisher_ = node_.advertise<geometry_msgs::PoseStamped>("pose", 10);
   pose_with_covariance_publisher_ =
       node_.advertise<geometry_msgs::PoseWithCovarianceStamped>("pose_with_covariance", 10);
@@ -72,10 +72,16 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
   ROS_INFO_STREAM(name_ << ": camera " << parameters_.camera_file << ", "
                         << localizer_.map().markers.size() << " markers of " << parameters_.map_file
                         << ", images from " << input_.topic());
+  if (!parameters_.frames.odom.empty()) {
+    repeat_timer_ =
+        node_.createWallTimer(ros::WallDuration(parameters_.transform_period),
+                              [this](const ros::WallTimerEvent&) { repeatTransform(); });
+  }
   thread_ = std::thread(&LocalizerServer::run, this);
 }
 
 LocalizerServer::~LocalizerServer() {
+  repeat_timer_.stop();
   input_.close();
   thread_.join();
 }
@@ -129,7 +135,7 @@ void LocalizerServer::publish(const LocalizedImage& localized) {
   messages.status.images_received = input_.received();
   messages.status.images_dropped = input_.dropped() + localizer_.lateImages();
 
-  if (messages.transform) transform_broadcaster_.sendTransform(*messages.transform);
+  sendTransform(messages.transform, localized.result.map_from_base.has_value());
   if (messages.pose) {
     pose_publisher_.publish(*messages.pose);
     pose_with_covariance_publisher_.publish(*messages.pose_with_covariance);
@@ -147,8 +153,28 @@ void LocalizerServer::publish(const LocalizedImage& localized) {
         cv_bridge::CvImage(localized.input.header, sensor_msgs::image_encodings::BGR8, painting)
             .toImageMsg());
   }
-  health_.localized(messages.status, localized.result.map_from_base,
-                    localized.input.odometry_problem);
+  health_.localized(messages.status, localized.result, localized.input.odometry_problem);
+}
+
+// Without odometry a transform holds for the image's stamp alone. With it, map -> odom is a
+// correction that holds until a better one comes, or until the pose is lost.
+void LocalizerServer::sendTransform(const std::optional<geometry_msgs::TransformStamped>& transform,
+                                    bool has_pose) {
+  const std::lock_guard<std::mutex> lock(transform_mutex_);
+  if (!has_pose) correction_.reset();
+  if (!transform) return;
+  transform_broadcaster_.sendTransform(*transform);
+  if (!parameters_.frames.odom.empty()) correction_ = transform;
+}
+
+void LocalizerServer::repeatTransform() {
+  const std::lock_guard<std::mutex> lock(transform_mutex_);
+  if (!correction_) return;
+  const ros::Time stamp = ros::Time::now() + ros::Duration(parameters_.transform_tolerance);
+  // Never back in time, and not twice at the same, which tf warns of.
+  if (stamp <= correction_->header.stamp) return;
+  correction_->header.stamp = stamp;
+  transform_broadcaster_.sendTransform(*correction_);
 }
 
 void LocalizerServer::onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message) {

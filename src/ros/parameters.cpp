@@ -48,9 +48,10 @@ void parseList(YAML::Node node) {
 LocalizerParameters readParameters(const YamlReader& reader) {
   reader.allowOnly({"camera_file", "map_file", "map_frame", "odom_frame", "base_frame",
                     "initial_pose", "image_transport", "queue_size", "transform_timeout",
-                    "transform_tolerance", "restart_time_jump", "path_min_step", "path_max_poses",
-                    "robot_radius", "visibility", "view", "detector", "association", "estimation",
-                    "look_around", "relocalization", "motion", "estimator",
+                    "transform_tolerance", "transform_period", "restart_time_jump", "path_min_step",
+                    "path_max_poses", "robot_radius", "visibility", "view", "detector",
+                    "association", "estimation", "look_around", "relocalization", "motion",
+                    "estimator",
                     // Read by others in the same namespace: diagnostic_updater and nodelet.
                     "diagnostic_period", "num_worker_threads"});
   LocalizerParameters parameters;
@@ -66,6 +67,7 @@ LocalizerParameters readParameters(const YamlReader& reader) {
   reader.read("queue_size", &parameters.queue_size, Interval{1, 1e6});
   reader.read("transform_timeout", &parameters.transform_timeout, Interval{0.0, 60.0});
   reader.read("transform_tolerance", &parameters.transform_tolerance, Interval{0.0, 60.0});
+  reader.read("transform_period", &parameters.transform_period, {0.001, 10.0});
   reader.read("restart_time_jump", &parameters.restart_time_jump, kNonNegative);
   reader.read("path_min_step", &parameters.path_min_step, kNonNegative);
   reader.read("path_max_poses", &parameters.path_max_poses, Interval{1, 1e6});

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <cstddef>
+#include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "omnitag/camera/mounted_camera.h"
 #include "omnitag/localization/frame_result.h"
@@ -20,5 +23,24 @@ std::optional<DisplacedMarker> displacement(const MarkerMap& map, const MountedC
                                             const MarkerObservation& observation,
                                             const Pose2& map_from_base,
                                             const EstimatorConfig& config);
+
+/// Which markers the map has at a wrong place, as frame after frame says.
+class DisplacementLog {
+ public:
+  void add(const FrameResult& result);
+
+  /// Entries that were read displaced in several frames and, since then, never where the map has
+  /// them; each with the mean distance.
+  std::vector<DisplacedMarker> persistent() const;
+
+  void clear() { sightings_.clear(); }
+
+ private:
+  struct Sightings {
+    int count = 0;
+    double mean_distance = 0.0;
+  };
+  std::map<std::size_t, Sightings> sightings_;
+};
 
 }  // namespace omnitag

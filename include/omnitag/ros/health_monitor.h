@@ -9,8 +9,12 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "omnitag/common/pose2.h"
+#include "omnitag/localization/displacement.h"
+#include "omnitag/localization/frame_result.h"
+#include "omnitag/marker/marker_map.h"
 #include "omnitag/ros/image_input.h"
 
 namespace omnitag {
@@ -22,9 +26,9 @@ namespace omnitag {
 /// threads.
 class HealthMonitor {
  public:
-  /// `input` must outlive the monitor.
+  /// `input` and `map` must outlive the monitor.
   HealthMonitor(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
-                const ImageInput& input);
+                const ImageInput& input, const MarkerMap& map);
 
   /// The message was no image of this camera.
   void imageRefused(const std::string& why);
@@ -33,7 +37,7 @@ class HealthMonitor {
   /// The image was lost for want of the camera's mounting.
   void transformMissing(const std::string& why);
   /// The image was localized; `odometry_problem` is empty where odometry is there or not asked for.
-  void localized(const LocalizationStatus& status, const std::optional<PoseEstimate>& pose,
+  void localized(const LocalizationStatus& status, const FrameResult& result,
                  const std::string& odometry_problem);
 
  private:
@@ -49,10 +53,13 @@ class HealthMonitor {
   void reportImages(Report& report);
   void reportTransforms(Report& report);
   void reportLocalization(Report& report);
+  void reportMap(Report& report);
+  std::string describe(const std::vector<DisplacedMarker>& displaced) const;
   void complain(Subject* subject, const std::string& problem);
   void settle(Subject* subject, const std::string& all_is_well);
 
   const ImageInput& input_;
+  const MarkerMap& map_;
   std::string name_;
   diagnostic_updater::Updater updater_;
   ros::WallTimer timer_;
@@ -61,6 +68,8 @@ class HealthMonitor {
   Subject images_;
   Subject transforms_;
   Subject localization_;
+  Subject marker_map_;
+  DisplacementLog displacements_;
   Clock::time_point last_report_;
   std::uint64_t received_at_last_report_ = 0;
   std::optional<Clock::time_point> last_image_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
+#include <geometry_msgs/TransformStamped.h>
 #include <image_transport/image_transport.h>
 #include <ros/ros.h>
 #include <std_srvs/Empty.h>
@@ -12,6 +13,7 @@
 
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "omnitag/ros/debug_image.h"
@@ -41,6 +43,9 @@ class LocalizerServer {
   void onImage(const ReceivedImage& received);
   void waitForTransforms(const std_msgs::Header& header) const;
   void publish(const LocalizedImage& localized);
+  void sendTransform(const std::optional<geometry_msgs::TransformStamped>& transform,
+                     bool has_pose);
+  void repeatTransform();
 
   void onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message);
   /// Throws InputError.
@@ -75,6 +80,11 @@ class LocalizerServer {
   ros::Subscriber initial_pose_subscriber_;
   ros::ServiceServer global_localization_server_;
   ros::ServiceServer save_map_server_;
+
+  /// map -> odom as it was sent last, while it holds.
+  std::mutex transform_mutex_;
+  std::optional<geometry_msgs::TransformStamped> correction_;
+  ros::WallTimer repeat_timer_;
 
   /// What was asked for last and is to be done before the next image.
   std::mutex request_mutex_;
