@@ -164,17 +164,19 @@ void LocalizerServer::sendTransform(const std::optional<geometry_msgs::Transform
   if (!has_pose) correction_.reset();
   if (!transform) return;
   transform_broadcaster_.sendTransform(*transform);
-  if (!parameters_.frames.odom.empty()) correction_ = transform;
+  if (!parameters_.frames.odom.empty()) correction_ = Correction{*transform, ros::Time::now()};
 }
 
 void LocalizerServer::repeatTransform() {
   const std::lock_guard<std::mutex> lock(transform_mutex_);
   if (!correction_) return;
-  const ros::Time stamp = ros::Time::now() + ros::Duration(parameters_.transform_tolerance);
-  // Never back in time, and not twice at the same, which tf warns of.
-  if (stamp <= correction_->header.stamp) return;
-  correction_->header.stamp = stamp;
-  transform_broadcaster_.sendTransform(*correction_);
+  // The images' clock may be another one than this machine's, as when a bag is played without
+  // /clock: only the time that went by is taken from the latter.
+  const ros::Duration since_sent = ros::Time::now() - correction_->sent;
+  if (since_sent < ros::Duration(parameters_.transform_period)) return;
+  geometry_msgs::TransformStamped transform = correction_->transform;
+  transform.header.stamp += since_sent;
+  transform_broadcaster_.sendTransform(transform);
 }
 
 void LocalizerServer::onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message) {

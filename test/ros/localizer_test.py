@@ -170,23 +170,31 @@ class LocalizerTest(unittest.TestCase):
     def test_8_takes_poses_and_forgets_them(self):
         harness = self.harness
         rospy.ServiceProxy("global_localization", Empty)()
-        self.assertFalse(harness.localize(self.shifted(3, -100.0)).has_pose)
-        self.wait_for_diagnostics("localization", DiagnosticStatus.WARN, "searching")
+        status = harness.localize(compressed(self.shifted(3, -100.0),
+                                             np.full((500, 500), 90, np.uint8)))
+        self.assertFalse(status.has_pose)
+        self.assertIn("no marker", status.remark)
+        self.wait_for_diagnostics("localization", DiagnosticStatus.WARN, "searching", "no marker")
+        status = harness.localize(self.shifted(4, -100.0))
+        self.assertEqual(status.mode, LocalizationStatus.SEARCHING)
+        self.assertLess(self.distance(harness.poses.at(status.header.stamp), 4), 0.02)
 
-        x, y, _ = self.true_pose(4)
         for frame_id, quaternion in (("map", (0.0, 0.0)), ("map", (np.nan, 1.0)),
                                      ("", (0.0, 1.0)), ("no_such_frame", (0.0, 1.0))):
-            self.initial_pose.publish(initial_pose(frame_id, x, y, quaternion))
+            self.initial_pose.publish(initial_pose(frame_id, 40.0, 40.0, quaternion))
             rospy.sleep(0.5)
-        self.assertFalse(harness.localize(self.shifted(4, -100.0)).has_pose)
+        status = harness.localize(self.shifted(5, -100.0))
+        self.assertEqual(status.mode, LocalizationStatus.TRACKING)
+        self.assertEqual(status.remark, "")
+        self.assertLess(self.distance(harness.poses.at(status.header.stamp), 5), 0.02)
 
-        x, y, yaw = self.true_pose(5)
+        x, y, yaw = self.true_pose(6)
         self.initial_pose.publish(
             initial_pose("map", x + 0.03, y - 0.02, (np.sin(yaw / 2.0), np.cos(yaw / 2.0))))
         rospy.sleep(1.0)
-        status = harness.localize(self.shifted(5, -100.0))
+        status = harness.localize(self.shifted(6, -100.0))
         self.assertEqual(status.mode, LocalizationStatus.TRACKING)
-        self.assertLess(self.distance(harness.poses.at(status.header.stamp), 5), 0.02)
+        self.assertLess(self.distance(harness.poses.at(status.header.stamp), 6), 0.02)
 
     def test_9_says_that_mapping_is_off(self):
         response = rospy.ServiceProxy("save_map", Trigger)()
@@ -201,9 +209,8 @@ class LocalizerTest(unittest.TestCase):
 
     def with_pixels(self, image, pixels):
         """A message of the image topic's type: other pixels under the header of an image."""
-        data = cv2.imencode(".png", pixels)[1].tobytes()
-        compressed = CompressedImage(header=image.header, format="png", data=data)
-        return raw_image(compressed) if rospy.get_param("~transport") == "raw" else compressed
+        message = compressed(image, pixels)
+        return raw_image(message) if rospy.get_param("~transport") == "raw" else message
 
     def true_pose(self, index):
         """(x, y, yaw) of an image of the bag."""
@@ -213,6 +220,12 @@ class LocalizerTest(unittest.TestCase):
         """m, of a pose from the true one of an image of the bag."""
         x, y, _ = self.true_pose(index)
         return np.hypot(pose.pose.position.x - x, pose.pose.position.y - y)
+
+
+def compressed(image, pixels):
+    """Other pixels under the header of an image."""
+    return CompressedImage(header=image.header, format="png",
+                           data=cv2.imencode(".png", pixels)[1].tobytes())
 
 
 def copy_without_seq(header, other):

@@ -8,7 +8,7 @@ import numpy as np
 import rospy
 import rostest
 from geometry_msgs.msg import TransformStamped
-from harness import Harness, yaw_of
+from harness import Harness, wait_until, yaw_of
 
 # odom in the map: the odometry of this test has no error, but another origin.
 ODOM_X, ODOM_Y, ODOM_YAW = 1.5, -0.7, 0.6
@@ -56,6 +56,12 @@ class OdometryTest(unittest.TestCase):
             self.assertAlmostEqual(yaw_of(transform.transform.rotation), ODOM_YAW, delta=0.01)
         self.assertEqual({transform.child_frame_id
                           for transform in harness.published_transforms()}, {"odom"})
+
+        # Without further images it goes on, in the images' time.
+        last = harness.images[39].header.stamp + rospy.Duration(TOLERANCE)
+        self.assertTrue(wait_until(lambda: any(
+            last + rospy.Duration(0.2) < transform.header.stamp < last + rospy.Duration(20.0)
+            for transform in harness.published_transforms())))
 
 
 if __name__ == "__main__":

@@ -81,9 +81,13 @@ class LocalizerServer {
   ros::ServiceServer global_localization_server_;
   ros::ServiceServer save_map_server_;
 
-  /// map -> odom as it was sent last, while it holds.
+  /// map -> odom as the last image gave it, while it holds.
+  struct Correction {
+    geometry_msgs::TransformStamped transform;
+    ros::Time sent;
+  };
   std::mutex transform_mutex_;
-  std::optional<geometry_msgs::TransformStamped> correction_;
+  std::optional<Correction> correction_;
   ros::WallTimer repeat_timer_;
 
   /// What was asked for last and is to be done before the next image.
