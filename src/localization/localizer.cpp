@@ -191,9 +191,8 @@ void Localizer::track(const Frame& frame, const MountedCamera& camera,
 void Localizer::search(const Frame& frame, const MountedCamera& camera,
                        const std::optional<PoseEstimate>& predicted, FrameResult* result) {
   Stopwatch step;
-  result->views =
-      viewsAllAround(map_, camera, reader_.warper().table(), config_.visibility.max_range,
-                     config_.view.oversampling, config_.look_around);
+  result->views = viewsAllAround(map_, camera, reader_.warper().table(),
+                                 config_.visibility.max_range, config_.look_around);
   result->view_images.clear();
   result->detections.clear();
   result->timings.predict += step.lap();
@@ -226,8 +225,13 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
                          motion_.uncorrectedTime() > config_.motion.max_dead_reckoning_time;
   if (found.map_from_base && overrules) {
     if (predicted && !is_expected) result->remark = "found far from where it was expected";
-    const PoseEstimate pose = refined(frame.image, camera, explaining, *found.map_from_base,
-                                      is_expected ? predicted : std::nullopt);
+    // From one marker alone the pixels know the pose no better than its corners do: what is
+    // uncertain is not where they are but what they mean.
+    const bool is_sure = is_expected || explaining.size() >= 2;
+    const PoseEstimate pose = is_sure
+                                  ? refined(frame.image, camera, explaining, *found.map_from_base,
+                                            is_expected ? predicted : std::nullopt)
+                                  : *found.map_from_base;
     if (is_expected) {
       motion_.correct(pose);
       result->mode = Mode::kTracking;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace omnitag {
 namespace {
@@ -28,6 +29,18 @@ Range heightsOf(const MarkerMap& map) {
     }
   }
   return heights;
+}
+
+/// Where a point images, or the edge of the field that is nearest to it.
+double nearestRadius(const CameraModel& camera, double distance, double height) {
+  if (const auto image = camera.imageFromPoint(distance, height)) return image->radius;
+  const auto off = [&](double radius) {
+    const std::optional<MeridionalRay> ray = camera.rayFromRadius(radius);
+    return ray ? std::abs(ray->heightAt(distance) - height)
+               : std::numeric_limits<double>::infinity();
+  };
+  const bool is_inside = off(camera.minRadius()) < off(camera.maxRadius());
+  return is_inside ? camera.minRadius() : camera.maxRadius();
 }
 
 /// Radii of the ideal image plane at which something between these heights can image.
@@ -59,24 +72,25 @@ Range radiiOf(const Range& heights, const MountedCamera& camera, double min_rang
 }  // namespace
 
 LookAroundConfig readLookAroundConfig(const YamlReader& reader) {
-  reader.allowOnly({"step", "overlap", "min_range", "max_size"});
+  reader.allowOnly({"step", "overlap", "min_range", "oversampling", "max_size"});
   LookAroundConfig config;
   reader.read("step", &config.step, {radians(5.0), radians(90.0)});
   reader.read("overlap", &config.overlap, {0.0, radians(60.0)});
   reader.read("min_range", &config.min_range, kPositive);
+  reader.read("oversampling", &config.oversampling, {0.25, 8.0});
   reader.read("max_size", &config.max_size, {32, 4096});
   return config;
 }
 
 std::vector<View> viewsAllAround(const MarkerMap& map, const MountedCamera& camera,
-                                 const ContourTable& table, double max_range, double oversampling,
+                                 const ContourTable& table, double max_range,
                                  const LookAroundConfig& config) {
   const Range radii =
       radiiOf(heightsOf(map), camera, config.min_range, std::max(max_range, config.min_range));
   if (!(radii.low < radii.high)) return {};
 
   ViewPlannerConfig planner;
-  planner.oversampling = oversampling;
+  planner.oversampling = config.oversampling;
   planner.max_size = config.max_size;
   ViewTarget target;
   target.half_width =

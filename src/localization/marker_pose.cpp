@@ -94,21 +94,32 @@ std::vector<ReprojectionFit> posesFromMarker(const MarkerMap& map, const Mounted
   }
 
   std::vector<ReprojectionFit> fits;
-  for (std::size_t i = 0; i < kDirections; ++i) {
-    const double cost = starts[i].cost;
-    const bool is_lowest = std::isfinite(cost) && cost <= starts[(i + 1) % kDirections].cost &&
-                           cost <= starts[(i + kDirections - 1) % kDirections].cost;
-    if (!is_lowest) continue;
+  const auto refineFrom = [&](const Start& start) {
+    if (!std::isfinite(start.cost)) return;
     auto fit =
-        refineFromAfar(map, camera, {observation}, starts[i].map_from_base, std::nullopt, config);
-    if (!fit || fit->residuals[0] > max_residual) continue;
-    if (!isFacing(marker, camera, fit->map_from_base.pose)) continue;
+        refineFromAfar(map, camera, {observation}, start.map_from_base, std::nullopt, config);
+    if (!fit || fit->residuals[0] > max_residual) return;
+    if (!isFacing(marker, camera, fit->map_from_base.pose)) return;
     const bool is_known = std::any_of(fits.begin(), fits.end(), [&fit](const ReprojectionFit& f) {
       constexpr double kSamePosition = 1e-3;  // m
       return std::hypot(f.map_from_base.pose.x - fit->map_from_base.pose.x,
                         f.map_from_base.pose.y - fit->map_from_base.pose.y) < kSamePosition;
     });
     if (!is_known) fits.push_back(std::move(*fit));
+  };
+  const double normal_azimuth = std::atan2(marker.normal().y(), marker.normal().x());
+  for (std::size_t i = 0; i < kDirections; ++i) {
+    const double cost = starts[i].cost;
+    const bool is_lowest = std::isfinite(cost) && cost <= starts[(i + 1) % kDirections].cost &&
+                           cost <= starts[(i + kDirections - 1) % kDirections].cost;
+    if (!is_lowest) continue;
+    refineFrom(starts[i]);
+    // Two optima may lie between the same two directions, or one hide behind the other: look from
+    // both sides, and where the view from the other side of the marker's normal would be.
+    refineFrom(starts[(i + 1) % kDirections]);
+    refineFrom(starts[(i + kDirections - 1) % kDirections]);
+    const double mirrored = 2.0 * normal_azimuth - 2.0 * kPi * static_cast<double>(i) / kDirections;
+    refineFrom(startFrom(mirrored, marker, camera, observation, bearing));
   }
   std::sort(fits.begin(), fits.end(), [](const ReprojectionFit& a, const ReprojectionFit& b) {
     return a.residuals[0] < b.residuals[0];

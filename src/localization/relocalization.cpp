@@ -1,6 +1,6 @@
 #include "omnitag/localization/relocalization.h"
 
-#include <Eigen/LU>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -79,6 +79,49 @@ class Search {
     std::stable_sort(hypotheses.begin(), hypotheses.end(),
                      [](const Hypothesis& a, const Hypothesis& b) { return a.cost < b.cost; });
     return hypotheses;
+  }
+
+  /// The covariance of a pose that stands on one marker. Along the way around a marker that is seen
+  /// from its front, the corners hardly change, and by no means as a straight line: how far the
+  /// robot may be off along the least certain direction is found by going there.
+  Eigen::Matrix3d spread(const Hypothesis& hypothesis) const {
+    constexpr double kDeviations = 3.0;
+    constexpr double kFirstStep = 0.5;  // deviations
+    constexpr double kFarthest = 5.0;   // m
+    constexpr int kMaxSteps = 60;
+    std::size_t reading = 0;
+    while (!hypothesis.entries[reading]) ++reading;
+    const MarkerObservation observation = observationOf(reading, *hypothesis.entries[reading]);
+    const double rise = config_.corner_noise / reprojection_.corner_noise;
+    const Eigen::Matrix3d covariance = rise * rise * hypothesis.fit.map_from_base.covariance;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance);
+    const Eigen::Vector3d axis = eigen.eigenvectors().col(2);
+    const double deviation = std::sqrt(eigen.eigenvalues()(2));
+
+    double reach = kDeviations * deviation;
+    for (const double side : {-1.0, 1.0}) {
+      Pose2 pose = hypothesis.fit.map_from_base.pose;
+      double offset = 0.0;
+      for (int step = 0; step < kMaxSteps && offset < kFarthest; ++step) {
+        offset += kFirstStep * deviation;
+        const Eigen::Vector3d shift = side * offset * axis;
+        const Pose2& optimum = hypothesis.fit.map_from_base.pose;
+        PoseEstimate pinned;
+        pinned.pose = {optimum.x + shift.x(), optimum.y + shift.y(), optimum.yaw + shift.z()};
+        constexpr double kFree = 1e4;
+        constexpr double kPinned = 1e-10;
+        pinned.covariance =
+            kFree * Eigen::Matrix3d::Identity() + (kPinned - kFree) * axis * axis.transpose();
+        const auto fit =
+            refineByReprojection(map_, camera_, {observation}, pose, pinned, reprojection_);
+        if (!fit) break;
+        pose = fit->map_from_base.pose;
+        if (costOf(fit->residuals[0]) - hypothesis.cost > 0.5 * kDeviations * kDeviations) break;
+        reach = std::max(reach, offset);
+      }
+    }
+    const double stretched = reach / kDeviations;
+    return covariance + (stretched * stretched - deviation * deviation) * axis * axis.transpose();
   }
 
   /// Whether the better of two leaves the other one possible.
@@ -179,10 +222,14 @@ class Search {
       if (!hypothesis->entries[i]) continue;
       claimed.push_back(*hypothesis->entries[i]);
       ++hypothesis->explained;
-      // Four corners with two coordinates each, of which the residual is the RMS distance.
-      const double ratio = least / config_.corner_noise;
-      hypothesis->cost += 0.5 * 4.0 * ratio * ratio;
+      hypothesis->cost += costOf(least);
     }
+  }
+
+  /// Of four corners with two coordinates each, of which the residual is the RMS distance.
+  double costOf(double residual) const {
+    const double ratio = residual / config_.corner_noise;
+    return 0.5 * 4.0 * ratio * ratio;
   }
 
   bool isBelievableAlone(const Hypothesis& hypothesis) const {
@@ -250,7 +297,11 @@ Relocalization relocalize(const MarkerMap& map, const MountedCamera& camera,
     return result;
   }
   result.map_from_base = best.fit.map_from_base;
-  result.map_from_base->covariance *= varianceFactor(best.fit);
+  if (best.explained == 1) {
+    result.map_from_base->covariance = search.spread(best);
+  } else {
+    result.map_from_base->covariance *= varianceFactor(best.fit);
+  }
   result.entries = best.entries;
   result.residuals = best.residuals;
   return result;

@@ -9,6 +9,16 @@
 namespace omnitag {
 namespace {
 
+/// Whether a view cuts a tag, or nearly so: its edges are then not where they seem to be.
+bool isCut(const TagDetection& tag, const cv::Size& size) {
+  constexpr double kHalfAModule = 0.06;  // in lengths of an edge
+  const double margin = kHalfAModule * meanEdge(tag.corners);
+  return std::any_of(tag.corners.begin(), tag.corners.end(), [&](const Eigen::Vector2d& corner) {
+    return corner.minCoeff() < margin || corner.x() > size.width - 1 - margin ||
+           corner.y() > size.height - 1 - margin;
+  });
+}
+
 /// A tag in the panorama; nothing where a corner is off the world that the panorama shows.
 std::optional<MarkerReading> inPanorama(const TagDetection& tag, const View& view,
                                         const ViewWarper& warper) {
@@ -44,6 +54,7 @@ MarkerReader::MarkerReader(std::shared_ptr<const CameraModel> camera, double wor
 std::vector<MarkerReading> MarkerReader::read(const cv::Mat& view_image, const View& view) const {
   std::vector<MarkerReading> readings;
   for (const TagDetection& tag : detector_.detect(view_image)) {
+    if (isCut(tag, view.size)) continue;
     std::optional<MarkerReading> reading = inPanorama(tag, view, warper_);
     if (reading) readings.push_back(std::move(*reading));
   }

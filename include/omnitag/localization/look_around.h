@@ -22,6 +22,9 @@ struct LookAroundConfig {
   /// m, horizontally from the camera: nearer markers are not looked for, as they would be far above
   /// or below.
   double min_range = 0.8;
+  /// Pixels of a view per pixel of the panorama along the tangent, where the panorama resolves
+  /// best.
+  double oversampling = 1.0;
   /// Pixels, width and height of a view at most; larger ones are made coarser.
   int max_size = 960;
 };
@@ -33,7 +36,7 @@ LookAroundConfig readLookAroundConfig(const YamlReader& reader);
 /// `config.min_range` to `max_range` metres away. `oversampling` as in ViewPlannerConfig. None
 /// where the camera sees none of these elevations.
 std::vector<View> viewsAllAround(const MarkerMap& map, const MountedCamera& camera,
-                                 const ContourTable& table, double max_range, double oversampling,
+                                 const ContourTable& table, double max_range,
                                  const LookAroundConfig& config);
 
 }  // namespace omnitag

@@ -37,8 +37,8 @@ class MarkerReader {
   MarkerReader(std::shared_ptr<const CameraModel> camera, double working_distance,
                const TagDetectorConfig& config, const std::set<std::string>& families);
 
-  /// The markers of one view's image. One that reaches off the world that the panorama shows is
-  /// left out.
+  /// The markers of one view's image. One that the view cuts, or that reaches off the world that
+  /// the panorama shows, is left out.
   std::vector<MarkerReading> read(const cv::Mat& view_image, const View& view) const;
 
   const ViewWarper& warper() const { return warper_; }
