@@ -9,6 +9,7 @@
 
 #include "../support/panorama_renderer.h"
 #include "../support/sample_cameras.h"
+#include "../support/sample_markers.h"
 #include "omnitag/common/error.h"
 
 namespace omnitag {
@@ -32,7 +33,7 @@ MarkerMap room() {
 
 Pose2 routeAt(int frame) { return {0.6 + 0.08 * frame, -0.5 + 0.05 * frame, 0.4 + 0.06 * frame}; }
 
-double positionError(const Pose2& a, const Pose2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
+using test::positionError;
 
 class LocalizerTest : public testing::TestWithParam<Eigen::Isometry3d> {
  protected:
@@ -117,6 +118,12 @@ class LocalizerFaultTest : public testing::Test {
     return {stamp, image, test::lookingDown(), std::nullopt};
   }
 
+  static void expectAt(const Pose2& truth, const FrameResult& result) {
+    ASSERT_TRUE(result.map_from_base) << result.remark;
+    EXPECT_LT(positionError(result.map_from_base->pose, truth), 2e-3);
+    EXPECT_NEAR(normalizeAngle(result.map_from_base->pose.yaw - truth.yaw), 0.0, 1e-3);
+  }
+
   std::shared_ptr<const CameraModel> camera_ = test::sphericalCamera();
   MarkerMap map_ = room();
   Localizer localizer_{camera_, map_, {}};
@@ -124,10 +131,44 @@ class LocalizerFaultTest : public testing::Test {
   cv::Mat black_ = cv::Mat::zeros(500, 500, CV_8UC1);
 };
 
-TEST_F(LocalizerFaultTest, WithoutAPoseItHasNone) {
+TEST_F(LocalizerFaultTest, ABlackImageWithoutAPoseGivesNoneAndSaysWhy) {
   const FrameResult result = localizer_.process(frame(0.0, black_));
   EXPECT_EQ(result.mode, Mode::kSearching);
   EXPECT_FALSE(result.map_from_base);
+  EXPECT_NE(result.remark, "");
+}
+
+TEST_F(LocalizerFaultTest, FindsItsPoseInTheFirstFrameAndFollowsOn) {
+  const FrameResult first = localizer_.process(frame(0.0, good_));
+  expectAt(routeAt(0), first);
+  EXPECT_EQ(first.mode, Mode::kSearching);
+  EXPECT_EQ(first.remark, "");
+  EXPECT_EQ(first.view_images.size(), first.views.size());
+  const FrameResult second = localizer_.process(frame(0.1, good_));
+  expectAt(routeAt(0), second);
+  EXPECT_EQ(second.mode, Mode::kTracking);
+}
+
+TEST_F(LocalizerFaultTest, ARobotThatWasCarriedAwayIsFoundInTheSameFrame) {
+  localizer_.setPose(routeAt(0));
+  ASSERT_EQ(localizer_.process(frame(0.0, good_)).mode, Mode::kTracking);
+  const Pose2 elsewhere{-1.3, 0.9, 2.6};
+  const cv::Mat image = test::renderPanorama(map_, {camera_, test::lookingDown()}, elsewhere);
+  const FrameResult carried = localizer_.process(frame(0.1, image));
+  expectAt(elsewhere, carried);
+  EXPECT_EQ(carried.mode, Mode::kSearching);
+  EXPECT_NE(carried.remark, "");
+  EXPECT_GE(carried.acceptedMarkers(), 2);
+  const FrameResult next = localizer_.process(frame(0.2, image));
+  expectAt(elsewhere, next);
+  EXPECT_EQ(next.mode, Mode::kTracking);
+  EXPECT_EQ(next.remark, "");
+}
+
+TEST_F(LocalizerFaultTest, AWrongPoseFromOutsideIsCorrected) {
+  const Pose2 start = routeAt(0);
+  localizer_.setPose(Pose2{start.x + 1.5, start.y - 0.8, start.yaw + 1.0});
+  expectAt(start, localizer_.process(frame(0.0, good_)));
 }
 
 TEST_F(LocalizerFaultTest, CarriesOnWithoutMarkersForAWhileAndThenSaysSo) {
@@ -147,7 +188,26 @@ TEST_F(LocalizerFaultTest, ForgetsItsPoseWhenTold) {
   localizer_.setPose(routeAt(0));
   ASSERT_TRUE(localizer_.process(frame(0.0, good_)).map_from_base);
   localizer_.forgetPose();
-  EXPECT_EQ(localizer_.process(frame(0.1, black_)).mode, Mode::kSearching);
+  const FrameResult blind = localizer_.process(frame(0.1, black_));
+  EXPECT_EQ(blind.mode, Mode::kSearching);
+  EXPECT_FALSE(blind.map_from_base);
+  const FrameResult found = localizer_.process(frame(0.2, good_));
+  EXPECT_EQ(found.mode, Mode::kSearching);
+  expectAt(routeAt(0), found);
+}
+
+TEST_F(LocalizerFaultTest, ReusedIdsAreToldApart) {
+  for (std::size_t i = 0; i < map_.markers.size(); ++i) {
+    map_.markers[i].id = static_cast<int>(i % 3);
+  }
+  const cv::Mat image = test::renderPanorama(map_, {camera_, test::lookingDown()}, routeAt(0));
+  Localizer localizer(camera_, map_, {});
+  for (int i = 0; i < 2; ++i) {
+    const FrameResult result = localizer.process(frame(0.1 * i, image));
+    expectAt(routeAt(0), result);
+    EXPECT_EQ(result.mode, i == 0 ? Mode::kSearching : Mode::kTracking);
+    EXPECT_GE(result.acceptedMarkers(), 5);
+  }
 }
 
 TEST_F(LocalizerFaultTest, AMirroredImageGivesNoMarkers) {

@@ -1,20 +1,34 @@
 #include "panorama_renderer.h"
 
 #include <apriltag/apriltag.h>
+#include <apriltag/tag16h5.h>
 #include <apriltag/tag36h11.h>
+#include <apriltag/tagCircle21h7.h>
+#include <apriltag/tagStandard41h12.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <limits>
+#include <map>
+#include <memory>
 #include <optional>
-#include <stdexcept>
+#include <utility>
 
 namespace omnitag::test {
 
 TagBitmap tagBitmap(const std::string& family, int id) {
-  if (family != "tag36h11") throw std::invalid_argument(family);
-  apriltag_family_t* library_family = tag36h11_create();
-  image_u8_t* image = apriltag_to_image(library_family, static_cast<uint32_t>(id));
-  TagBitmap bitmap{library_family->total_width, library_family->width_at_border, {}};
+  using Create = apriltag_family_t* (*)();
+  using Destroy = void (*)(apriltag_family_t*);
+  static const std::map<std::string, std::pair<Create, Destroy>> families = {
+      {"tag16h5", {tag16h5_create, tag16h5_destroy}},
+      {"tag36h11", {tag36h11_create, tag36h11_destroy}},
+      {"tagCircle21h7", {tagCircle21h7_create, tagCircle21h7_destroy}},
+      {"tagStandard41h12", {tagStandard41h12_create, tagStandard41h12_destroy}},
+  };
+  const auto [create, destroy] = families.at(family);
+  const std::unique_ptr<apriltag_family_t, Destroy> tags(create(), destroy);
+  image_u8_t* image = apriltag_to_image(tags.get(), static_cast<uint32_t>(id));
+  TagBitmap bitmap{tags->total_width, tags->width_at_border, {}};
   for (int row = 0; row < image->height; ++row) {
     for (int column = 0; column < image->width; ++column) {
       bitmap.white.push_back(image->buf[row * image->stride + column] > 127);
@@ -22,7 +36,6 @@ TagBitmap tagBitmap(const std::string& family, int id) {
   }
   std::free(image->buf);  // as image_u8_destroy, which the library does not export
   std::free(image);
-  tag36h11_destroy(library_family);
   return bitmap;
 }
 
@@ -57,6 +70,13 @@ std::optional<double> greyAlong(const std::vector<Board>& boards, const Ray& ray
   return grey;
 }
 
+/// What a line of sight shows: nothing of the world, the background or a board.
+struct Sight {
+  enum Kind : std::uint8_t { kNothing, kBackground, kBoard };
+  Kind kind = kNothing;
+  double grey = 0.0;
+};
+
 }  // namespace
 
 cv::Mat renderPanorama(const MarkerMap& map, const MountedCamera& camera,
@@ -67,26 +87,46 @@ cv::Mat renderPanorama(const MarkerMap& map, const MountedCamera& camera,
     const double module = marker.size / bitmap.width_at_border;
     boards.push_back({marker.map_from_marker.inverse(), module, std::move(bitmap)});
   }
-  const ImageSize& size = camera.model().imageSize();
   const Eigen::Isometry3d map_from_camera = camera.mapFromCamera(map_from_base);
+  const auto look = [&](double u, double v) -> Sight {
+    const auto ray = camera.model().rayFromPixel({u, v});
+    if (!ray) return {};
+    constexpr double kBackground = 120.0;
+    const auto grey = greyAlong(
+        boards, {map_from_camera * ray->origin, map_from_camera.linear() * ray->direction});
+    return {grey ? Sight::kBoard : Sight::kBackground, grey.value_or(kBackground)};
+  };
+
+  const ImageSize& size = camera.model().imageSize();
   cv::Mat image(size.height, size.width, CV_8UC1);
+  cv::Mat kinds(size.height, size.width, CV_8UC1);
   for (int v = 0; v < size.height; ++v) {
     for (int u = 0; u < size.width; ++u) {
-      double sum = 0.0;
-      for (int i = 0; i < samples_per_axis * samples_per_axis; ++i) {
-        const auto offset = [samples_per_axis](int k) {
-          return (k + 0.5) / samples_per_axis - 0.5;
-        };
-        const auto ray = camera.model().rayFromPixel(
-            {u + offset(i % samples_per_axis), v + offset(i / samples_per_axis)});
-        constexpr double kBackground = 120.0;
-        sum += ray ? greyAlong(boards, {map_from_camera * ray->origin,
-                                        map_from_camera.linear() * ray->direction})
-                         .value_or(kBackground)
-                   : 0.0;
+      const Sight sight = look(u, v);
+      image.at<std::uint8_t>(v, u) = cv::saturate_cast<std::uint8_t>(sight.grey);
+      kinds.at<std::uint8_t>(v, u) = sight.kind;
+    }
+  }
+  // A pixel whose middle and whose neighbours' middles show the background shows nothing else.
+  const auto isEven = [&](int u, int v) {
+    for (int row = std::max(0, v - 1); row <= std::min(size.height - 1, v + 1); ++row) {
+      for (int column = std::max(0, u - 1); column <= std::min(size.width - 1, u + 1); ++column) {
+        const std::uint8_t kind = kinds.at<std::uint8_t>(row, column);
+        if (kind == Sight::kBoard || kind != kinds.at<std::uint8_t>(v, u)) return false;
       }
-      image.at<std::uint8_t>(v, u) =
-          cv::saturate_cast<std::uint8_t>(sum / (samples_per_axis * samples_per_axis));
+    }
+    return true;
+  };
+  const auto offset = [samples_per_axis](int k) { return (k + 0.5) / samples_per_axis - 0.5; };
+  const int samples = samples_per_axis * samples_per_axis;
+  for (int v = 0; v < size.height; ++v) {
+    for (int u = 0; u < size.width; ++u) {
+      if (isEven(u, v)) continue;
+      double sum = 0.0;
+      for (int i = 0; i < samples; ++i) {
+        sum += look(u + offset(i % samples_per_axis), v + offset(i / samples_per_axis)).grey;
+      }
+      image.at<std::uint8_t>(v, u) = cv::saturate_cast<std::uint8_t>(sum / samples);
     }
   }
   return image;

@@ -18,7 +18,7 @@ struct TagBitmap {
   std::vector<bool> white;
 };
 
-/// The tag as the AprilTag library draws it.
+/// The tag as the AprilTag library draws it: tag36h11 and some families of other layouts.
 TagBitmap tagBitmap(const std::string& family, int id);
 
 /// The panorama of a robot among markers before grey: a line of sight for every sample of every

@@ -1,0 +1,143 @@
+#include "omnitag/localization/look_around.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <ostream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "../support/sample_cameras.h"
+#include "../support/sample_markers.h"
+#include "omnitag/view/view_warper.h"
+
+namespace omnitag {
+namespace {
+
+constexpr double kWorkingDistance = 3.0;  // m
+constexpr double kOversampling = 1.5;
+
+struct Setup {
+  std::string name;
+  std::shared_ptr<const CameraModel> (*camera)();
+  Eigen::Isometry3d base_from_camera;
+};
+
+/// How gtest names a setup.
+void PrintTo(const Setup& setup, std::ostream* out) { *out << setup.name; }
+
+std::vector<Setup> setups() {
+  const auto tilted = [](const Eigen::Isometry3d& mounting, double tilt) {
+    return mounting * Eigen::AngleAxisd(tilt, Eigen::Vector3d(0.6, -0.8, 0.0));
+  };
+  return {{"SphereDown", test::sphericalCamera, test::lookingDown()},
+          {"SphereUp", test::sphericalCamera, test::lookingUp()},
+          {"SphereDownTilted", test::sphericalCamera, tilted(test::lookingDown(), radians(6.0))},
+          {"SphereUpTilted", test::sphericalCamera, tilted(test::lookingUp(), radians(-6.0))},
+          {"HyperbolaDown", test::hyperbolicCamera, test::lookingDown()},
+          {"HyperbolaUp", test::hyperbolicCamera, test::lookingUp()}};
+}
+
+class LookAroundTest : public testing::TestWithParam<Setup> {
+ protected:
+  std::vector<View> views(const MarkerMap& map, double max_range) const {
+    return viewsAllAround(map, camera_, warper_.table(), max_range, kOversampling, config_);
+  }
+
+  /// For each corner of a marker whether a view holds it.
+  std::vector<std::vector<bool>> cornersIn(const std::vector<View>& views,
+                                           const Corners<Eigen::Vector2d>& corners) const {
+    std::vector<std::vector<bool>> held;
+    for (const View& view : views) {
+      held.emplace_back();
+      for (const Eigen::Vector2d& corner : corners) {
+        const auto position = warper_.viewFromPanorama(view, corner);
+        held.back().push_back(position && position->x() >= 0.0 && position->y() >= 0.0 &&
+                              position->x() <= view.size.width - 1 &&
+                              position->y() <= view.size.height - 1);
+      }
+    }
+    return held;
+  }
+
+  std::shared_ptr<const CameraModel> model_ = GetParam().camera();
+  MountedCamera camera_{model_, GetParam().base_from_camera};
+  ViewWarper warper_{model_, kWorkingDistance};
+  LookAroundConfig config_;
+};
+
+TEST_P(LookAroundTest, EveryMarkerThatCanBeSeenIsWholeInAView) {
+  constexpr double kMaxRange = 12.0;
+  const Eigen::Vector2d viewpoint = camera_.baseFromCamera().translation().head<2>();
+  int seen = 0;
+  for (const std::vector<double>& heights :
+       {std::vector<double>{1.2}, {0.6, 1.0}, {0.9, 1.7, 2.4}}) {
+    MarkerMap map{"map", {}};
+    for (const double height : heights) {
+      map.markers.push_back(test::wallMarker(0, {100.0, 0.0, height}, 0.0));
+      map.markers.back().size = 0.3;
+    }
+    const std::vector<View> views = this->views(map, kMaxRange);
+    ASSERT_FALSE(views.empty());
+    for (const double height : heights) {
+      for (const double range : {1.0, 1.5, 2.5, 5.0, 11.5}) {
+        for (int i = 0; i < 40; ++i) {
+          const double azimuth = 2.0 * kPi * i / 40;
+          const Eigen::Vector2d place =
+              viewpoint + range * Eigen::Vector2d(std::cos(azimuth), std::sin(azimuth));
+          Marker marker = test::wallMarker(0, {place.x(), place.y(), height}, azimuth + kPi);
+          marker.size = 0.3;
+          const auto reading = test::exactReading(marker, camera_, {});
+          if (!reading) continue;
+          ++seen;
+          const auto held = cornersIn(views, reading->corners);
+          EXPECT_TRUE(std::any_of(held.begin(), held.end(),
+                                  [](const std::vector<bool>& corners) {
+                                    return std::count(corners.begin(), corners.end(), true) == 4;
+                                  }))
+              << "height " << height << ", range " << range << ", azimuth " << azimuth;
+        }
+      }
+    }
+  }
+  EXPECT_GT(seen, 500);
+}
+
+TEST_P(LookAroundTest, ViewsStepAndOverlapAsConfigured) {
+  for (const auto& [step, overlap] :
+       std::vector<std::pair<double, double>>{{45.0, 20.0}, {30.0, 0.0}, {50.0, 10.0}}) {
+    config_.step = radians(step);
+    config_.overlap = radians(overlap);
+    const std::vector<View> views = this->views({"map", test::roomMarkers()}, 12.0);
+    ASSERT_EQ(views.size(), static_cast<std::size_t>(std::ceil(360.0 / step)));
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      const View& view = views[i];
+      const View& next = views[(i + 1) % views.size()];
+      const double turn = normalizeAngle(next.azimuth - view.azimuth);
+      EXPECT_NEAR(std::abs(turn), 2.0 * kPi / static_cast<double>(views.size()), 1e-9);
+      EXPECT_LE(std::abs(turn), config_.step + 1e-9);
+      const double half_width = std::abs(view.azimuthOffset(-0.5));
+      EXPECT_GE(2.0 * half_width - std::abs(turn), config_.overlap - 1e-6);
+      EXPECT_LE(view.size.width, config_.max_size);
+      EXPECT_LE(view.size.height, config_.max_size);
+      EXPECT_EQ(view.axis_up, camera_.axisUp());
+    }
+  }
+}
+
+TEST_P(LookAroundTest, WithoutAMarkerOrWhereNoneCanBeSeenThereIsNothingToLookAt) {
+  EXPECT_TRUE(views({"map", {}}, 12.0).empty());
+  // Straight ahead of the camera, behind the mirror.
+  const double height = camera_.axisUp() ? 500.0 : -500.0;
+  const MarkerMap hidden{"map", {test::wallMarker(0, {0.0, 0.0, height}, 0.0)}};
+  EXPECT_TRUE(views(hidden, 1.0).empty());
+}
+
+INSTANTIATE_TEST_SUITE_P(Cameras, LookAroundTest, testing::ValuesIn(setups()),
+                         [](const auto& test) { return test.param.name; });
+
+}  // namespace
+}  // namespace omnitag

@@ -1,0 +1,201 @@
+#include "omnitag/localization/photometric_refinement.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "../support/panorama_renderer.h"
+#include "../support/sample_cameras.h"
+#include "../support/sample_markers.h"
+
+namespace omnitag {
+namespace {
+
+/// Six markers of a room that all hang within 4 m of the robot, and what its camera sees of them.
+class PhotometricRefinementTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    panorama_ = test::renderPanorama(sampleMap(), camera(), truth(), 6);
+  }
+
+  static void TearDownTestSuite() { panorama_.release(); }
+
+  static MarkerMap sampleMap() {
+    return {"map",
+            {test::wallMarker(0, {3.2, -0.6, 1.2}, kPi), test::wallMarker(1, {2.1, 2.3, 1.5}, -2.3),
+             test::wallMarker(2, {-0.7, 2.9, 1.0}, -kPi / 2),
+             test::wallMarker(3, {-2.8, 0.3, 1.4}, 0.1, radians(20.0)),
+             test::wallMarker(4, {-1.5, -2.4, 1.1}, 0.9),
+             test::wallMarker(5, {1.2, -2.9, 1.3}, kPi / 2)}};
+  }
+  static MountedCamera camera() { return {test::sphericalCamera(), test::lookingDown()}; }
+  static Pose2 truth() { return {0.25, -0.15, 0.6}; }
+
+  static std::vector<std::size_t> entries(std::size_t count) {
+    std::vector<std::size_t> entries(count);
+    std::iota(entries.begin(), entries.end(), 0U);
+    return entries;
+  }
+
+  static std::optional<PhotometricFit> refine(
+      const cv::Mat& panorama, const std::vector<std::size_t>& entries, const Pose2& initial,
+      const std::optional<PoseEstimate>& prior = std::nullopt, const MarkerMap& map = sampleMap()) {
+    return refinePhotometrically(panorama, map, camera(), TagPatterns(map), entries, initial, prior,
+                                 {});
+  }
+
+  static Pose2 off(double x, double y, double yaw) {
+    return {truth().x + x, truth().y + y, truth().yaw + yaw};
+  }
+
+  static double positionError(const PhotometricFit& fit) {
+    return test::positionError(fit.map_from_base.pose, truth());
+  }
+
+  static cv::Mat withNoise(double deviation, unsigned seed) {
+    std::mt19937 generator(seed);
+    std::normal_distribution<double> normal(0.0, deviation);
+    cv::Mat noisy = panorama_.clone();
+    for (int v = 0; v < noisy.rows; ++v) {
+      for (int u = 0; u < noisy.cols; ++u) {
+        auto& grey = noisy.at<std::uint8_t>(v, u);
+        grey = cv::saturate_cast<std::uint8_t>(grey + normal(generator));
+      }
+    }
+    return noisy;
+  }
+
+  /// Paints over the part of a marker that lies between two x of its frame, in half its size.
+  static void cover(cv::Mat* panorama, const Marker& marker, double left, double right) {
+    std::vector<cv::Point> outline;
+    for (const auto& [x, y] : {std::pair(left, -1.3), std::pair(right, -1.3), std::pair(right, 1.3),
+                               std::pair(left, 1.3)}) {
+      const Eigen::Vector3d point =
+          marker.map_from_marker * (0.5 * marker.size * Eigen::Vector3d(x, y, 0.0));
+      const Eigen::Vector2d pixel = *camera().pixelFromMap(truth(), point);
+      outline.emplace_back(cvRound(pixel.x()), cvRound(pixel.y()));
+    }
+    cv::fillConvexPoly(*panorama, outline, cv::Scalar(90));
+  }
+
+  static cv::Mat panorama_;
+};
+
+cv::Mat PhotometricRefinementTest::panorama_;
+
+TEST_F(PhotometricRefinementTest, ConvergesToTheTruePose) {
+  for (int i = 0; i < 6; ++i) {
+    const double direction = kPi / 3.0 * i;
+    const double turn = radians(i % 2 == 0 ? 0.3 : -0.3);
+    const Pose2 initial = off(0.005 * std::cos(direction), 0.005 * std::sin(direction), turn);
+    const auto fit = refine(panorama_, entries(6), initial);
+    ASSERT_TRUE(fit);
+    EXPECT_LT(positionError(*fit), 3e-4);
+    EXPECT_NEAR(fit->map_from_base.pose.yaw, truth().yaw, radians(0.01));
+    ASSERT_EQ(fit->weights.size(), 6U);
+    for (const double weight : fit->weights) EXPECT_GT(weight, 0.3);
+  }
+}
+
+TEST_F(PhotometricRefinementTest, TheCovarianceShrinksWithEveryMarker) {
+  const cv::Mat noisy = withNoise(2.0, 1);
+  double last = std::numeric_limits<double>::infinity();
+  for (const std::size_t count : {1U, 2U, 4U, 6U}) {
+    const auto fit = refine(noisy, entries(count), off(0.002, -0.002, 0.002));
+    ASSERT_TRUE(fit) << count;
+    const double variance = fit->map_from_base.covariance.topLeftCorner<2, 2>().trace();
+    EXPECT_LT(variance, last) << count;
+    last = variance;
+  }
+}
+
+TEST_F(PhotometricRefinementTest, TellsTheNoiseAndIsAsExactAsItSays) {
+  for (const double deviation : {2.0, 5.0}) {
+    constexpr int kTrials = 12;
+    double mean_square = 0.0;
+    for (unsigned i = 0; i < kTrials; ++i) {
+      const auto fit = refine(withNoise(deviation, 10 + i), entries(6), off(0.003, 0.002, -0.003));
+      ASSERT_TRUE(fit);
+      EXPECT_NEAR(fit->noise, deviation, 0.25 * deviation);
+      const Eigen::Vector3d error = difference(fit->map_from_base.pose, truth());
+      mean_square += error.dot(fit->map_from_base.covariance.ldlt().solve(error)) / kTrials;
+    }
+    // Chi-square with 3 degrees of freedom; the covariance allows for a map that is not exact.
+    EXPECT_LT(mean_square, 4.5) << deviation;
+    EXPECT_GT(mean_square, 0.2) << deviation;
+  }
+}
+
+TEST_F(PhotometricRefinementTest, AHalfCoveredMarkerHardlyPullsThePose) {
+  for (const std::size_t covered : {0U, 2U, 4U}) {
+    cv::Mat panorama = panorama_.clone();
+    cover(&panorama, sampleMap().markers[covered], -1.3, 0.0);
+    const auto fit = refine(panorama, entries(6), off(0.003, 0.002, -0.003));
+    ASSERT_TRUE(fit) << covered;
+    EXPECT_LT(positionError(*fit), 1e-3) << covered;
+    EXPECT_NEAR(fit->map_from_base.pose.yaw, truth().yaw, radians(0.05)) << covered;
+  }
+}
+
+TEST_F(PhotometricRefinementTest, AMarkerThatHangsElsewhereCountsLittle) {
+  for (const std::size_t moved : {0U, 3U}) {
+    MarkerMap wrong = sampleMap();
+    wrong.markers[moved].map_from_marker.translate(Eigen::Vector3d(0.02, 0.0, 0.0));
+    const auto fit = refine(panorama_, entries(6), off(0.002, 0.002, -0.002), std::nullopt, wrong);
+    ASSERT_TRUE(fit) << moved;
+    for (std::size_t i = 0; i < 6; ++i) {
+      if (i == moved) {
+        EXPECT_LT(fit->weights[i], 0.1);
+      } else {
+        EXPECT_GT(fit->weights[i], 2.0 * fit->weights[moved]);
+      }
+    }
+    EXPECT_LT(positionError(*fit), 2e-3) << moved;
+  }
+}
+
+TEST_F(PhotometricRefinementTest, AnImageWithoutPatternsGivesNothing) {
+  for (const double grey : {0.0, 120.0, 255.0}) {
+    const cv::Mat even(panorama_.size(), CV_8UC1, cv::Scalar(grey));
+    EXPECT_FALSE(refine(even, entries(6), truth())) << grey;
+  }
+  EXPECT_FALSE(refine(panorama_, {}, truth()));
+  // What is white should be black.
+  const cv::Mat negative = 255 - panorama_;
+  EXPECT_FALSE(refine(negative, entries(6), truth()));
+}
+
+TEST_F(PhotometricRefinementTest, ThePriorDecidesWhatOneMarkerLeavesOpen) {
+  const cv::Mat noisy = withNoise(3.0, 2);
+  PoseEstimate prior{off(0.004, -0.003, 0.002), Eigen::Matrix3d::Zero()};
+  for (const double deviation : {1e-5, 5e-3}) {
+    prior.covariance.diagonal() << deviation * deviation, deviation * deviation,
+        deviation * deviation;
+    const auto fit = refine(noisy, {2}, off(0.003, -0.004, 0.001), prior);
+    ASSERT_TRUE(fit);
+    const Eigen::Vector3d error = difference(fit->map_from_base.pose, truth());
+    const Eigen::Vector3d change = difference(fit->map_from_base.pose, prior.pose);
+    if (deviation < 1e-4) {
+      EXPECT_LT(change.norm(), 2e-4) << "a certain prior stays";
+    } else {
+      EXPECT_LT(error.dot(fit->map_from_base.covariance.ldlt().solve(error)), 16.3);
+    }
+    // The marker adds to what the prior knows.
+    const Eigen::Matrix3d gained = prior.covariance - fit->map_from_base.covariance;
+    EXPECT_GT(gained.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(),
+              -1e-6 * prior.covariance(0, 0));
+  }
+}
+
+}  // namespace
+}  // namespace omnitag

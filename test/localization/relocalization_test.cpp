@@ -1,0 +1,323 @@
+#include "omnitag/localization/relocalization.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "../support/sample_cameras.h"
+#include "../support/sample_markers.h"
+
+namespace omnitag {
+namespace {
+
+constexpr double kMaxResidual = 1.5;  // pixels
+constexpr double kNoise = 0.05;       // pixels
+
+/// Markers read at random poses in a room, by a camera that is described exactly but for the noise
+/// of the corners.
+class RelocalizationTest : public testing::Test {
+ protected:
+  Pose2 randomPose() { return {uniform(-2.5, 2.5), uniform(-2.5, 2.5), uniform(-kPi, kPi)}; }
+
+  double uniform(double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(generator_);
+  }
+
+  /// A marker as it is read from a pose.
+  std::optional<MarkerReading> read(const Marker& marker, const Pose2& pose) {
+    const auto exact = test::exactReading(marker, camera_, pose);
+    if (!exact) return std::nullopt;
+    return test::withNoise(*exact, kNoise, &generator_);
+  }
+
+  /// `count` markers that are seen from a pose, at random, in random order.
+  std::vector<MarkerReading> readSome(const std::vector<Marker>& markers, const Pose2& pose,
+                                      std::size_t count) {
+    std::vector<MarkerReading> readings;
+    for (const Marker& marker : markers) {
+      if (auto reading = read(marker, pose)) readings.push_back(std::move(*reading));
+    }
+    std::shuffle(readings.begin(), readings.end(), generator_);
+    if (readings.size() > count) readings.resize(count);
+    return readings;
+  }
+
+  /// A marker of the room as it is read by a robot that has turned by an angle: in another
+  /// direction.
+  MarkerReading readTurned(int id, const Pose2& pose, double angle) {
+    const Marker& marker = room_.markers[static_cast<std::size_t>(id)];
+    return *read(marker, {pose.x, pose.y, normalizeAngle(pose.yaw + angle)});
+  }
+
+  Relocalization search(const MarkerMap& map, const std::vector<MarkerReading>& readings) const {
+    return relocalize(map, camera_, readings, {}, kMaxResidual, config_);
+  }
+
+  /// That there is a pose, that it is right, and as certain as it says.
+  void expectPose(const Relocalization& found, const Pose2& truth, double tolerance) const {
+    ASSERT_TRUE(found.map_from_base) << found.reason;
+    expectNoWrongPose(found, truth, tolerance);
+  }
+
+  /// Either no pose and a reason, or the right one.
+  static void expectNoWrongPose(const Relocalization& found, const Pose2& truth, double tolerance) {
+    if (!found.map_from_base) {
+      EXPECT_NE(found.reason, "");
+      return;
+    }
+    EXPECT_EQ(found.reason, "");
+    const PoseEstimate& estimate = *found.map_from_base;
+    const Eigen::Vector3d error = difference(estimate.pose, truth);
+    EXPECT_LT(error.head<2>().norm(), tolerance);
+    EXPECT_LT(std::abs(error.z()), tolerance);
+    // Chi-square with 3 degrees of freedom: beyond 21.1 is one of 10 000.
+    EXPECT_LT(error.dot(estimate.covariance.ldlt().solve(error)), 21.1);
+  }
+
+  MountedCamera camera_{test::sphericalCamera(), test::lookingDown()};
+  MarkerMap room_{"map", test::roomMarkers()};
+  RelocalizationConfig config_;
+  std::mt19937 generator_{7};
+};
+
+TEST_F(RelocalizationTest, TwoMarkersOrMoreGiveThePose) {
+  for (const std::size_t count : {2U, 3U, 5U}) {
+    for (int i = 0; i < 100; ++i) {
+      const Pose2 truth = randomPose();
+      const std::vector<MarkerReading> readings = readSome(room_.markers, truth, count);
+      ASSERT_EQ(readings.size(), count);
+      const Relocalization found = search(room_, readings);
+      expectPose(found, truth, 0.05);
+      for (std::size_t k = 0; k < count; ++k) {
+        ASSERT_TRUE(found.entries[k]);
+        EXPECT_EQ(room_.markers[*found.entries[k]].id, readings[k].id);
+        EXPECT_LT(found.residuals[k], 6.0 * kNoise);
+      }
+    }
+  }
+}
+
+TEST_F(RelocalizationTest, OneMarkerGivesTheRightPoseOrNone) {
+  int found_count = 0;
+  constexpr int kTrials = 400;
+  for (int i = 0; i < kTrials; ++i) {
+    const Pose2 truth = randomPose();
+    const Relocalization found = search(room_, readSome(room_.markers, truth, 1));
+    expectNoWrongPose(found, truth, 1.0);
+    if (found.map_from_base) ++found_count;
+  }
+  EXPECT_GT(found_count, kTrials / 4);
+}
+
+TEST_F(RelocalizationTest, AMarkerNearbySeenFromTheSideIsEnoughAlone) {
+  const Marker marker = test::wallMarker(3, {2.0, 1.0, 1.2}, kPi);
+  for (const double incidence : {-50.0, -40.0, 40.0, 50.0}) {
+    const double azimuth = kPi + radians(incidence);
+    const Pose2 truth{2.0 + 1.6 * std::cos(azimuth), 1.0 + 1.6 * std::sin(azimuth), 0.3};
+    const Relocalization found = search({"map", {marker}}, {*read(marker, truth)});
+    expectPose(found, truth, 0.05);
+  }
+}
+
+TEST_F(RelocalizationTest, IdsThatStandOnSeveralEntriesAreToldApart) {
+  for (std::size_t i = 0; i < room_.markers.size(); ++i) {
+    room_.markers[i].id = static_cast<int>(i % 3);
+  }
+  int found_count = 0;
+  constexpr int kTrials = 60;
+  for (int i = 0; i < kTrials; ++i) {
+    const Pose2 truth = randomPose();
+    const std::vector<MarkerReading> readings = readSome(room_.markers, truth, 5);
+    const Relocalization found = search(room_, readings);
+    expectNoWrongPose(found, truth, 0.05);
+    if (!found.map_from_base) continue;
+    ++found_count;
+    for (std::size_t k = 0; k < readings.size(); ++k) {
+      if (!found.entries[k]) continue;
+      const auto exact = test::exactReading(room_.markers[*found.entries[k]], camera_, truth);
+      ASSERT_TRUE(exact);
+      EXPECT_LT((exact->center - readings[k].center).norm(), 6.0 * kNoise);
+    }
+  }
+  EXPECT_EQ(found_count, kTrials);
+}
+
+TEST_F(RelocalizationTest, TheSameIdIsToldApartByRollAlone) {
+  // Opposite each other and of the same height: the room looks the same from the point opposite but
+  // for the one marker's roll.
+  for (const double roll : {90.0, 180.0, -90.0}) {
+    const MarkerMap map{"map",
+                        {test::wallMarker(4, {3.0, 0.0, 1.3}, kPi),
+                         test::wallMarker(4, {-3.0, 0.0, 1.3}, 0.0, radians(roll))}};
+    for (std::size_t entry = 0; entry < 2; ++entry) {
+      const double side = entry == 0 ? 1.0 : -1.0;
+      const Pose2 truth{side * 1.8, side * 1.1, 0.9};
+      const Relocalization found = search(map, {*read(map.markers[entry], truth)});
+      expectPose(found, truth, 0.05);
+      EXPECT_EQ(found.entries[0], entry);
+    }
+  }
+}
+
+TEST_F(RelocalizationTest, WhatLooksTheSameInTwoRoomsGivesNoPoseUntilSomethingDiffers) {
+  MarkerMap rooms = room_;
+  for (Marker marker : room_.markers) {
+    marker.map_from_marker.pretranslate(Eigen::Vector3d(12.0, 3.0, 0.0));
+    rooms.markers.push_back(marker);
+  }
+  rooms.markers.push_back(test::wallMarker(50, {8.01, 4.8, 1.2}, 0.0));
+  for (int i = 0; i < 12; ++i) {
+    Pose2 truth = randomPose();
+    truth.x += 12.0;
+    truth.y += 3.0;
+    std::vector<MarkerReading> readings =
+        readSome(room_.markers, {truth.x - 12.0, truth.y - 3.0, truth.yaw}, 4);
+    const Relocalization ambiguous = search(rooms, readings);
+    EXPECT_FALSE(ambiguous.map_from_base);
+    EXPECT_NE(ambiguous.reason.find("2 poses"), std::string::npos) << ambiguous.reason;
+    EXPECT_TRUE(std::none_of(ambiguous.entries.begin(), ambiguous.entries.end(),
+                             [](const auto& entry) { return entry.has_value(); }));
+    auto unique = read(rooms.markers.back(), truth);
+    if (!unique) continue;
+    readings.push_back(std::move(*unique));
+    expectPose(search(rooms, readings), truth, 0.05);
+  }
+}
+
+TEST_F(RelocalizationTest, OneMarkerThatHangsElsewhereIsLeftOut) {
+  for (const std::size_t count : {3U, 4U, 5U, 6U}) {
+    int found_count = 0;
+    constexpr int kTrials = 40;
+    for (int i = 0; i < kTrials; ++i) {
+      const Pose2 truth = randomPose();
+      std::vector<MarkerReading> readings = readSome(room_.markers, truth, count);
+      Marker moved = room_.markers[static_cast<std::size_t>(readings[0].id)];
+      // Along its wall and into the room.
+      moved.map_from_marker.translate(
+          Eigen::Vector3d(uniform(0.6, 1.5), uniform(-0.2, 0.2), uniform(0.0, 0.4)));
+      const auto reading = read(moved, truth);
+      if (!reading) {
+        ++found_count;
+        continue;
+      }
+      readings[0] = *reading;
+      const Relocalization found = search(room_, readings);
+      expectNoWrongPose(found, truth, 0.08);
+      if (!found.map_from_base) continue;
+      ++found_count;
+      EXPECT_FALSE(found.entries[0]);
+    }
+    // Among three, the moved one and either of the others may leave a second pose plausible.
+    EXPECT_GE(found_count, count == 3 ? kTrials / 2 : kTrials * 9 / 10) << count;
+  }
+}
+
+TEST_F(RelocalizationTest, TwoOfFiveInAWrongDirectionAreLeftOut) {
+  for (const auto& [count, wrong] : {std::pair<std::size_t, std::size_t>(5, 2), {7, 2}}) {
+    for (int i = 0; i < 60; ++i) {
+      const Pose2 truth = randomPose();
+      std::vector<MarkerReading> readings = readSome(room_.markers, truth, count);
+      ASSERT_GE(readings.size(), 5U);
+      for (std::size_t k = 0; k < wrong; ++k) {
+        const double angle = (k % 2 == 0 ? 1.0 : -1.0) * uniform(0.4, 2.8);
+        readings[k] = readTurned(readings[k].id, truth, angle);
+      }
+      const Relocalization found = search(room_, readings);
+      expectPose(found, truth, 0.05);
+      for (std::size_t k = 0; k < readings.size(); ++k) {
+        EXPECT_EQ(found.entries[k].has_value(), k >= wrong) << k;
+        EXPECT_EQ(std::isnan(found.residuals[k]), k < wrong) << k;
+      }
+    }
+  }
+}
+
+TEST_F(RelocalizationTest, TwoThatContradictEachOtherGiveNoPose) {
+  for (int i = 0; i < 150; ++i) {
+    const Pose2 truth = randomPose();
+    std::vector<MarkerReading> readings = readSome(room_.markers, truth, 2);
+    readings[1] = readTurned(readings[1].id, truth, uniform(0.8, 5.0));
+    const Relocalization found = search(room_, readings);
+    EXPECT_FALSE(found.map_from_base);
+    EXPECT_NE(found.reason, "");
+  }
+}
+
+TEST_F(RelocalizationTest, AnEntryIsInOnePlaceOnly) {
+  for (int i = 0; i < 60; ++i) {
+    const Pose2 truth = randomPose();
+    std::vector<MarkerReading> readings = readSome(room_.markers, truth, 3);
+    readings.insert(readings.begin(), readTurned(readings[1].id, truth, uniform(0.5, 2.5)));
+    // Read twice at the same place.
+    readings.push_back(test::withNoise(readings[1], kNoise, &generator_));
+    const Relocalization found = search(room_, readings);
+    expectPose(found, truth, 0.06);
+    EXPECT_FALSE(found.entries[0]);
+    EXPECT_NE(found.entries[1].has_value(), found.entries[4].has_value());
+    EXPECT_TRUE(found.entries[2]);
+    EXPECT_TRUE(found.entries[3]);
+  }
+}
+
+TEST_F(RelocalizationTest, WhatIsNotInTheMapDoesNotMatter) {
+  const Pose2 truth = randomPose();
+  std::vector<MarkerReading> readings = readSome(room_.markers, truth, 3);
+  readings[1].id = 99;
+  MarkerReading other_family = readings[2];
+  other_family.family = "tag16h5";
+  readings.push_back(other_family);
+  const Relocalization found = search(room_, readings);
+  expectPose(found, truth, 0.05);
+  EXPECT_TRUE(found.entries[0]);
+  EXPECT_FALSE(found.entries[1]);
+  EXPECT_TRUE(found.entries[2]);
+  EXPECT_FALSE(found.entries[3]);
+}
+
+TEST_F(RelocalizationTest, NothingOfTheMapGivesNoPose) {
+  const Relocalization empty = search(room_, {});
+  EXPECT_FALSE(empty.map_from_base);
+  EXPECT_NE(empty.reason, "");
+  EXPECT_TRUE(empty.entries.empty());
+
+  std::vector<MarkerReading> readings = readSome(room_.markers, randomPose(), 2);
+  for (MarkerReading& reading : readings) reading.id += 100;
+  const Relocalization unknown = search(room_, readings);
+  EXPECT_FALSE(unknown.map_from_base);
+  EXPECT_NE(unknown.reason, "");
+  EXPECT_EQ(unknown.entries.size(), 2U);
+  EXPECT_EQ(unknown.residuals.size(), 2U);
+
+  EXPECT_FALSE(search({"map", {}}, readings).map_from_base);
+}
+
+TEST_F(RelocalizationTest, ManyCorrectedBitsAreNotBelievedAlone) {
+  const Marker marker = test::wallMarker(3, {2.0, 1.0, 1.2}, kPi);
+  const Marker other = test::wallMarker(4, {-1.0, 3.0, 1.2}, -kPi / 2);
+  const Pose2 truth{0.8, 0.0, 0.3};
+  std::vector<MarkerReading> readings = {*read(marker, truth)};
+  readings[0].hamming = config_.max_hamming_of_one;
+  expectPose(search({"map", {marker, other}}, readings), truth, 0.05);
+  readings[0].hamming = config_.max_hamming_of_one + 1;
+  EXPECT_FALSE(search({"map", {marker, other}}, readings).map_from_base);
+  readings.push_back(*read(other, truth));
+  readings[1].hamming = config_.max_hamming_of_one + 1;
+  expectPose(search({"map", {marker, other}}, readings), truth, 0.05);
+}
+
+TEST_F(RelocalizationTest, ABadFitIsNotBelievedAlone) {
+  const Marker marker = test::wallMarker(3, {2.0, 1.0, 1.2}, kPi);
+  MarkerReading reading = *read(marker, {0.8, 0.0, 0.3});
+  reading.corners[2] += Eigen::Vector2d(2.0, 1.5);
+  EXPECT_FALSE(search({"map", {marker}}, {reading}).map_from_base);
+}
+
+}  // namespace
+}  // namespace omnitag

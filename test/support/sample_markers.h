@@ -1,0 +1,75 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include "omnitag/camera/mounted_camera.h"
+#include "omnitag/common/angle.h"
+#include "omnitag/localization/observation.h"
+#include "omnitag/marker/marker_map.h"
+#include "omnitag/marker/marker_reader.h"
+
+namespace omnitag::test {
+
+/// A marker on a wall, 0.8 m across; `yaw` is where it faces.
+inline Marker wallMarker(int id, const Eigen::Vector3d& center, double yaw, double roll = 0.0) {
+  Marker marker;
+  marker.family = "tag36h11";
+  marker.id = id;
+  marker.size = 0.8;
+  marker.map_from_marker = Eigen::Translation3d(center) * uprightOrientation(yaw, roll);
+  return marker;
+}
+
+/// Ten markers, with ids from 0, at various heights on the walls of a room of 8 x 8 m, whose middle
+/// is the origin.
+inline std::vector<Marker> roomMarkers() {
+  return {wallMarker(0, {4.0, -2.3, 1.1}, kPi),      wallMarker(1, {4.0, 0.4, 1.5}, kPi),
+          wallMarker(2, {4.0, 2.9, 0.9}, kPi),       wallMarker(3, {1.8, 4.0, 1.3}, -kPi / 2),
+          wallMarker(4, {-2.1, 4.0, 1.6}, -kPi / 2), wallMarker(5, {-4.0, 1.7, 1.0}, 0.0),
+          wallMarker(6, {-4.0, -0.9, 1.4}, 0.0),     wallMarker(7, {-3.1, -4.0, 1.2}, kPi / 2),
+          wallMarker(8, {-0.2, -4.0, 0.8}, kPi / 2), wallMarker(9, {2.6, -4.0, 1.7}, kPi / 2)};
+}
+
+/// Where a marker images, exactly; nothing where the camera sees it from behind, too much from the
+/// side to be read, or not whole.
+inline std::optional<MarkerReading> exactReading(const Marker& marker, const MountedCamera& camera,
+                                                 const Pose2& map_from_base) {
+  const Eigen::Vector3d to_camera =
+      camera.mapFromCamera(map_from_base).translation() - marker.center();
+  if (marker.normal().dot(to_camera.normalized()) < std::cos(radians(75.0))) return std::nullopt;
+  MarkerReading reading;
+  reading.family = marker.family;
+  reading.id = marker.id;
+  const Corners<Eigen::Vector3d> corners = marker.corners();
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const auto pixel = camera.pixelFromMap(map_from_base, corners[k]);
+    if (!pixel) return std::nullopt;
+    reading.corners[k] = *pixel;
+  }
+  const auto center = camera.pixelFromMap(map_from_base, marker.center());
+  if (!center) return std::nullopt;
+  reading.center = *center;
+  return reading;
+}
+
+/// The same with its positions off by chance, `noise` being the standard deviation along each axis.
+inline MarkerReading withNoise(MarkerReading reading, double noise, std::mt19937* generator) {
+  std::normal_distribution<double> normal(0.0, noise);
+  const auto disturb = [&](Eigen::Vector2d* position) {
+    position->x() += normal(*generator);
+    position->y() += normal(*generator);
+  };
+  for (Eigen::Vector2d& corner : reading.corners) disturb(&corner);
+  disturb(&reading.center);
+  return reading;
+}
+
+inline double positionError(const Pose2& a, const Pose2& b) {
+  return std::hypot(a.x - b.x, a.y - b.y);
+}
+
+}  // namespace omnitag::test
