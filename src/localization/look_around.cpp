@@ -60,9 +60,8 @@ Range radiiOf(const Range& heights, const MountedCamera& camera, double min_rang
       // A tilted axis sees the same elevation higher on one side and lower on the other.
       for (const double turn : {-tilt, tilt}) {
         const double elevation = std::atan2(above_camera, distance) + turn;
-        const auto image = camera.model().imageFromPoint(range * std::cos(elevation),
-                                                         along_axis * range * std::sin(elevation));
-        if (image) radii.include(image->radius);
+        radii.include(nearestRadius(camera.model(), range * std::cos(elevation),
+                                    along_axis * range * std::sin(elevation)));
       }
     }
   }

@@ -263,11 +263,13 @@ class Search {
 }  // namespace
 
 RelocalizationConfig readRelocalizationConfig(const YamlReader& reader) {
-  reader.allowOnly({"corner_noise", "min_lead", "max_residual_of_one", "max_hamming_of_one"});
+  reader.allowOnly({"corner_noise", "min_lead", "max_residual_of_one", "max_hamming_of_one",
+                    "max_deviation_of_one"});
   RelocalizationConfig config;
   reader.read("corner_noise", &config.corner_noise, kPositive);
   reader.read("min_lead", &config.min_lead, kNonNegative);
   reader.read("max_residual_of_one", &config.max_residual_of_one, kPositive);
+  reader.read("max_deviation_of_one", &config.max_deviation_of_one, kPositive);
   reader.read("max_hamming_of_one", &config.max_hamming_of_one, {0, 3});
   return config;
 }
@@ -299,6 +301,12 @@ Relocalization relocalize(const MarkerMap& map, const MountedCamera& camera,
   result.map_from_base = best.fit.map_from_base;
   if (best.explained == 1) {
     result.map_from_base->covariance = search.spread(best);
+    const Eigen::Matrix2d position = result.map_from_base->covariance.topLeftCorner<2, 2>();
+    if (position.trace() > config.max_deviation_of_one * config.max_deviation_of_one) {
+      result.map_from_base.reset();
+      result.reason = "the only marker that was read leaves the pose uncertain";
+      return result;
+    }
   } else {
     result.map_from_base->covariance *= varianceFactor(best.fit);
   }

@@ -24,6 +24,8 @@ struct RelocalizationConfig {
   double max_residual_of_one = 0.5;
   /// Corrected bits of the only marker that a pose explains.
   int max_hamming_of_one = 1;
+  /// m: standard deviation of a pose's position that a single marker may leave.
+  double max_deviation_of_one = 0.2;
 };
 
 /// Reads the keys above; absent ones keep their defaults. Throws InputError.
