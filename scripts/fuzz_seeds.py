@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Collects what a fuzzer starts from: YAML files, and the YAML texts in C++ sources.
 
-Writes each text into the folder `seeds` of the folder given, and their words into its file `words`,
-a dictionary in libFuzzer's format.
+Writes each text into the folder `seeds` of the folder given, and their words, with
+numbers at the ends of what a double holds, into its file `words`, a dictionary in libFuzzer's format.
 """
 
 import argparse
@@ -10,6 +10,9 @@ import re
 import shutil
 from pathlib import Path
 from typing import List
+
+EXTREME_NUMBERS = ["0", "-0.0", "5e-324", "1e-308", "1e-160", "1e-9", "1e9", "1e160", "1.7e308",
+                   "-1e160", "2147483647", "-2147483648", ".nan", ".inf"]
 
 
 def texts_of(path: Path) -> List[str]:
@@ -37,7 +40,7 @@ def main() -> None:
     seeds.mkdir(parents=True)
     for i, text in enumerate(texts):
         (seeds / f"{i}.yaml").write_text(text, encoding="utf-8")
-    words = sorted(set(re.findall(r"[A-Za-z_]\w+", "\n".join(texts))))
+    words = sorted(set(re.findall(r"[A-Za-z_]\w+", "\n".join(texts)))) + EXTREME_NUMBERS
     (arguments.folder / "words").write_text("".join(f'"{word}"\n' for word in words),
                                             encoding="utf-8")
 
