@@ -1,7 +1,7 @@
-// Whether the localizer finds a pose where there is none to be found: panoramas full of clutter, but
-// without a marker of the map, are shown to a localizer that searches. Ends with an error where a
-// map of tag36h11 gave a pose; the smaller families, whose codes chance hits more often, are shown
-// a tenth as many for comparison.
+// Whether the localizer finds a pose where there is none to be found: panoramas full of clutter,
+// but without a marker of the map, are shown to a localizer that searches. Ends with an error where
+// a map of tag36h11 gave a pose; the smaller families, whose codes chance hits more often, are
+// shown a tenth as many for comparison.
 //
 //   clutter_study [IMAGES]     10000 by default
 
@@ -62,6 +62,7 @@ int study(const RecordedSequence& sequence, int images) {
     if (!result.map_from_base) continue;
     ++tally.poses;
     std::printf("a pose from image %d, from %d markers\n", i, result.acceptedMarkers());
+    std::fflush(stdout);
   }
   Tally sum;
   for (std::size_t kind = 0; kind < tallies.size(); ++kind) {

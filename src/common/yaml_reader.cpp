@@ -76,8 +76,7 @@ YamlReader YamlReader::fromText(const std::string& text, const std::string& orig
   try {
     return {YAML::Load(text), origin};
   } catch (const YAML::Exception& error) {
-    const std::string line =
-        error.mark.is_null() ? "" : ":" + std::to_string(error.mark.line + 1);
+    const std::string line = error.mark.is_null() ? "" : ":" + std::to_string(error.mark.line + 1);
     throw InputError(origin + line + ": cannot be parsed as YAML: " + oneLine(error.msg));
   }
 }

@@ -49,9 +49,8 @@ TEST(Parameters, ManualNamesEveryParameter) {
     expected.erase(key);
   }
   EXPECT_EQ(keysOf(manual), expected);
-  for (const std::string group :
-       {"visibility", "view", "detector", "association", "estimation", "look_around",
-        "relocalization", "motion"}) {
+  for (const std::string group : {"visibility", "view", "detector", "association", "estimation",
+                                  "look_around", "relocalization", "motion"}) {
     EXPECT_EQ(keysOf(manual[group]), knownKeys(group + ": {no_such_key: 1}")) << group;
   }
 }
