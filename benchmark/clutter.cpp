@@ -7,6 +7,7 @@
 
 #include "masking.h"
 #include "omnitag/common/angle.h"
+#include "omnitag/marker/marker_prediction.h"
 #include "omnitag/marker/tag_family.h"
 #include "omnitag/marker/tag_pattern.h"
 
@@ -26,6 +27,19 @@ cv::Mat modulesOf(const std::string& family, int id) {
     }
   }
   return modules;
+}
+
+/// A frame with every marker painted over that faces the camera, however small or slanting.
+cv::Mat roomWithoutMarkers(const RecordedSequence& sequence, std::size_t index) {
+  const Frame& frame = sequence.frames[index];
+  VisibilityConfig everything;
+  everything.max_range = 1e3;
+  everything.max_incidence = radians(89.9);
+  everything.min_edge_pixels = 0.1;
+  FrameResult seen;
+  seen.predicted = predictMarkers(sequence.map, {sequence.camera, frame.base_from_camera},
+                                  {sequence.truth[index], Eigen::Matrix3d::Zero()}, everything);
+  return withOnly({}, seen, frame.image);
 }
 
 /// One of the image, or one a little outside.
@@ -146,7 +160,7 @@ cv::Mat background(cv::RNG* random, const cv::Size& size) {
 
 Clutter::Clutter(const RecordedSequence& sequence) {
   for (std::size_t i = 0; i < sequence.frames.size(); ++i) {
-    rooms_.push_back(withOnly({}, lookAtTruth(sequence, i), sequence.frames[i].image));
+    rooms_.push_back(roomWithoutMarkers(sequence, i));
   }
   const std::string& family = sequence.map.markers.at(0).family;
   std::set<int> mapped;
