@@ -2,7 +2,8 @@
 """Collects what a fuzzer starts from: YAML files, and the YAML texts in C++ sources.
 
 Writes each text into the folder `seeds` of the folder given, and their words, with
-numbers at the ends of what a double holds, into its file `words`, a dictionary in libFuzzer's format.
+numbers at the ends of what a double holds, into its file `words`, a dictionary in libFuzzer's
+format.
 """
 
 import argparse

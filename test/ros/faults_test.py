@@ -206,7 +206,8 @@ class FaultsTest(unittest.TestCase):
         good = PoseWithCovarianceStamped()
         good.header.frame_id = "map"
         good.pose.pose.position.x, good.pose.pose.position.y = x + 3.0, y
-        good.pose.pose.orientation.z, good.pose.pose.orientation.w = np.sin(yaw / 2), np.cos(yaw / 2)
+        good.pose.pose.orientation.z = np.sin(yaw / 2)
+        good.pose.pose.orientation.w = np.cos(yaw / 2)
         bad = [copy.deepcopy(good) for _ in range(5)]
         bad[0].pose.pose.position.y = np.nan
         bad[1].pose.pose.orientation.w = np.nan
@@ -233,7 +234,8 @@ class FaultsTest(unittest.TestCase):
         message.header.frame_id = "door"
         message.pose.pose.position.x, message.pose.pose.position.y = y + 0.03, -(x - 2.0)
         half = (yaw - np.pi / 2) / 2
-        message.pose.pose.orientation.z, message.pose.pose.orientation.w = np.sin(half), np.cos(half)
+        message.pose.pose.orientation.z = np.sin(half)
+        message.pose.pose.orientation.w = np.cos(half)
         message.pose.covariance[0] = message.pose.covariance[7] = 0.0025
         message.pose.covariance[35] = 0.001
 
