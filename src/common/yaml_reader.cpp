@@ -76,8 +76,8 @@ YamlReader YamlReader::fromText(const std::string& text, const std::string& orig
   try {
     return {YAML::Load(text), origin};
   } catch (const YAML::Exception& error) {
-    throw InputError(origin + ":" + std::to_string(error.mark.line + 1) +
-                     ": cannot be parsed as YAML: " + error.msg);
+    const std::string line = error.mark.is_null() ? "" : ":" + std::to_string(error.mark.line + 1);
+    throw InputError(origin + line + ": cannot be parsed as YAML: " + oneLine(error.msg));
   }
 }
 

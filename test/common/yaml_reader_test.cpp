@@ -214,5 +214,13 @@ TEST(YamlReader, ValuesWithoutAFileHaveNoLine) {
   EXPECT_EQ(refusal([&] { r.refuse("too much"); }), "/localizer: detector: too much");
 }
 
+TEST(YamlReader, RefusalsAreOneLineWhateverTheTextHolds) {
+  for (const std::string text : {"key: \"\\\n\"", "key: \"\\\x01\"", "a: b\n \tc: [\r\n"}) {
+    const std::string message = refusal([&] { reader(text).number("key"); });
+    EXPECT_EQ(message.rfind("file.yaml:", 0), 0U) << message;
+    EXPECT_EQ(message.find_first_of("\n\r\x01"), std::string::npos) << message;
+  }
+}
+
 }  // namespace
 }  // namespace omnitag

@@ -82,20 +82,26 @@ class Topic:
         return self.wait_for(lambda message: message.header.stamp == stamp, timeout)
 
 
+def read_bag() -> Tuple[List[CompressedImage], List]:
+    """The images and the static transforms of the shipped bag."""
+    images: List[CompressedImage] = []
+    static_transforms: List = []
+    with rosbag.Bag(BAG) as bag:
+        for topic, message, _ in bag.read_messages():
+            if topic == IMAGE_TOPIC + "/compressed":
+                # As a message of this process, not of the bag's own copy of the type.
+                images.append(CompressedImage(header=message.header, format=message.format,
+                                              data=message.data))
+            elif topic == "/tf_static":
+                static_transforms += message.transforms
+    return images, static_transforms
+
+
 class Harness:
     """Publishes the bag's images and transforms; keeps what the localizer publishes."""
 
     def __init__(self, transport: str) -> None:
-        self.images: List[CompressedImage] = []
-        self.static_transforms: List = []
-        with rosbag.Bag(BAG) as bag:
-            for topic, message, _ in bag.read_messages():
-                if topic == IMAGE_TOPIC + "/compressed":
-                    # As a message of this process, not of the bag's own copy of the type.
-                    self.images.append(CompressedImage(header=message.header,
-                                                       format=message.format, data=message.data))
-                elif topic == "/tf_static":
-                    self.static_transforms += message.transforms
+        self.images, self.static_transforms = read_bag()
         self.truth = read_truth()
         self.poses = Topic("pose", PoseStamped)
         self.covariances = Topic("pose_with_covariance", PoseWithCovarianceStamped)

@@ -49,8 +49,8 @@ TEST(Parameters, ManualNamesEveryParameter) {
     expected.erase(key);
   }
   EXPECT_EQ(keysOf(manual), expected);
-  for (const std::string group :
-       {"visibility", "view", "detector", "association", "estimation", "motion"}) {
+  for (const std::string group : {"visibility", "view", "detector", "association", "estimation",
+                                  "look_around", "relocalization", "motion"}) {
     EXPECT_EQ(keysOf(manual[group]), knownKeys(group + ": {no_such_key: 1}")) << group;
   }
 }
@@ -112,6 +112,24 @@ TEST(Parameters, ManualHasTheDefaults) {
   EXPECT_EQ(estimation.reprojection.corner_noise, estimation_default.reprojection.corner_noise);
   EXPECT_EQ(estimation.reprojection.robust_width, estimation_default.reprojection.robust_width);
   EXPECT_EQ(estimation.max_residual, estimation_default.max_residual);
+  EXPECT_EQ(estimation.photometric.blur, estimation_default.photometric.blur);
+  EXPECT_EQ(estimation.photometric.min_noise, estimation_default.photometric.min_noise);
+  EXPECT_EQ(estimation.photometric.placement_deviation,
+            estimation_default.photometric.placement_deviation);
+
+  const LookAroundConfig& look_around = manual.localizer.look_around;
+  const LookAroundConfig& look_around_default = defaults.localizer.look_around;
+  EXPECT_DOUBLE_EQ(look_around.step, look_around_default.step);
+  EXPECT_DOUBLE_EQ(look_around.overlap, look_around_default.overlap);
+  EXPECT_EQ(look_around.min_range, look_around_default.min_range);
+  EXPECT_EQ(look_around.max_size, look_around_default.max_size);
+
+  const RelocalizationConfig& relocalization = manual.localizer.relocalization;
+  const RelocalizationConfig& relocalization_default = defaults.localizer.relocalization;
+  EXPECT_EQ(relocalization.corner_noise, relocalization_default.corner_noise);
+  EXPECT_EQ(relocalization.min_lead, relocalization_default.min_lead);
+  EXPECT_EQ(relocalization.max_residual_of_one, relocalization_default.max_residual_of_one);
+  EXPECT_EQ(relocalization.max_hamming_of_one, relocalization_default.max_hamming_of_one);
 
   const MotionModelConfig& motion = manual.localizer.motion;
   const MotionModelConfig& motion_default = defaults.localizer.motion;
@@ -172,6 +190,55 @@ TEST(Parameters, RefusesWhatIsWrong) {
     EXPECT_EQ(refusal.rfind("params.yaml:1: " + key + ": ", 0), 0U) << text << " -> " << refusal;
     EXPECT_EQ(refusal.find('\n'), std::string::npos) << refusal;
   }
+}
+
+/// The manual with another value for one key, `group` being empty for a key of the top level.
+std::string manualWith(const std::string& group, const std::string& key, const std::string& value) {
+  YAML::Node manual = YAML::LoadFile(kManual);
+  YAML::Node mapping = group.empty() ? manual : manual[group];
+  mapping[key] = YAML::Load(value);
+  return YAML::Dump(manual);
+}
+
+void expectRefusal(const std::string& group, const std::string& key, const std::string& value) {
+  const std::string path = group.empty() ? key : group + "." + key;
+  const std::string refusal =
+      refusalOf(YamlReader::fromText(manualWith(group, key, value), "params.yaml"));
+  EXPECT_NE(refusal.find(": " + path + ": expected "), std::string::npos)
+      << path << ": " << value << " -> " << refusal;
+  EXPECT_NE(refusal.find(", found "), std::string::npos) << refusal;
+  EXPECT_EQ(refusal.find('\n'), std::string::npos) << refusal;
+}
+
+/// Whether the manual gives the key a number, as against a word, a list or true or false.
+bool isNumber(const YAML::Node& value) {
+  double number = 0.0;
+  return value.IsScalar() && YAML::convert<double>::decode(value, number);
+}
+
+TEST(Parameters, RefusesAWrongValueOfEveryKey) {
+  int keys = 0;
+  const auto refuseAll = [&keys](const std::string& group, const YAML::Node& mapping) {
+    for (const auto& entry : mapping) {
+      const auto key = entry.first.as<std::string>();
+      if (entry.second.IsMap()) {
+        for (const char* wrong : {"7", "word", "[1, 2]", ""}) expectRefusal(group, key, wrong);
+        continue;
+      }
+      ++keys;
+      for (const char* wrong : {"{a: 1}", "[[1]]", ""}) expectRefusal(group, key, wrong);
+      if (!isNumber(entry.second)) continue;
+      for (const char* wrong : {"many", "1,5", ".nan", ".inf", "-.inf", "-1e9", "1e999", "true"}) {
+        expectRefusal(group, key, wrong);
+      }
+    }
+  };
+  const YAML::Node manual = YAML::LoadFile(kManual);
+  refuseAll("", manual);
+  for (const auto& entry : manual) {
+    if (entry.second.IsMap()) refuseAll(entry.first.as<std::string>(), entry.second);
+  }
+  EXPECT_GT(keys, 50);
 }
 
 TEST(XmlRpcYaml, KeepsValues) {

@@ -1,0 +1,80 @@
+// Whether memory stays flat: the shipped frames over and over, with stamps that go on. The robot
+// jumps back to its start after the last frame, so that searching has its share. Ends with an error
+// where memory grew after the first thousand frames.
+//
+//   soak [FRAMES]     20000 by default
+
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <fstream>
+#include <iostream>
+#include <string>
+
+#include "omnitag/common/error.h"
+#include "omnitag/localization/localizer.h"
+#include "recorded_sequence.h"
+
+namespace omnitag {
+namespace {
+
+constexpr int kWarmUp = 1000;
+/// What the heap may gain by being cut up.
+constexpr double kMaxGrowth = 4.0;
+
+/// MB of this process that are in memory.
+double residentMemory() {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;) {
+    double kilobytes = 0.0;
+    if (word == "VmRSS:" && status >> kilobytes) return kilobytes / 1024.0;
+  }
+  throw InputError("/proc/self/status: expected VmRSS, found none");
+}
+
+bool run(int frames) {
+  const RecordedSequence sequence = shippedSequence();
+  Localizer localizer(sequence.camera, sequence.map, {});
+  const double duration = sequence.frames.back().stamp - sequence.frames.front().stamp + 1.0;
+  std::printf("frames   poses   VmRSS\n");
+  std::printf("%6d %7d %7.1f MB\n", 0, 0, residentMemory());
+  const int per_lap = static_cast<int>(sequence.frames.size());
+  int poses = 0;
+  double after_warm_up = 0.0;
+  for (int i = 0; i < frames; ++i) {
+    Frame frame = sequence.frames[static_cast<std::size_t>(i % per_lap)];
+    frame.stamp += duration * (i / per_lap);
+    if (localizer.process(frame).map_from_base) ++poses;
+    if (i + 1 == kWarmUp) after_warm_up = residentMemory();
+    if ((i + 1) % kWarmUp == 0 || i + 1 == frames) {
+      std::printf("%6d %7d %7.1f MB\n", i + 1, poses, residentMemory());
+      std::fflush(stdout);
+    }
+  }
+  const double growth = residentMemory() - after_warm_up;
+  std::printf("grew by %.1f MB after the first %d frames\n", growth, kWarmUp);
+  return growth <= kMaxGrowth;
+}
+
+int countFrom(int argc, char** argv) {
+  constexpr int kDefault = 20000;
+  if (argc == 1) return kDefault;
+  char* end = nullptr;
+  const long count = std::strtol(argv[1], &end, 10);
+  if (argc != 2 || *end != '\0' || count <= kWarmUp || count > 100000000) {
+    throw InputError("expected a number of frames > " + std::to_string(kWarmUp) + ", or nothing");
+  }
+  return static_cast<int>(count);
+}
+
+}  // namespace
+}  // namespace omnitag
+
+int main(int argc, char** argv) {
+  try {
+    return omnitag::run(omnitag::countFrom(argc, argv)) ? 0 : 1;
+  } catch (const std::exception& error) {
+    std::cerr << "soak: " << error.what() << '\n';
+    return 1;
+  }
+}
