@@ -7,14 +7,12 @@
 
 #include <array>
 #include <cstdio>
-#include <cstdlib>
-#include <exception>
-#include <iostream>
 #include <string>
 
 #include "clutter.h"
 #include "omnitag/common/error.h"
 #include "omnitag/localization/localizer.h"
+#include "program.h"
 #include "recorded_sequence.h"
 
 namespace omnitag {
@@ -89,25 +87,11 @@ bool run(int images) {
   return is_sound;
 }
 
-int countFrom(int argc, char** argv) {
-  constexpr int kDefault = 10000;
-  if (argc == 1) return kDefault;
-  char* end = nullptr;
-  const long count = std::strtol(argv[1], &end, 10);
-  if (argc != 2 || *end != '\0' || count < 1 || count > 100000000) {
-    throw InputError("expected a number of images > 0, or nothing");
-  }
-  return static_cast<int>(count);
-}
-
 }  // namespace
 }  // namespace omnitag
 
 int main(int argc, char** argv) {
-  try {
-    return omnitag::run(omnitag::countFrom(argc, argv)) ? 0 : 1;
-  } catch (const std::exception& error) {
-    std::cerr << "clutter_study: " << error.what() << '\n';
-    return 1;
-  }
+  return omnitag::runProgram("clutter_study", [&] {
+    return omnitag::run(omnitag::countFrom(argc, argv, 10000, 1)) ? 0 : 1;
+  });
 }

@@ -8,15 +8,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <exception>
 #include <functional>
-#include <iostream>
 #include <random>
 #include <vector>
 
 #include "masking.h"
-#include "omnitag/common/error.h"
 #include "omnitag/localization/localizer.h"
+#include "program.h"
 #include "recorded_sequence.h"
 
 namespace omnitag {
@@ -161,13 +159,8 @@ void run(const RecordedSequence& sequence) {
 }  // namespace omnitag
 
 int main(int argc, char** argv) {
-  try {
-    if (argc != 1 && argc != 4) throw omnitag::InputError("expected BAG CAMERA MAP or nothing");
-    omnitag::run(argc == 1 ? omnitag::shippedSequence()
-                           : omnitag::loadSequence(argv[1], argv[2], argv[3]));
-  } catch (const std::exception& error) {
-    std::cerr << "consistency_study: " << error.what() << '\n';
-    return 1;
-  }
-  return 0;
+  return omnitag::runProgram("consistency_study", [&] {
+    omnitag::run(omnitag::sequenceFrom(argc, argv));
+    return 0;
+  });
 }

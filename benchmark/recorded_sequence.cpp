@@ -70,4 +70,10 @@ RecordedSequence shippedSequence() {
                       package + "/maps/paper.yaml");
 }
 
+RecordedSequence sequenceFrom(int argc, char** argv) {
+  if (argc == 1) return shippedSequence();
+  if (argc != 4) throw InputError("expected BAG CAMERA MAP, or nothing");
+  return loadSequence(argv[1], argv[2], argv[3]);
+}
+
 }  // namespace omnitag

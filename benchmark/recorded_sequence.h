@@ -28,4 +28,8 @@ RecordedSequence loadSequence(const std::string& bag, const std::string& camera_
 /// The shipped one: the paper's experiment.
 RecordedSequence shippedSequence();
 
+/// The one that the arguments BAG CAMERA MAP name, or the shipped one without arguments. Throws
+/// InputError.
+RecordedSequence sequenceFrom(int argc, char** argv);
+
 }  // namespace omnitag

@@ -5,14 +5,12 @@
 //   soak [FRAMES]     20000 by default
 
 #include <cstdio>
-#include <cstdlib>
-#include <exception>
 #include <fstream>
-#include <iostream>
 #include <string>
 
 #include "omnitag/common/error.h"
 #include "omnitag/localization/localizer.h"
+#include "program.h"
 #include "recorded_sequence.h"
 
 namespace omnitag {
@@ -56,25 +54,11 @@ bool run(int frames) {
   return growth <= kMaxGrowth;
 }
 
-int countFrom(int argc, char** argv) {
-  constexpr int kDefault = 20000;
-  if (argc == 1) return kDefault;
-  char* end = nullptr;
-  const long count = std::strtol(argv[1], &end, 10);
-  if (argc != 2 || *end != '\0' || count <= kWarmUp || count > 100000000) {
-    throw InputError("expected a number of frames > " + std::to_string(kWarmUp) + ", or nothing");
-  }
-  return static_cast<int>(count);
-}
-
 }  // namespace
 }  // namespace omnitag
 
 int main(int argc, char** argv) {
-  try {
-    return omnitag::run(omnitag::countFrom(argc, argv)) ? 0 : 1;
-  } catch (const std::exception& error) {
-    std::cerr << "soak: " << error.what() << '\n';
-    return 1;
-  }
+  return omnitag::runProgram("soak", [&] {
+    return omnitag::run(omnitag::countFrom(argc, argv, 20000, omnitag::kWarmUp + 1)) ? 0 : 1;
+  });
 }

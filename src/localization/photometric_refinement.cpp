@@ -4,178 +4,13 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <utility>
 
 #include "omnitag/common/angle.h"
+#include "omnitag/localization/marker_patch.h"
 
 namespace omnitag {
 namespace {
-
-/// Where a line of sight meets a marker, in modules of its drawing, and how that depends on the
-/// pose.
-struct Meeting {
-  Eigen::Vector2d position;
-  Eigen::Matrix<double, 2, 3> by_pose;
-};
-
-/// A pixel of a marker as it is and as the pattern would have it.
-struct Sample {
-  double grey = 0.0;
-  double white = 0.0;
-  /// How much the share of white changes from pixel to pixel.
-  double gradient = 0.0;
-  Eigen::Vector2d position;
-  Eigen::RowVector3d white_by_pose;
-};
-
-/// The part of the panorama that shows a marker.
-class Patch {
- public:
-  Patch(const cv::Mat& panorama, const Marker& marker, const TagPattern& pattern,
-        const MountedCamera& camera, const Pose2& map_from_base, double blur)
-      : panorama_(panorama),
-        pattern_(pattern),
-        marker_from_map_(marker.map_from_marker.inverse()),
-        modules_per_metre_(pattern.widthBetweenCorners() / marker.size),
-        blur_variance_(blur * blur) {
-    const Eigen::Vector2d low_limit(1.0, 1.0);
-    const Eigen::Vector2d high_limit(panorama.cols - 2.0, panorama.rows - 2.0);
-    Eigen::Vector2d low = high_limit;
-    Eigen::Vector2d high = low_limit;
-    const double with_border = 1.0 * pattern.width() / pattern.widthBetweenCorners();
-    for (const Eigen::Vector3d& corner : marker.corners()) {
-      const Eigen::Vector3d outer = marker.center() + with_border * (corner - marker.center());
-      const auto pixel = camera.pixelFromMap(map_from_base, outer);
-      if (!pixel) continue;
-      low = low.cwiseMin(*pixel);
-      high = high.cwiseMax(*pixel);
-    }
-    low = low.cwiseMax(low_limit);
-    high = high.cwiseMin(high_limit);
-    left_ = static_cast<int>(low.x()) - 1;
-    top_ = static_cast<int>(low.y()) - 1;
-    columns_ = std::max(0, static_cast<int>(high.x()) + 2 - left_);
-    rows_ = std::max(0, static_cast<int>(high.y()) + 2 - top_);
-    rays_.reserve(static_cast<std::size_t>(columns_ * rows_));
-    for (int row = 0; row < rows_; ++row) {
-      for (int column = 0; column < columns_; ++column) {
-        rays_.push_back(camera.rayInBase({left_ + column, top_ + row}));
-      }
-    }
-  }
-
-  /// The pixels that lie within the drawing, at a pose.
-  std::vector<Sample> samples(const Pose2& map_from_base) const {
-    const Eigen::Matrix3d map_from_base_rotation = map_from_base.toIsometry().linear();
-    const Eigen::Vector3d base_in_map(map_from_base.x, map_from_base.y, 0.0);
-    std::vector<std::optional<Meeting>> meetings;
-    meetings.reserve(rays_.size());
-    for (const std::optional<Ray>& ray : rays_) {
-      meetings.push_back(ray ? meet({map_from_base_rotation * ray->origin,
-                                     map_from_base_rotation * ray->direction},
-                                    base_in_map)
-                             : std::nullopt);
-    }
-    std::vector<Sample> samples;
-    for (int row = 1; row + 1 < rows_; ++row) {
-      for (int column = 1; column + 1 < columns_; ++column) {
-        const std::size_t here = indexOf(column, row);
-        const auto& left = meetings[here - 1];
-        const auto& right = meetings[here + 1];
-        const auto& above = meetings[here - static_cast<std::size_t>(columns_)];
-        const auto& below = meetings[here + static_cast<std::size_t>(columns_)];
-        if (!meetings[here] || !left || !right || !above || !below) continue;
-        const std::optional<Sample> sample =
-            predict(*meetings[here], 0.5 * (right->position - left->position),
-                    0.5 * (below->position - above->position));
-        if (!sample) continue;
-        samples.push_back(*sample);
-        samples.back().grey = panorama_.at<std::uint8_t>(top_ + row, left_ + column);
-      }
-    }
-    return samples;
-  }
-
- private:
-  std::size_t indexOf(int column, int row) const {
-    return static_cast<std::size_t>(row * columns_ + column);
-  }
-
-  /// `ray`: turned into the map's axes, but relative to base_link.
-  std::optional<Meeting> meet(const Ray& ray, const Eigen::Vector3d& base_in_map) const {
-    const Eigen::Matrix3d& rotation = marker_from_map_.linear();
-    const Eigen::Vector3d origin = marker_from_map_ * (ray.origin + base_in_map);
-    const Eigen::Vector3d direction = rotation * ray.direction;
-    if (origin.z() <= 0.0 || direction.z() >= 0.0) return std::nullopt;
-    const double slope_x = direction.x() / direction.z();
-    const double slope_y = direction.y() / direction.z();
-    const double x = origin.x() - origin.z() * slope_x;
-    const double y = origin.y() - origin.z() * slope_y;
-
-    // Turning the robot turns origin and direction about the z axis of base_link.
-    const Eigen::Vector3d origin_by_yaw =
-        rotation * Eigen::Vector3d(-ray.origin.y(), ray.origin.x(), 0.0);
-    const Eigen::Vector3d direction_by_yaw =
-        rotation * Eigen::Vector3d(-ray.direction.y(), ray.direction.x(), 0.0);
-    Eigen::Matrix3d origin_by_pose;
-    origin_by_pose << rotation.leftCols<2>(), origin_by_yaw;
-    const double range = -origin.z() / direction.z();
-    const double half = 0.5 * pattern_.width();
-    Meeting meeting;
-    meeting.position = {half + modules_per_metre_ * x, half - modules_per_metre_ * y};
-    meeting.by_pose.row(0) = origin_by_pose.row(0) - slope_x * origin_by_pose.row(2);
-    meeting.by_pose.row(1) = origin_by_pose.row(1) - slope_y * origin_by_pose.row(2);
-    meeting.by_pose(0, 2) += range * (direction_by_yaw.x() - slope_x * direction_by_yaw.z());
-    meeting.by_pose(1, 2) += range * (direction_by_yaw.y() - slope_y * direction_by_yaw.z());
-    meeting.by_pose.row(0) *= modules_per_metre_;
-    meeting.by_pose.row(1) *= -modules_per_metre_;
-    return meeting;
-  }
-
-  /// The pixel's area on the marker is the parallelogram of its two sides, in modules. It is cut
-  /// into four, each of which is averaged over as if its sides ran along the modules.
-  std::optional<Sample> predict(const Meeting& meeting, Eigen::Vector2d side_u,
-                                Eigen::Vector2d side_v) const {
-    // A Gaussian blur and a box have the same variance where the box is sqrt(12) deviations wide.
-    const double stretch = std::sqrt(1.0 + 12.0 * blur_variance_);
-    side_u *= stretch;
-    side_v *= stretch;
-    const Eigen::Vector2d reach = 0.5 * (side_u.cwiseAbs() + side_v.cwiseAbs());
-    const double width = pattern_.width();
-    if ((meeting.position - reach).minCoeff() < 0.0 ||
-        (meeting.position + reach).maxCoeff() > width) {
-      return std::nullopt;
-    }
-    constexpr int kParts = 2;
-    const Eigen::Vector2d size = (side_u.cwiseAbs2() + side_v.cwiseAbs2()).cwiseSqrt() / kParts;
-    Sample sample;
-    Eigen::Vector2d by_position = Eigen::Vector2d::Zero();
-    for (const double i : {-0.25, 0.25}) {
-      for (const double j : {-0.25, 0.25}) {
-        const TagPattern::White white =
-            pattern_.average(meeting.position + i * side_u + j * side_v, size);
-        sample.white += white.share / (kParts * kParts);
-        by_position += white.by_position / (kParts * kParts);
-      }
-    }
-    sample.position = meeting.position / width - Eigen::Vector2d(0.5, 0.5);
-    sample.white_by_pose = by_position.transpose() * meeting.by_pose;
-    sample.gradient = std::hypot(by_position.dot(side_u), by_position.dot(side_v));
-    return sample;
-  }
-
-  const cv::Mat& panorama_;
-  const TagPattern& pattern_;
-  Eigen::Isometry3d marker_from_map_;
-  double modules_per_metre_;
-  double blur_variance_;
-  int left_ = 0;
-  int top_ = 0;
-  int columns_ = 0;
-  int rows_ = 0;
-  std::vector<std::optional<Ray>> rays_;
-};
 
 /// How far grey levels are off: noise on even ground, and at edges as much more as if these were
 /// displaced by chance from pixel to pixel. No sensor and no print has an edge just as a pixel's
@@ -214,19 +49,19 @@ double weightOf(const Residual& residual, const Noise& noise) {
 
 /// Fits grey = black + white * (contrast + slope . position) in the sense of weighted least squares
 /// and linearises what remains by the pose.
-std::optional<PatchFit> fitLight(const std::vector<Sample>& samples, const Noise& noise) {
+std::optional<PatchFit> fitLight(const std::vector<MarkerPixel>& pixels, const Noise& noise) {
   constexpr std::size_t kFewestPixels = 24;
-  if (samples.size() < kFewestPixels) return std::nullopt;
+  if (pixels.size() < kFewestPixels) return std::nullopt;
   using Light = Eigen::Vector4d;
-  const auto regressors = [](const Sample& sample) {
-    return Light(1.0, sample.white, sample.white * sample.position.x(),
-                 sample.white * sample.position.y());
+  const auto regressors = [](const MarkerPixel& pixel) {
+    return Light(1.0, pixel.white, pixel.white * pixel.position.x(),
+                 pixel.white * pixel.position.y());
   };
   PatchFit fit;
-  fit.residuals.assign(samples.size(), {});
+  fit.residuals.assign(pixels.size(), {});
   Light light = Light::Zero();
-  const auto contrastAt = [&light](const Sample& sample) {
-    return light[1] + light.tail<2>().dot(sample.position);
+  const auto contrastAt = [&light](const MarkerPixel& pixel) {
+    return light[1] + light.tail<2>().dot(pixel.position);
   };
   Eigen::LDLT<Eigen::Matrix4d> factors;
   // The first round weighs all pixels alike, the second knows what is off.
@@ -234,32 +69,32 @@ std::optional<PatchFit> fitLight(const std::vector<Sample>& samples, const Noise
   for (int round = 0; round < kRounds; ++round) {
     Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
     Light right_side = Light::Zero();
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      const Light x = regressors(samples[i]);
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+      const Light x = regressors(pixels[i]);
       const double weight = weightOf(fit.residuals[i], noise);
       normal.noalias() += weight * x * x.transpose();
-      right_side += weight * samples[i].grey * x;
+      right_side += weight * pixels[i].grey * x;
     }
     factors.compute(normal);
     if (factors.info() != Eigen::Success || !(factors.vectorD().minCoeff() > 1e-9)) {
       return std::nullopt;
     }
     light = factors.solve(right_side);
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      fit.residuals[i] = {samples[i].grey - light.dot(regressors(samples[i])), samples[i].gradient,
-                          contrastAt(samples[i]) * samples[i].gradient};
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+      fit.residuals[i] = {pixels[i].grey - light.dot(regressors(pixels[i])), pixels[i].gradient,
+                          contrastAt(pixels[i]) * pixels[i].gradient};
     }
   }
   constexpr double kLowestContrast = 8.0;
   if (light[1] < kLowestContrast) return std::nullopt;
 
   Eigen::Matrix<double, 4, 3> mixed = Eigen::Matrix<double, 4, 3>::Zero();
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const Eigen::RowVector3d by_pose = contrastAt(samples[i]) * samples[i].white_by_pose;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const Eigen::RowVector3d by_pose = contrastAt(pixels[i]) * pixels[i].white_by_pose;
     const double weight = weightOf(fit.residuals[i], noise);
     fit.information.noalias() += weight * by_pose.transpose() * by_pose;
     fit.gradient += weight * fit.residuals[i].grey * by_pose.transpose();
-    mixed.noalias() += weight * regressors(samples[i]) * by_pose;
+    mixed.noalias() += weight * regressors(pixels[i]) * by_pose;
   }
   // The light is free: what it could explain says nothing about the pose.
   fit.information -= mixed.transpose() * factors.solve(mixed);
@@ -351,7 +186,7 @@ std::optional<PhotometricFit> refinePhotometrically(
     const cv::Mat& panorama, const MarkerMap& map, const MountedCamera& camera,
     const TagPatterns& patterns, const std::vector<std::size_t>& entries, const Pose2& initial,
     const std::optional<PoseEstimate>& prior, const PhotometricConfig& config) {
-  std::vector<Patch> patches;
+  std::vector<MarkerPatch> patches;
   patches.reserve(entries.size());
   for (const std::size_t entry : entries) {
     const Marker& marker = map.markers[entry];
@@ -378,7 +213,7 @@ std::optional<PhotometricFit> refinePhotometrically(
     std::vector<Residual> residuals;
     std::vector<std::optional<PatchFit>> fits;
     for (std::size_t i = 0; i < patches.size(); ++i) {
-      fits.push_back(fitLight(patches[i].samples(pose), noise));
+      fits.push_back(fitLight(patches[i].pixels(pose), noise));
       if (!fits[i]) continue;
       blurPlacement(map.markers[entries[i]], pose, config.placement_deviation, &*fits[i]);
       information += weights[i] * fits[i]->information;

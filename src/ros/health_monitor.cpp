@@ -38,8 +38,8 @@ HealthMonitor::HealthMonitor(const ros::NodeHandle& node, const ros::NodeHandle&
     : input_(input),
       map_(map),
       name_(private_node.getNamespace()),
-      updater_(node, private_node, name_),
-      last_report_(Clock::now()) {
+      last_report_(Clock::now()),
+      updater_(node, private_node, name_) {
   updater_.setHardwareID("none");
   updater_.add("images", this, &HealthMonitor::reportImages);
   updater_.add("transforms", this, &HealthMonitor::reportTransforms);

@@ -81,6 +81,10 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
 }
 
 LocalizerServer::~LocalizerServer() {
+  // Each waits for a callback that is running: afterwards none touches what is destroyed.
+  initial_pose_subscriber_.shutdown();
+  global_localization_server_.shutdown();
+  save_map_server_.shutdown();
   repeat_timer_.stop();
   input_.close();
   thread_.join();

@@ -61,8 +61,6 @@ class HealthMonitor {
   const ImageInput& input_;
   const MarkerMap& map_;
   std::string name_;
-  diagnostic_updater::Updater updater_;
-  ros::WallTimer timer_;
 
   std::mutex mutex_;
   Subject images_;
@@ -78,6 +76,10 @@ class HealthMonitor {
   std::uint64_t images_without_transform_ = 0;
   std::optional<LocalizationStatus> last_status_;
   std::optional<PoseEstimate> last_pose_;
+
+  // Last, so that no report is asked for while what it tells of is being destroyed.
+  diagnostic_updater::Updater updater_;
+  ros::WallTimer timer_;
 };
 
 }  // namespace omnitag
