@@ -63,6 +63,27 @@ int contradictions(const FrameResult& result, const MarkerMap& map) {
       }));
 }
 
+/// Adds what a search read, and returns the entries that its pose stands on.
+std::vector<std::size_t> addDetections(const std::vector<MarkerReading>& readings,
+                                       const Relocalization& found, const MarkerMap& map,
+                                       FrameResult* result) {
+  std::vector<std::size_t> explaining;
+  for (std::size_t i = 0; i < readings.size(); ++i) {
+    MarkerDetection detection = toDetection(readings[i]);
+    detection.map_entry = found.entries[i];
+    detection.residual = found.residuals[i];
+    detection.accepted = found.entries[i].has_value();
+    if (entriesOf(map, detection.family, detection.id).empty()) {
+      detection.reason = "not in the map";
+    } else if (!detection.accepted) {
+      detection.reason = found.map_from_base ? "disagrees with the other markers" : found.reason;
+    }
+    if (detection.accepted) explaining.push_back(*found.entries[i]);
+    result->detections.push_back(std::move(detection));
+  }
+  return explaining;
+}
+
 }  // namespace
 
 Localizer::Localizer(std::shared_ptr<const CameraModel> camera, MarkerMap map,
@@ -190,32 +211,11 @@ void Localizer::track(const Frame& frame, const MountedCamera& camera,
 
 void Localizer::search(const Frame& frame, const MountedCamera& camera,
                        const std::optional<PoseEstimate>& predicted, FrameResult* result) {
+  const std::vector<MarkerReading> readings = lookAround(frame, camera, result);
   Stopwatch step;
-  result->views = viewsAllAround(map_, camera, reader_.warper().table(),
-                                 config_.visibility.max_range, config_.look_around);
-  result->view_images.clear();
-  result->detections.clear();
-  result->timings.predict += step.lap();
-  const std::vector<MarkerReading> readings =
-      withoutRepetitions(read(frame, result), result->views, reader_.warper());
-
-  step.lap();
   const Relocalization found = relocalize(map_, camera, readings, config_.estimation.reprojection,
                                           config_.estimation.max_residual, config_.relocalization);
-  std::vector<std::size_t> explaining;
-  for (std::size_t i = 0; i < readings.size(); ++i) {
-    MarkerDetection detection = toDetection(readings[i]);
-    detection.map_entry = found.entries[i];
-    detection.residual = found.residuals[i];
-    detection.accepted = found.entries[i].has_value();
-    if (entriesOf(map_, detection.family, detection.id).empty()) {
-      detection.reason = "not in the map";
-    } else if (!detection.accepted) {
-      detection.reason = found.map_from_base ? "disagrees with the other markers" : found.reason;
-    }
-    if (detection.accepted) explaining.push_back(*found.entries[i]);
-    result->detections.push_back(std::move(detection));
-  }
+  const std::vector<std::size_t> explaining = addDetections(readings, found, map_, result);
 
   // A single marker may hang elsewhere than the map says: it does not overrule a prediction that
   // markers confirmed a moment ago.
@@ -224,38 +224,53 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
   const bool overrules = !predicted || is_expected || explaining.size() >= 2 ||
                          motion_.uncorrectedTime() > config_.motion.max_dead_reckoning_time;
   if (found.map_from_base && overrules) {
-    if (predicted && !is_expected) result->remark = "found far from where it was expected";
+    const std::optional<PoseEstimate> prior = is_expected ? predicted : std::nullopt;
     // From one marker alone the pixels know the pose no better than its corners do: what is
     // uncertain is not where they are but what they mean.
     const bool is_sure = is_expected || explaining.size() >= 2;
-    const PoseEstimate pose = is_sure
-                                  ? refined(frame.image, camera, explaining, *found.map_from_base,
-                                            is_expected ? predicted : std::nullopt)
-                                  : *found.map_from_base;
+    const PoseEstimate pose =
+        is_sure ? refined(frame.image, camera, explaining, *found.map_from_base, prior)
+                : *found.map_from_base;
     if (is_expected) {
       motion_.correct(pose);
       result->mode = Mode::kTracking;
     } else {
       motion_.reset(pose, frame.stamp, frame.odom_from_base);
+      if (predicted) result->remark = "found far from where it was expected";
     }
     result->map_from_base = pose;
     has_pose_ = true;
+  } else if (predicted) {
+    carryOn(*predicted, result);
   } else {
-    for (MarkerDetection& detection : result->detections) {
-      if (!detection.accepted) continue;
-      detection.accepted = false;
-      detection.reason = "contradicts the predicted pose";
-    }
-    const int contradicting = contradictions(*result, map_);
-    if (predicted && contradicting == 0) {
-      result->mode = Mode::kDeadReckoning;
-      result->map_from_base = predicted;
-    } else {
-      result->remark =
-          predicted ? "the markers that were read contradict the predicted pose" : found.reason;
-    }
+    result->remark = found.reason;
   }
   result->timings.solve += step.lap();
+}
+
+void Localizer::carryOn(const PoseEstimate& predicted, FrameResult* result) const {
+  for (MarkerDetection& detection : result->detections) {
+    if (!detection.accepted) continue;
+    detection.accepted = false;
+    detection.reason = "contradicts the predicted pose";
+  }
+  if (contradictions(*result, map_) > 0) {
+    result->remark = "the markers that were read contradict the predicted pose";
+    return;
+  }
+  result->mode = Mode::kDeadReckoning;
+  result->map_from_base = predicted;
+}
+
+std::vector<MarkerReading> Localizer::lookAround(const Frame& frame, const MountedCamera& camera,
+                                                 FrameResult* result) const {
+  Stopwatch step;
+  result->views = viewsAllAround(map_, camera, reader_.warper().table(),
+                                 config_.visibility.max_range, config_.look_around);
+  result->view_images.clear();
+  result->detections.clear();
+  result->timings.predict += step.lap();
+  return withoutRepetitions(read(frame, result), result->views, reader_.warper());
 }
 
 PoseEstimate Localizer::refined(const cv::Mat& panorama, const MountedCamera& camera,

@@ -31,7 +31,7 @@ MarkerPatch::MarkerPatch(const cv::Mat& panorama, const Marker& marker, const Ta
   top_ = static_cast<int>(low.y()) - 1;
   columns_ = std::max(0, static_cast<int>(high.x()) + 2 - left_);
   rows_ = std::max(0, static_cast<int>(high.y()) + 2 - top_);
-  rays_.reserve(static_cast<std::size_t>(columns_ * rows_));
+  rays_.reserve(indexOf(0, rows_));
   for (int row = 0; row < rows_; ++row) {
     for (int column = 0; column < columns_; ++column) {
       rays_.push_back(camera.rayInBase({left_ + column, top_ + row}));

@@ -3,22 +3,12 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
+#include <memory>
 
 #include "apriltag_family.h"
 #include "omnitag/common/error.h"
 
 namespace omnitag {
-namespace {
-
-/// The library does not export what frees its images.
-struct FreeImage {
-  void operator()(image_u8_t* image) const {
-    std::free(image->buf);
-    std::free(image);
-  }
-};
-
-}  // namespace
 
 TagPattern::TagPattern(const std::string& family, int id) {
   const AprilTagFamily tags = createAprilTagFamily(family);
@@ -29,23 +19,22 @@ TagPattern::TagPattern(const std::string& family, int id) {
   }
   width_ = tags->total_width;
   width_between_corners_ = tags->width_at_border;
-  const std::unique_ptr<image_u8_t, FreeImage> image(apriltag_to_image(tags.get(), id));
-  const auto index = [this](int column, int row) {
-    return static_cast<std::size_t>(row * (width_ + 1) + column);
-  };
-  sums_.assign(index(width_, width_) + 1, 0.0);
+  // The library does not export what frees its images, which it has from malloc.
+  using Free = void (*)(void*);
+  const std::unique_ptr<image_u8_t, Free> image(apriltag_to_image(tags.get(), id), std::free);
+  const std::unique_ptr<std::uint8_t, Free> pixels(image->buf, std::free);
+  sums_.assign(indexOf(width_, width_) + 1, 0.0);
   for (int row = 0; row < width_; ++row) {
     for (int column = 0; column < width_; ++column) {
-      const double white = image->buf[row * image->stride + column] > 127 ? 1.0 : 0.0;
-      sums_[index(column + 1, row + 1)] = white + sums_[index(column, row + 1)] +
-                                          sums_[index(column + 1, row)] - sums_[index(column, row)];
+      const double white = pixels.get()[row * image->stride + column] > 127 ? 1.0 : 0.0;
+      sums_[indexOf(column + 1, row + 1)] = white + sums_[indexOf(column, row + 1)] +
+                                            sums_[indexOf(column + 1, row)] -
+                                            sums_[indexOf(column, row)];
     }
   }
 }
 
-double TagPattern::sumAt(int column, int row) const {
-  return sums_[static_cast<std::size_t>(row * (width_ + 1) + column)];
-}
+double TagPattern::sumAt(int column, int row) const { return sums_[indexOf(column, row)]; }
 
 bool TagPattern::isWhite(int column, int row) const {
   return sumAt(column + 1, row + 1) - sumAt(column, row + 1) - sumAt(column + 1, row) +

@@ -51,6 +51,10 @@ class Localizer {
   /// Looks all around, and decides between what it finds and the prediction.
   void search(const Frame& frame, const MountedCamera& camera,
               const std::optional<PoseEstimate>& predicted, FrameResult* result);
+  /// Without a marker that agrees: the prediction, unless what was read contradicts it.
+  void carryOn(const PoseEstimate& predicted, FrameResult* result) const;
+  std::vector<MarkerReading> lookAround(const Frame& frame, const MountedCamera& camera,
+                                        FrameResult* result) const;
   /// The pose that the markers' corners gave, aligned with their pixels where that is asked for and
   /// possible.
   PoseEstimate refined(const cv::Mat& panorama, const MountedCamera& camera,

@@ -48,7 +48,8 @@ class MarkerPatch {
   };
 
   std::size_t indexOf(int column, int row) const {
-    return static_cast<std::size_t>(row * columns_ + column);
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
+           static_cast<std::size_t>(column);
   }
   /// `ray`: turned into the map's axes, but relative to base_link.
   std::optional<Meeting> meet(const Ray& ray, const Eigen::Vector3d& base_in_map) const;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,10 @@ class TagPattern {
   };
   Area whiteAbove(double x, double y) const;
   double sumAt(int column, int row) const;
+  std::size_t indexOf(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(width_ + 1) +
+           static_cast<std::size_t>(column);
+  }
 
   int width_ = 0;
   int width_between_corners_ = 0;
