@@ -261,14 +261,13 @@ class FaultsTest(unittest.TestCase):
             return image
 
         self.expect_right_pose(send(self.next_image(), True))
-        gone = [send(self.next_image(), False) for _ in range(2)]
-        for image in gone:
-            self.harness.publish_any(image)
+        # One only: another might still wait when the transform is back, and rightly get it.
+        gone = send(self.next_image(), False)
+        self.harness.publish_any(gone)
         self.wait_for_diagnostics("transforms", DiagnosticStatus.ERROR, "waiting for tf",
                                   mounting.child_frame_id)
         self.expect_right_pose(send(self.next_image(), True))
-        for image in gone:
-            self.expect_no_pose_at(image.header.stamp)
+        self.expect_no_pose_at(gone.header.stamp)
         self.wait_for_diagnostics("transforms", DiagnosticStatus.OK)
         self.expect_tracking()
 
