@@ -61,6 +61,8 @@ void loadFiles(benchmark::State& state) {
   }
 }
 
+BENCHMARK_CAPTURE(localizeSequence, photometric, EstimatorKind::kPhotometric)
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(localizeSequence, reprojection, EstimatorKind::kReprojection)
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(localizeSequence, triangulation, EstimatorKind::kTriangulation)

@@ -171,26 +171,17 @@ double disagreement(const PatchFit& fit, const Eigen::Vector3d& gradient) {
 
 }  // namespace
 
-TagPatterns::TagPatterns(const MarkerMap& map) {
-  for (const Marker& marker : map.markers) {
-    const auto key = std::make_pair(marker.family, marker.id);
-    if (patterns_.count(key) == 0) patterns_.emplace(key, TagPattern(marker.family, marker.id));
-  }
-}
-
-const TagPattern& TagPatterns::of(const Marker& marker) const {
-  return patterns_.at({marker.family, marker.id});
-}
-
 std::optional<PhotometricFit> refinePhotometrically(
     const cv::Mat& panorama, const MarkerMap& map, const MountedCamera& camera,
     const TagPatterns& patterns, const std::vector<std::size_t>& entries, const Pose2& initial,
     const std::optional<PoseEstimate>& prior, const PhotometricConfig& config) {
+  MarkerPatch::Choice choice;
+  choice.thins_even_ground = true;
   std::vector<MarkerPatch> patches;
   patches.reserve(entries.size());
   for (const std::size_t entry : entries) {
     const Marker& marker = map.markers[entry];
-    patches.emplace_back(panorama, marker, patterns.of(marker), camera, initial, config.blur);
+    patches.emplace_back(marker, patterns.of(marker), camera, initial, config.blur, choice);
   }
   Eigen::Matrix3d prior_information = Eigen::Matrix3d::Zero();
   if (prior) prior_information = prior->covariance.inverse();
@@ -213,7 +204,7 @@ std::optional<PhotometricFit> refinePhotometrically(
     std::vector<Residual> residuals;
     std::vector<std::optional<PatchFit>> fits;
     for (std::size_t i = 0; i < patches.size(); ++i) {
-      fits.push_back(fitLight(patches[i].pixels(pose), noise));
+      fits.push_back(fitLight(patches[i].pixels(panorama, pose), noise));
       if (!fits[i]) continue;
       blurPlacement(map.markers[entries[i]], pose, config.placement_deviation, &*fits[i]);
       information += weights[i] * fits[i]->information;

@@ -1,6 +1,7 @@
 #include "omnitag/marker/tag_pattern.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
@@ -9,19 +10,39 @@
 #include "omnitag/common/error.h"
 
 namespace omnitag {
+namespace {
 
-TagPattern::TagPattern(const std::string& family, int id) {
-  const AprilTagFamily tags = createAprilTagFamily(family);
-  const int count = static_cast<int>(tags->ncodes);
+/// The middles of the four parts of a parallelogram, and the size of the rectangle along the modules
+/// that stands for each of them.
+std::array<Eigen::Vector2d, 4> partsOf(const Eigen::Vector2d& middle, const Eigen::Vector2d& side_u,
+                                       const Eigen::Vector2d& side_v) {
+  const Eigen::Vector2d sum = 0.25 * (side_u + side_v);
+  const Eigen::Vector2d difference = 0.25 * (side_u - side_v);
+  return {middle - sum, middle - difference, middle + difference, middle + sum};
+}
+
+Eigen::Vector2d partSize(const Eigen::Vector2d& side_u, const Eigen::Vector2d& side_v) {
+  return 0.5 * (side_u.cwiseAbs2() + side_v.cwiseAbs2()).cwiseSqrt();
+}
+
+}  // namespace
+
+TagPattern::TagPattern(const std::string& family, int id)
+    : TagPattern(*createAprilTagFamily(family), id) {}
+
+TagPattern::TagPattern(const apriltag_family& family, int id) {
+  const int count = static_cast<int>(family.ncodes);
   if (id < 0 || id >= count) {
-    throw InputError(family + ": expected an id from 0 to " + std::to_string(count - 1) +
-                     ", found " + std::to_string(id));
+    throw InputError(std::string(family.name) + ": expected an id from 0 to " +
+                     std::to_string(count - 1) + ", found " + std::to_string(id));
   }
-  width_ = tags->total_width;
-  width_between_corners_ = tags->width_at_border;
-  // The library does not export what frees its images, which it has from malloc.
+  width_ = family.total_width;
+  width_between_corners_ = family.width_at_border;
+  // The library does not export what frees its images, which it has from malloc. It draws without
+  // changing the family.
   using Free = void (*)(void*);
-  const std::unique_ptr<image_u8_t, Free> image(apriltag_to_image(tags.get(), id), std::free);
+  const std::unique_ptr<image_u8_t, Free> image(
+      apriltag_to_image(const_cast<apriltag_family_t*>(&family), id), std::free);
   const std::unique_ptr<std::uint8_t, Free> pixels(image->buf, std::free);
   sums_.assign(indexOf(width_, width_) + 1, 0.0);
   for (int row = 0; row < width_; ++row) {
@@ -32,14 +53,37 @@ TagPattern::TagPattern(const std::string& family, int id) {
                                             sums_[indexOf(column, row)];
     }
   }
-}
 
-double TagPattern::sumAt(int column, int row) const { return sums_[indexOf(column, row)]; }
+  data_modules_ = static_cast<int>(family.nbits);
+  data_module_.assign(static_cast<std::size_t>(width_ * width_), -1);
+  const int border = (width_ - width_between_corners_) / 2;
+  for (int bit = 0; bit < data_modules_; ++bit) {
+    const int column = border + static_cast<int>(family.bit_x[bit]);
+    const int row = border + static_cast<int>(family.bit_y[bit]);
+    data_module_[static_cast<std::size_t>(row * width_ + column)] = bit;
+  }
+}
 
 bool TagPattern::isWhite(int column, int row) const {
   return sumAt(column + 1, row + 1) - sumAt(column, row + 1) - sumAt(column + 1, row) +
              sumAt(column, row) >
          0.5;
+}
+
+bool TagPattern::isEven(const Eigen::Vector2d& low, const Eigen::Vector2d& high) const {
+  const double limit = width_;
+  const Eigen::Vector2d from = low.cwiseMax(0.0);
+  const Eigen::Vector2d until = high.cwiseMin(limit);
+  const Eigen::Vector2d size = until - from;
+  const double share = average(0.5 * (from + until), size).share;
+  constexpr double kRounding = 1e-9;
+  return share < kRounding || share > 1.0 - kRounding;
+}
+
+bool TagPattern::isDataWhite(int module) const {
+  const auto place = std::find(data_module_.begin(), data_module_.end(), module);
+  const auto index = static_cast<int>(place - data_module_.begin());
+  return isWhite(index % width_, index / width_);
 }
 
 TagPattern::Area TagPattern::whiteAbove(double x, double y) const {
@@ -70,6 +114,63 @@ TagPattern::White TagPattern::average(const Eigen::Vector2d& position,
   white.by_position =
       scale * Eigen::Vector2d(d.by_x - b.by_x - c.by_x + a.by_x, d.by_y - b.by_y - c.by_y + a.by_y);
   return white;
+}
+
+void TagPattern::addDataShares(const Eigen::Vector2d& position, const Eigen::Vector2d& side_u,
+                               const Eigen::Vector2d& side_v,
+                               Eigen::Ref<Eigen::VectorXd> shares) const {
+  const Eigen::Vector2d size = partSize(side_u, side_v);
+  for (const Eigen::Vector2d& part : partsOf(position, side_u, side_v)) {
+    const Eigen::Vector2d low = part - 0.5 * size;
+    const Eigen::Vector2d high = part + 0.5 * size;
+    const auto overlap = [&low, &high](int module, int axis) {
+      return std::min(high[axis], module + 1.0) - std::max(low[axis], static_cast<double>(module));
+    };
+    for (int row = std::max(0, static_cast<int>(low.y())); row < std::min<double>(width_, high.y());
+         ++row) {
+      for (int column = std::max(0, static_cast<int>(low.x()));
+           column < std::min<double>(width_, high.x()); ++column) {
+        const int module = data_module_[static_cast<std::size_t>(row * width_ + column)];
+        if (module < 0) continue;
+        shares[module] += overlap(column, 0) * overlap(row, 1) / (4.0 * size.prod());
+      }
+    }
+  }
+}
+
+TagPattern::White TagPattern::averageOver(const Eigen::Vector2d& position,
+                                          const Eigen::Vector2d& side_u,
+                                          const Eigen::Vector2d& side_v) const {
+  const Eigen::Vector2d reach = 0.5 * (side_u.cwiseAbs() + side_v.cwiseAbs());
+  const Eigen::Vector2i low = (position - reach).cast<int>();
+  if (low == (position + reach).cast<int>()) {
+    return {isWhite(low.x(), low.y()) ? 1.0 : 0.0, Eigen::Vector2d::Zero()};
+  }
+  const Eigen::Vector2d size = partSize(side_u, side_v);
+  White white;
+  for (const Eigen::Vector2d& part : partsOf(position, side_u, side_v)) {
+    const White of_part = average(part, size);
+    white.share += 0.25 * of_part.share;
+    white.by_position += 0.25 * of_part.by_position;
+  }
+  return white;
+}
+
+TagPatterns::TagPatterns(const MarkerMap& map) {
+  std::map<std::string, AprilTagFamily> families;
+  for (const Marker& marker : map.markers) {
+    const auto key = std::make_pair(marker.family, marker.id);
+    if (patterns_.count(key) > 0) continue;
+    auto family = families.find(marker.family);
+    if (family == families.end()) {
+      family = families.emplace(marker.family, createAprilTagFamily(marker.family)).first;
+    }
+    patterns_.emplace(key, TagPattern(*family->second, marker.id));
+  }
+}
+
+const TagPattern& TagPatterns::of(const Marker& marker) const {
+  return patterns_.at({marker.family, marker.id});
 }
 
 }  // namespace omnitag

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cstddef>
 #include <opencv2/core/mat.hpp>
 #include <optional>
@@ -12,6 +13,17 @@
 #include "omnitag/marker/tag_pattern.h"
 
 namespace omnitag {
+
+/// What a pixel of the panorama sees of a marker's drawing: the parallelogram about `position`
+/// (modules) whose sides are the columns of `by_pixel`.
+struct Footprint {
+  int column = 0;
+  int row = 0;
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();
+  /// Derivatives of the position by the pixel, and by the pose (x, y, yaw) where the pixel stays.
+  Eigen::Matrix2d by_pixel = Eigen::Matrix2d::Zero();
+  Eigen::Matrix<double, 2, 3> by_pose = Eigen::Matrix<double, 2, 3>::Zero();
+};
 
 /// A pixel of a marker as it is and as the pattern would have it.
 struct MarkerPixel {
@@ -26,48 +38,64 @@ struct MarkerPixel {
   Eigen::RowVector3d white_by_pose = Eigen::RowVector3d::Zero();
 };
 
-/// The part of the panorama that shows a marker, and what the marker's pattern would make of its
-/// pixels at a pose.
+/// The part of a panorama that shows a marker.
 class MarkerPatch {
  public:
-  /// `panorama` (CV_8UC1) and `pattern` must outlive the patch. `map_from_base` says roughly where
-  /// the marker images; `blur` is the standard deviation, in pixels, of the blur that adds to the
-  /// averaging over a pixel's area.
-  MarkerPatch(const cv::Mat& panorama, const Marker& marker, const TagPattern& pattern,
-              const MountedCamera& camera, const Pose2& map_from_base, double blur);
-
-  /// The pixels that lie within the drawing at a pose near the one of the constructor.
-  std::vector<MarkerPixel> pixels(const Pose2& map_from_base) const;
-
- private:
-  /// Where a line of sight meets the marker, in modules of its drawing, and how that depends on the
-  /// pose.
-  struct Meeting {
-    Eigen::Vector2d position;
-    Eigen::Matrix<double, 2, 3> by_pose;
+  /// Which of a marker's pixels are looked at.
+  struct Choice {
+    /// Every how many pixels along both axes.
+    int step = 1;
+    /// Of those with nothing but even black or even white around them, every fourth only: they know
+    /// the light but not the pose.
+    bool thins_even_ground = false;
   };
 
-  std::size_t indexOf(int column, int row) const {
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
-           static_cast<std::size_t>(column);
-  }
-  /// `ray`: turned into the map's axes, but relative to base_link.
-  std::optional<Meeting> meet(const Ray& ray, const Eigen::Vector3d& base_in_map) const;
-  /// The pixel's area on the marker is the parallelogram of its two sides, in modules. It is cut
-  /// into four, each of which is averaged over as if its sides ran along the modules.
-  std::optional<MarkerPixel> predict(const Meeting& meeting, Eigen::Vector2d side_u,
-                                     Eigen::Vector2d side_v) const;
+  /// `marker`, `pattern` and `camera` must outlive the patch. `map_from_base` says, to about a pixel, where the marker
+  /// images. `blur` is the standard deviation, in pixels, of the blur that adds to the averaging
+  /// over a pixel's area.
+  MarkerPatch(const Marker& marker, const TagPattern& pattern, const MountedCamera& camera,
+              const Pose2& map_from_base, double blur, const Choice& choice);
 
-  const cv::Mat& panorama_;
+  /// What the pixels see that see nothing but the drawing at a pose near the one of the
+  /// constructor.
+  std::vector<Footprint> footprints(const Pose2& map_from_base) const;
+
+  /// The same pixels with their grey levels in the panorama (CV_8UC1).
+  std::vector<MarkerPixel> pixels(const cv::Mat& panorama, const Pose2& map_from_base) const;
+
+  const TagPattern& pattern() const { return pattern_; }
+
+ private:
+  struct LineOfSight {
+    int column;
+    int row;
+    Ray in_base;
+  };
+  /// How the drawing images about the middle of one of its cells: from pixel to pixel and from pose
+  /// to pose that hardly changes within a cell.
+  struct Cell {
+    bool is_visible = false;
+    Eigen::Matrix2d by_pixel;
+    Eigen::Matrix<double, 2, 3> by_pose;
+  };
+  static constexpr int kCells = 4;
+  using Cells = std::array<std::array<Cell, kCells>, kCells>;
+
+  Cells cellsAt(const Pose2& map_from_base) const;
+  const Cell& cellOf(const Cells& cells, const Eigen::Vector2d& position) const;
+  Eigen::Vector3d inMap(const Eigen::Vector2d& position) const;
+  /// Where a line of sight meets the marker's plane, in modules of the drawing.
+  std::optional<Eigen::Vector2d> meet(const Ray& in_base,
+                                      const Eigen::Isometry3d& marker_from_base) const;
+  void chooseLinesOfSight(const Pose2& map_from_base, const Choice& choice);
+
+  const Marker& marker_;
   const TagPattern& pattern_;
-  Eigen::Isometry3d marker_from_map_;
-  double modules_per_metre_;
-  double blur_variance_;
-  int left_ = 0;
-  int top_ = 0;
-  int columns_ = 0;
-  int rows_ = 0;
-  std::vector<std::optional<Ray>> rays_;
+  const MountedCamera& camera_;
+  double metres_per_module_;
+  /// How much wider a footprint is for the blur.
+  double stretch_;
+  std::vector<LineOfSight> lines_of_sight_;
 };
 
 }  // namespace omnitag

@@ -1,11 +1,8 @@
 #pragma once
 
 #include <cstddef>
-#include <map>
 #include <opencv2/core/mat.hpp>
 #include <optional>
-#include <string>
-#include <utility>
 #include <vector>
 
 #include "omnitag/camera/mounted_camera.h"
@@ -37,16 +34,6 @@ struct PhotometricFit {
   double edge_noise = 0.0;
   /// For each marker how much it counts: less than 1 where it disagrees with the others.
   std::vector<double> weights;
-};
-
-/// The patterns of a map's markers, each drawn once.
-class TagPatterns {
- public:
-  explicit TagPatterns(const MarkerMap& map);
-  const TagPattern& of(const Marker& marker) const;
-
- private:
-  std::map<std::pair<std::string, int>, TagPattern> patterns_;
 };
 
 /// Refines a pose, good to about half a pixel, so that the patterns of the markers at `entries`

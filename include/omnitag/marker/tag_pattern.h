@@ -2,8 +2,14 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include "omnitag/marker/marker_map.h"
+
+struct apriltag_family;
 
 namespace omnitag {
 
@@ -16,6 +22,7 @@ class TagPattern {
  public:
   /// Throws InputError for a family that the library does not have or an id that it has not.
   TagPattern(const std::string& family, int id);
+  TagPattern(const apriltag_family& family, int id);
 
   /// Modules across the whole drawing, and between the corners that the library reports, which lie
   /// in the middle of it.
@@ -32,7 +39,28 @@ class TagPattern {
   /// within the drawing.
   White average(const Eigen::Vector2d& position, const Eigen::Vector2d& size) const;
 
+  /// Average over the parallelogram of two sides (modules) about a position, which must lie within
+  /// the drawing. It is cut into four, each of which is averaged over as if its sides ran along the
+  /// modules.
+  White averageOver(const Eigen::Vector2d& position, const Eigen::Vector2d& side_u,
+                    const Eigen::Vector2d& side_v) const;
+
   bool isWhite(int column, int row) const;
+
+  /// Whether all of a rectangle, or of what the drawing has of it, is of one colour. It must not lie
+  /// off the drawing.
+  bool isEven(const Eigen::Vector2d& low, const Eigen::Vector2d& high) const;
+
+  /// How many modules tell the tags of a family apart; the layout fixes the others.
+  int dataModules() const { return data_modules_; }
+
+  /// Adds the share that each data module has in the parallelogram of averageOver(); one element
+  /// for each, in the order of the family's bits.
+  void addDataShares(const Eigen::Vector2d& position, const Eigen::Vector2d& side_u,
+                     const Eigen::Vector2d& side_v, Eigen::Ref<Eigen::VectorXd> shares) const;
+
+  /// Whether a data module is white.
+  bool isDataWhite(int module) const;
 
  private:
   /// White area above and to the left of a position, in modules squared, and its derivatives.
@@ -42,7 +70,7 @@ class TagPattern {
     double by_y;
   };
   Area whiteAbove(double x, double y) const;
-  double sumAt(int column, int row) const;
+  double sumAt(int column, int row) const { return sums_[indexOf(column, row)]; }
   std::size_t indexOf(int column, int row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(width_ + 1) +
            static_cast<std::size_t>(column);
@@ -50,8 +78,23 @@ class TagPattern {
 
   int width_ = 0;
   int width_between_corners_ = 0;
+  int data_modules_ = 0;
   /// White modules above and to the left of each corner of the grid.
   std::vector<double> sums_;
+  /// Number of each data module, row by row; -1 for the others.
+  std::vector<int> data_module_;
+};
+
+/// The patterns of a map's markers, each drawn once.
+class TagPatterns {
+ public:
+  /// Throws InputError as TagPattern does.
+  explicit TagPatterns(const MarkerMap& map);
+
+  const TagPattern& of(const Marker& marker) const;
+
+ private:
+  std::map<std::pair<std::string, int>, TagPattern> patterns_;
 };
 
 }  // namespace omnitag

@@ -1,0 +1,142 @@
+// How often something else is taken for a marker that is predicted somewhere: every marker in view
+// of a sequence is taken for each other id of its family, and the map's markers are looked for where
+// a random pose predicts them, amid clutter and plain walls. Prints, for the markers as they are,
+// how many are recognized, by the width of their modules.
+//
+//   false_accept_study [BAG CAMERA MAP]     a bag of render_sequence; the shipped one by default
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <random>
+#include <vector>
+
+#include "omnitag/common/angle.h"
+#include "omnitag/localization/recognition.h"
+#include "omnitag/marker/tag_family.h"
+#include "program.h"
+#include "recorded_sequence.h"
+
+namespace omnitag {
+namespace {
+
+/// Of all trials, those that were accepted; and the nearest that any came to its threshold.
+struct Count {
+  long trials = 0;
+  long untested = 0;
+  long accepted = 0;
+  double nearest = -1.0;
+
+  void add(const std::optional<Recognition>& recognition) {
+    ++trials;
+    if (!recognition) {
+      ++untested;
+      return;
+    }
+    nearest = std::max(nearest, recognition->correlation - recognition->threshold);
+    if (recognition->isAccepted()) ++accepted;
+  }
+
+  void print(const char* name) const {
+    std::printf("%-32s %9ld trials %9ld untested %6ld accepted   nearest %+.3f\n", name, trials,
+                untested, accepted, nearest);
+  }
+};
+
+/// Pixels along the tangent of the panorama that a module of the marker is wide.
+double moduleWidth(const PredictedMarker& marker, const CameraModel& camera, int modules) {
+  const Eigen::Vector2d radial =
+      (marker.center - camera.imagePlane().principalPoint()).normalized();
+  const Eigen::Vector2d tangential(-radial.y(), radial.x());
+  double width = 0.0;
+  for (std::size_t i = 0; i < marker.corners.size(); ++i) {
+    const Eigen::Vector2d edge =
+        marker.corners[(i + 1) % marker.corners.size()] - marker.corners[i];
+    width = std::max(width, std::abs(edge.dot(tangential)));
+  }
+  return width / modules;
+}
+
+constexpr std::array<double, 10> kWidths = {0.0, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 4.0};
+
+void run(const RecordedSequence& sequence) {
+  VisibilityConfig visibility;
+  visibility.max_incidence = radians(60.0);
+  visibility.min_edge_pixels = 6.0;
+  const RecognitionConfig config;
+  PoseEstimate belief;
+  constexpr double kPositionDeviation = 0.01;
+  const double heading_deviation = radians(0.3);
+  belief.covariance.diagonal() << kPositionDeviation * kPositionDeviation,
+      kPositionDeviation * kPositionDeviation, heading_deviation * heading_deviation;
+  std::mt19937 generator(5);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  const std::string family = sequence.map.markers.front().family;
+  std::vector<TagPattern> patterns;
+  for (int id = 0; id < tagCount(family); ++id) patterns.emplace_back(family, id);
+
+  std::array<Count, kWidths.size()> right;
+  Count other_id;
+  Count elsewhere;
+  for (std::size_t i = 0; i < sequence.frames.size(); ++i) {
+    const Frame& frame = sequence.frames[i];
+    const MountedCamera camera(sequence.camera, frame.base_from_camera);
+    const Pose2& truth = sequence.truth[i];
+    belief.pose = {truth.x + kPositionDeviation * normal(generator),
+                   truth.y + kPositionDeviation * normal(generator),
+                   truth.yaw + heading_deviation * normal(generator)};
+    const auto lookFor = [&](const PoseEstimate& pose, const PredictedMarker& marker,
+                             const TagPattern& pattern) {
+      return recognize(frame.image, sequence.map.markers[marker.map_entry], pattern, camera,
+                       pose.pose, marker, 0.0, config);
+    };
+    for (const PredictedMarker& marker :
+         predictMarkers(sequence.map, camera, belief, visibility)) {
+      const int true_id = sequence.map.markers[marker.map_entry].id;
+      const TagPattern& pattern = patterns[static_cast<std::size_t>(true_id)];
+      const double width = moduleWidth(marker, *sequence.camera, pattern.widthBetweenCorners());
+      const auto bin = std::upper_bound(kWidths.begin(), kWidths.end(), width) - kWidths.begin();
+      right[static_cast<std::size_t>(bin - 1)].add(lookFor(belief, marker, pattern));
+      for (int id = 0; id < static_cast<int>(patterns.size()); ++id) {
+        if (id != true_id) {
+          other_id.add(lookFor(belief, marker, patterns[static_cast<std::size_t>(id)]));
+        }
+      }
+    }
+    constexpr int kWrongPoses = 60;
+    constexpr double kClear = 40.0;  // pixels
+    for (int k = 0; k < kWrongPoses; ++k) {
+      PoseEstimate wrong = belief;
+      wrong.pose.x += 0.5 * normal(generator);
+      wrong.pose.y += 0.5 * normal(generator);
+      wrong.pose.yaw = std::uniform_real_distribution<double>(-kPi, kPi)(generator);
+      for (const PredictedMarker& marker :
+           predictMarkers(sequence.map, camera, wrong, visibility)) {
+        const Marker& mapped = sequence.map.markers[marker.map_entry];
+        const auto true_place = camera.pixelFromMap(truth, mapped.center());
+        if (true_place && (*true_place - marker.center).norm() < kClear) continue;
+        const int id = mapped.id;
+        elsewhere.add(lookFor(wrong, marker, patterns[static_cast<std::size_t>(id)]));
+      }
+    }
+  }
+  other_id.print("another marker of the family");
+  elsewhere.print("predicted by a random pose");
+  std::printf("markers as they are, by pixels per module along the tangent\n");
+  for (std::size_t bin = 0; bin < kWidths.size(); ++bin) {
+    char name[32];
+    std::snprintf(name, sizeof(name), "  from %.2f", kWidths[bin]);
+    right[bin].print(name);
+  }
+}
+
+}  // namespace
+}  // namespace omnitag
+
+int main(int argc, char** argv) {
+  return omnitag::runProgram("false_accept_study", [&] {
+    omnitag::run(omnitag::sequenceFrom(argc, argv));
+    return 0;
+  });
+}
