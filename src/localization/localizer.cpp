@@ -1,16 +1,16 @@
 #include "omnitag/localization/localizer.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <set>
 #include <string>
 #include <utility>
 
+#include "frame_tracker.h"
 #include "omnitag/common/error.h"
+#include "omnitag/common/stopwatch.h"
 #include "omnitag/localization/displacement.h"
-#include "omnitag/marker/marker_association.h"
 
 namespace omnitag {
 namespace {
@@ -21,19 +21,6 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// since positions go back to the panorama through the same table.
 constexpr double kWorkingDistance = 3.0;
 
-class Stopwatch {
- public:
-  /// Seconds since the start or the last call.
-  double lap() {
-    const Clock::time_point now = Clock::now();
-    return std::chrono::duration<double>(now - std::exchange(start_, now)).count();
-  }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point start_ = Clock::now();
-};
-
 std::set<std::string> familiesOf(const MarkerMap& map) {
   std::set<std::string> families;
   for (const Marker& marker : map.markers) families.insert(marker.family);
@@ -43,16 +30,6 @@ std::set<std::string> familiesOf(const MarkerMap& map) {
 std::string describe(const cv::Mat& image) {
   return std::to_string(image.cols) + " x " + std::to_string(image.rows) + " pixels of type " +
          cv::typeToString(image.type());
-}
-
-MarkerDetection toDetection(const MarkerReading& reading) {
-  MarkerDetection detection;
-  detection.family = reading.family;
-  detection.id = reading.id;
-  detection.corners = reading.corners;
-  detection.center = reading.center;
-  detection.residual = kNaN;
-  return detection;
 }
 
 /// How many detections are of the map's markers and yet not accepted.
@@ -94,6 +71,8 @@ Localizer::Localizer(std::shared_ptr<const CameraModel> camera, MarkerMap map,
       reader_(camera_, kWorkingDistance, config.detector, familiesOf(map_)),
       patterns_(map_),
       motion_(config.motion) {}
+
+TrackingTools Localizer::trackingTools() const { return {map_, config_, reader_, patterns_}; }
 
 void Localizer::setPose(const PoseEstimate& map_from_base) { given_pose_ = map_from_base; }
 
@@ -157,56 +136,15 @@ void Localizer::track(const Frame& frame, const MountedCamera& camera,
                       const PoseEstimate& predicted, FrameResult* result) {
   Stopwatch step;
   result->predicted = predictMarkers(map_, camera, predicted, config_.visibility);
-  std::vector<ViewTarget> targets;
-  targets.reserve(result->predicted.size());
-  for (const PredictedMarker& marker : result->predicted) {
-    targets.push_back(viewTarget(marker, *camera_));
-  }
-  result->views = planViews(targets, reader_.warper().table(), camera_->imagePlane().scale(),
-                            camera.axisUp(), config_.view);
   result->timings.predict += step.lap();
-  const std::vector<MarkerReading> readings = read(frame, result);
-
-  step.lap();
-  std::vector<MarkerObservation> observations;
-  std::vector<std::size_t> observed;
-  for (const MarkerReading& reading : readings) {
-    const Association association = associate(
-        reading, result->predicted, result->views[reading.view].targets, map_, config_.association);
-    MarkerDetection detection = toDetection(reading);
-    detection.reason = association.reason;
-    if (association.prediction) {
-      detection.map_entry = result->predicted[*association.prediction].map_entry;
-      observations.push_back({*detection.map_entry, reading.corners, reading.center});
-      observed.push_back(result->detections.size());
-    }
-    result->detections.push_back(std::move(detection));
-  }
-  std::optional<PoseSolution> solution =
-      estimatePose(map_, camera, observations, predicted, config_.estimation);
-  if (solution) {
-    std::vector<std::size_t> entries;
-    for (std::size_t i = 0; i < observations.size(); ++i) {
-      if (solution->used[i]) entries.push_back(observations[i].map_entry);
-    }
-    solution->map_from_base =
-        refined(frame.image, camera, entries, solution->map_from_base, predicted);
-  }
-  for (std::size_t i = 0; i < observed.size(); ++i) {
-    MarkerDetection& detection = result->detections[observed[i]];
-    detection.accepted = solution && solution->used[i];
-    if (solution) detection.residual = solution->residuals[i];
-    if (!detection.accepted) {
-      detection.reason = solution ? "disagrees with the other markers" : "no pose agrees with it";
-    }
-  }
+  const TrackingTools tools = trackingTools();
+  FrameTracker tracker(tools, frame, camera, predicted, result);
+  const std::optional<PoseEstimate> pose = tracker.track(frames_++);
   // Where most of what is read contradicts, the prediction itself is in doubt.
-  if (solution && contradictions(*result, map_) <= result->acceptedMarkers()) {
-    motion_.correct(solution->map_from_base);
-    result->mode = Mode::kTracking;
-    result->map_from_base = solution->map_from_base;
-  }
-  result->timings.solve += step.lap();
+  if (!pose || contradictions(*result, map_) > result->acceptedMarkers()) return;
+  motion_.correct(*pose);
+  result->mode = Mode::kTracking;
+  result->map_from_base = pose;
 }
 
 void Localizer::search(const Frame& frame, const MountedCamera& camera,
@@ -229,7 +167,8 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
     // uncertain is not where they are but what they mean.
     const bool is_sure = is_expected || explaining.size() >= 2;
     const PoseEstimate pose =
-        is_sure ? refined(frame.image, camera, explaining, *found.map_from_base, prior)
+        is_sure ? alignedWithPixels(trackingTools(), frame.image, camera, explaining,
+                                    *found.map_from_base, prior)
                 : *found.map_from_base;
     if (is_expected) {
       motion_.correct(pose);
@@ -265,42 +204,15 @@ void Localizer::carryOn(const PoseEstimate& predicted, FrameResult* result) cons
 std::vector<MarkerReading> Localizer::lookAround(const Frame& frame, const MountedCamera& camera,
                                                  FrameResult* result) const {
   Stopwatch step;
-  result->views = viewsAllAround(map_, camera, reader_.warper().table(),
-                                 config_.visibility.max_range, config_.look_around);
+  result->views.clear();
   result->view_images.clear();
   result->detections.clear();
+  std::vector<View> views = viewsAllAround(map_, camera, reader_.warper().table(),
+                                           config_.visibility.max_range, config_.look_around);
   result->timings.predict += step.lap();
-  return withoutRepetitions(read(frame, result), result->views, reader_.warper());
-}
-
-PoseEstimate Localizer::refined(const cv::Mat& panorama, const MountedCamera& camera,
-                                const std::vector<std::size_t>& entries,
-                                const PoseEstimate& from_corners,
-                                const std::optional<PoseEstimate>& predicted) const {
-  if (config_.estimation.kind != EstimatorKind::kPhotometric) return from_corners;
-  const std::optional<PhotometricFit> fit =
-      refinePhotometrically(panorama, map_, camera, patterns_, entries, from_corners.pose,
-                            predicted, config_.estimation.photometric);
-  // Where the two contradict each other, something covers a marker or the map is not exact enough
-  // to align pixels with: corners bear more.
-  return fit && agree(fit->map_from_base, from_corners) ? fit->map_from_base : from_corners;
-}
-
-std::vector<MarkerReading> Localizer::read(const Frame& frame, FrameResult* result) const {
-  Stopwatch step;
-  for (const View& view : result->views) {
-    result->view_images.push_back(reader_.warper().warp(frame.image, view));
-  }
-  result->timings.warp += step.lap();
-  std::vector<MarkerReading> readings;
-  for (std::size_t v = 0; v < result->views.size(); ++v) {
-    for (MarkerReading& reading : reader_.read(result->view_images[v], result->views[v])) {
-      reading.view = v;
-      readings.push_back(std::move(reading));
-    }
-  }
-  result->timings.decode += step.lap();
-  return readings;
+  const std::vector<MarkerReading> readings =
+      readViews(reader_, frame.image, std::move(views), result);
+  return withoutRepetitions(readings, result->views, reader_.warper());
 }
 
 void Localizer::measure(const MountedCamera& camera, FrameResult* result) const {

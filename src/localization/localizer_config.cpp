@@ -14,6 +14,9 @@ LocalizerConfig readLocalizerConfig(const YamlReader& reader) {
   if (reader.has("association")) {
     config.association = readAssociationConfig(reader.mapping("association"));
   }
+  if (reader.has("recognition")) {
+    config.recognition = readRecognitionConfig(reader.mapping("recognition"));
+  }
   if (reader.has("estimation")) {
     config.estimation = readEstimatorConfig(reader.mapping("estimation"));
   }

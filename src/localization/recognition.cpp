@@ -190,11 +190,12 @@ std::optional<Comparison> compareData(const cv::Mat& panorama,
 }  // namespace
 
 RecognitionConfig readRecognitionConfig(const YamlReader& reader) {
-  reader.allowOnly({"max_margin", "false_accept_rate", "min_contrast"});
+  reader.allowOnly({"max_margin", "false_accept_rate", "min_contrast", "period"});
   RecognitionConfig config;
   reader.read("max_margin", &config.max_margin, kNonNegative);
   reader.read("false_accept_rate", &config.false_accept_rate, {1e-12, 0.1});
   reader.read("min_contrast", &config.min_contrast, kPositive);
+  reader.read("period", &config.period, kPositive);
   return config;
 }
 
@@ -224,6 +225,8 @@ std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& mark
   const Eigen::Vector2i place = bestPlace(panorama, samples, reach, step);
   const std::optional<Fit> fit = align(panorama, samples, place.cast<double>());
   if (!fit || fit->contrast < config.min_contrast) return std::nullopt;
+  const double limit = reach.x() + 1.0;
+  if (fit->displacement.cwiseAbs().maxCoeff() > limit) return std::nullopt;
   const auto comparison = compareData(panorama, footprints, pattern, fit->displacement);
   if (!comparison) return std::nullopt;
   const double trials = (2.0 * steps + 1.0) * (2.0 * steps + 1.0);

@@ -11,14 +11,6 @@ namespace {
 /// tag16h5 has between its corners, as a share of the size.
 constexpr double kQuietZone = 0.2;
 
-double longestEdge(const Corners<Eigen::Vector2d>& corners) {
-  double longest = 0.0;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    longest = std::max(longest, (corners[(i + 1) % corners.size()] - corners[i]).norm());
-  }
-  return longest;
-}
-
 std::optional<PredictedMarker> predict(const Marker& marker, const MountedCamera& camera,
                                        const PoseEstimate& map_from_base,
                                        const Eigen::Vector3d& viewpoint,
@@ -59,13 +51,22 @@ std::optional<PredictedMarker> predict(const Marker& marker, const MountedCamera
 
 }  // namespace
 
+double longestEdge(const Corners<Eigen::Vector2d>& corners) {
+  double longest = 0.0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    longest = std::max(longest, (corners[(i + 1) % corners.size()] - corners[i]).norm());
+  }
+  return longest;
+}
+
 VisibilityConfig readVisibilityConfig(const YamlReader& reader) {
-  reader.allowOnly(
-      {"max_range", "max_incidence", "min_edge_pixels", "margin_deviations", "min_margin_pixels"});
+  reader.allowOnly({"max_range", "max_incidence", "min_edge_pixels", "min_decodable_edge_pixels",
+                    "margin_deviations", "min_margin_pixels"});
   VisibilityConfig config;
   reader.read("max_range", &config.max_range, kPositive);
   reader.read("max_incidence", &config.max_incidence, {0.0, 0.5 * kPi});
   reader.read("min_edge_pixels", &config.min_edge_pixels, kNonNegative);
+  reader.read("min_decodable_edge_pixels", &config.min_decodable_edge_pixels, kNonNegative);
   reader.read("margin_deviations", &config.margin_deviations, kPositive);
   reader.read("min_margin_pixels", &config.min_margin_pixels, kNonNegative);
   return config;
@@ -83,6 +84,16 @@ std::vector<PredictedMarker> predictMarkers(const MarkerMap& map, const MountedC
     predicted.push_back(*marker);
   }
   return predicted;
+}
+
+std::optional<PredictedMarker> predictMarker(const MarkerMap& map, std::size_t entry,
+                                             const MountedCamera& camera,
+                                             const PoseEstimate& map_from_base,
+                                             const VisibilityConfig& config) {
+  const Eigen::Vector3d viewpoint = camera.mapFromCamera(map_from_base.pose).translation();
+  auto marker = predict(map.markers[entry], camera, map_from_base, viewpoint, config);
+  if (marker) marker->map_entry = entry;
+  return marker;
 }
 
 ViewTarget viewTarget(const PredictedMarker& marker, const CameraModel& camera) {

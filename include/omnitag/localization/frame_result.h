@@ -33,6 +33,9 @@ struct Frame {
   Eigen::Isometry3d base_from_camera = Eigen::Isometry3d::Identity();
   /// Odometry at the stamp, where the robot has one.
   std::optional<Pose2> odom_from_base;
+  /// Whether the result is to hold a view of every predicted marker, for people to look at, also of
+  /// those that are recognized without.
+  bool wants_views = false;
 };
 
 /// A marker that was read in a frame, accepted or not.
@@ -65,6 +68,7 @@ struct DisplacedMarker {
 /// Wall-clock seconds that the steps of a frame took.
 struct Timings {
   double predict = 0.0;
+  double recognize = 0.0;
   double warp = 0.0;
   double decode = 0.0;
   double solve = 0.0;

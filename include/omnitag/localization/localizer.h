@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <opencv2/core/mat.hpp>
 #include <optional>
@@ -12,8 +13,11 @@
 #include "omnitag/localization/motion_model.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/marker/marker_reader.h"
+#include "omnitag/marker/tag_pattern.h"
 
 namespace omnitag {
+
+struct TrackingTools;
 
 /// Follows a robot through a stream of images: predicts, looks, triangulates, judges; and looks all
 /// around where it has no pose, or none that the image agrees with.
@@ -55,12 +59,7 @@ class Localizer {
   void carryOn(const PoseEstimate& predicted, FrameResult* result) const;
   std::vector<MarkerReading> lookAround(const Frame& frame, const MountedCamera& camera,
                                         FrameResult* result) const;
-  /// The pose that the markers' corners gave, aligned with their pixels where that is asked for and
-  /// possible.
-  PoseEstimate refined(const cv::Mat& panorama, const MountedCamera& camera,
-                       const std::vector<std::size_t>& entries, const PoseEstimate& from_corners,
-                       const std::optional<PoseEstimate>& predicted) const;
-  std::vector<MarkerReading> read(const Frame& frame, FrameResult* result) const;
+  TrackingTools trackingTools() const;
   void measure(const MountedCamera& camera, FrameResult* result) const;
 
   std::shared_ptr<const CameraModel> camera_;
@@ -73,6 +72,7 @@ class Localizer {
   std::optional<PoseEstimate> given_pose_;
   bool has_pose_ = false;
   std::optional<double> last_stamp_;
+  std::size_t frames_ = 0;
 };
 
 }  // namespace omnitag

@@ -4,6 +4,7 @@
 #include "omnitag/localization/look_around.h"
 #include "omnitag/localization/motion_model.h"
 #include "omnitag/localization/pose_estimator.h"
+#include "omnitag/localization/recognition.h"
 #include "omnitag/localization/relocalization.h"
 #include "omnitag/marker/marker_association.h"
 #include "omnitag/marker/marker_prediction.h"
@@ -18,15 +19,16 @@ struct LocalizerConfig {
   ViewPlannerConfig view;
   TagDetectorConfig detector;
   AssociationConfig association;
+  RecognitionConfig recognition;
   EstimatorConfig estimation;
   LookAroundConfig look_around;
   RelocalizationConfig relocalization;
   MotionModelConfig motion;
 };
 
-/// Reads the groups `visibility`, `view`, `detector`, `association`, `estimation`, `look_around`,
-/// `relocalization` and `motion`, and the key `estimator` (triangulation | reprojection). Absent
-/// keys keep their defaults; other keys of the top level are not looked at. Throws InputError.
+/// Reads the groups `visibility`, `view`, `detector`, `association`, `recognition`, `estimation`,
+/// `look_around`, `relocalization` and `motion`, and the key `estimator` (triangulation |
+/// reprojection | photometric). Absent keys keep their defaults; other keys of the top level are not looked at. Throws InputError.
 LocalizerConfig readLocalizerConfig(const YamlReader& reader);
 
 }  // namespace omnitag

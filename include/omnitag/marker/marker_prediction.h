@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "omnitag/camera/mounted_camera.h"
@@ -18,8 +19,10 @@ struct VisibilityConfig {
   double max_range = 20.0;
   /// rad, between the marker's normal and the direction to the camera.
   double max_incidence = radians(75.0);
-  /// Length of the marker's longest edge in the panorama, in pixels.
-  double min_edge_pixels = 12.0;
+  /// Length of the marker's longest edge in the panorama, in pixels: at least, and at least for the
+  /// decoder to be able to read it.
+  double min_edge_pixels = 8.0;
+  double min_decodable_edge_pixels = 12.0;
   /// Standard deviations of the predicted pose that a view leaves around a marker.
   double margin_deviations = 3.5;
   /// Pixels of the panorama that a view leaves at least.
@@ -50,6 +53,15 @@ struct PredictedMarker {
 std::vector<PredictedMarker> predictMarkers(const MarkerMap& map, const MountedCamera& camera,
                                             const PoseEstimate& map_from_base,
                                             const VisibilityConfig& config);
+
+/// One of them, or nothing where the camera should not see it.
+std::optional<PredictedMarker> predictMarker(const MarkerMap& map, std::size_t entry,
+                                             const MountedCamera& camera,
+                                             const PoseEstimate& map_from_base,
+                                             const VisibilityConfig& config);
+
+/// Length of a quadrilateral's longest edge.
+double longestEdge(const Corners<Eigen::Vector2d>& corners);
 
 /// The part of the panorama in which a marker is to be looked for: its corners, the white border
 /// without which it cannot be read, and its margins.

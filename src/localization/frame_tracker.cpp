@@ -1,0 +1,249 @@
+#include "frame_tracker.h"
+
+#include <algorithm>
+#include <iterator>
+#include <limits>
+#include <utility>
+
+#include "omnitag/common/stopwatch.h"
+#include "omnitag/marker/marker_association.h"
+
+namespace omnitag {
+namespace {
+
+/// Markers that leave no doubt about the pose when all of them are where they should be.
+constexpr std::size_t kEnough = 3;
+
+/// Of a prediction that is too vague to recognize markers, how many are decoded at first.
+constexpr std::size_t kAnchors = 4;
+
+void moveTo(const Eigen::Vector2d& displacement, const PredictedMarker& predicted,
+            MarkerObservation* observation) {
+  observation->map_entry = predicted.map_entry;
+  observation->corners = predicted.corners;
+  for (Eigen::Vector2d& corner : observation->corners) corner += displacement;
+  observation->center = predicted.center + displacement;
+}
+
+}  // namespace
+
+MarkerDetection toDetection(const MarkerReading& reading) {
+  MarkerDetection detection;
+  detection.family = reading.family;
+  detection.id = reading.id;
+  detection.corners = reading.corners;
+  detection.center = reading.center;
+  detection.residual = std::numeric_limits<double>::quiet_NaN();
+  return detection;
+}
+
+std::vector<MarkerReading> readViews(const MarkerReader& reader, const cv::Mat& panorama,
+                                     std::vector<View> views, FrameResult* result) {
+  Stopwatch step;
+  const std::size_t first = result->views.size();
+  for (View& view : views) {
+    result->view_images.push_back(reader.warper().warp(panorama, view));
+    result->views.push_back(std::move(view));
+  }
+  result->timings.warp += step.lap();
+  std::vector<MarkerReading> readings;
+  for (std::size_t v = first; v < result->views.size(); ++v) {
+    for (MarkerReading& reading : reader.read(result->view_images[v], result->views[v])) {
+      reading.view = v;
+      readings.push_back(std::move(reading));
+    }
+  }
+  result->timings.decode += step.lap();
+  return readings;
+}
+
+PoseEstimate alignedWithPixels(const TrackingTools& tools, const cv::Mat& panorama,
+                               const MountedCamera& camera, const std::vector<std::size_t>& entries,
+                               const PoseEstimate& from_corners,
+                               const std::optional<PoseEstimate>& prior) {
+  const EstimatorConfig& config = tools.config.estimation;
+  if (config.kind != EstimatorKind::kPhotometric) return from_corners;
+  const std::optional<PhotometricFit> fit =
+      refinePhotometrically(panorama, tools.map, camera, tools.patterns, entries,
+                            from_corners.pose, prior, config.photometric);
+  return fit && agree(fit->map_from_base, from_corners) ? fit->map_from_base : from_corners;
+}
+
+FrameTracker::FrameTracker(const TrackingTools& tools, const Frame& frame,
+                           const MountedCamera& camera, const PoseEstimate& predicted,
+                           FrameResult* result)
+    : tools_(tools),
+      frame_(frame),
+      camera_(camera),
+      predicted_(predicted),
+      result_(result),
+      sightings_(result->predicted.size()) {}
+
+std::optional<PoseEstimate> FrameTracker::track(std::size_t glance) {
+  const bool recognizes = tools_.config.estimation.kind == EstimatorKind::kPhotometric;
+  if (recognizes) {
+    recognize(predicted_);
+    if (found() < kEnough) {
+      std::vector<std::size_t> anchors = undecoded();
+      anchors.resize(std::min(anchors.size(), kAnchors));
+      decode(anchors);
+    }
+    solve();
+    if (solution_) {
+      recognize(solution_->map_from_base);
+      solve();
+    }
+  }
+  std::vector<std::size_t> rest = undecoded();
+  if (found() >= kEnough && !rest.empty()) rest = {rest[glance % rest.size()]};
+  if (!rest.empty()) {
+    decode(rest);
+    solve();
+  }
+  Stopwatch step;
+  std::optional<PoseEstimate> pose;
+  if (solution_) pose = aligned();
+  result_->timings.solve += step.lap();
+  report();
+  if (frame_.wants_views) addViews();
+  return pose;
+}
+
+void FrameTracker::recognize(const PoseEstimate& belief) {
+  // A pattern that was found farther off is tilted and scaled a little against the prediction.
+  constexpr double kFarOff = 1.0;  // pixels
+  Stopwatch step;
+  for (std::size_t i = 0; i < sightings_.size(); ++i) {
+    Sighting& sighting = sightings_[i];
+    if (sighting.observation && sighting.displacement < kFarOff) continue;
+    const std::size_t entry = result_->predicted[i].map_entry;
+    const auto predicted =
+        predictMarker(tools_.map, entry, camera_, belief, tools_.config.visibility);
+    if (!predicted || std::max(predicted->tangential_margin, predicted->radial_margin) >
+                          tools_.config.recognition.max_margin) {
+      continue;
+    }
+    const Marker& marker = tools_.map.markers[entry];
+    const auto recognition = omnitag::recognize(
+        frame_.image, marker, tools_.patterns.of(marker), camera_, belief.pose, *predicted,
+        tools_.config.estimation.photometric.blur, tools_.config.recognition);
+    if (!recognition || !recognition->isAccepted()) continue;
+    sighting.observation.emplace();
+    moveTo(recognition->displacement, *predicted, &*sighting.observation);
+    sighting.displacement = recognition->displacement.norm();
+  }
+  result_->timings.recognize += step.lap();
+}
+
+std::vector<std::size_t> FrameTracker::undecoded() const {
+  std::vector<std::size_t> targets;
+  for (std::size_t i = 0; i < sightings_.size(); ++i) {
+    const bool is_large = longestEdge(result_->predicted[i].corners) >=
+                          tools_.config.visibility.min_decodable_edge_pixels;
+    if (is_large && !sightings_[i].observation && !sightings_[i].was_decoded) targets.push_back(i);
+  }
+  std::stable_sort(targets.begin(), targets.end(), [this](std::size_t a, std::size_t b) {
+    return meanEdge(result_->predicted[a].corners) > meanEdge(result_->predicted[b].corners);
+  });
+  return targets;
+}
+
+std::size_t FrameTracker::found() const {
+  return static_cast<std::size_t>(
+      std::count_if(sightings_.begin(), sightings_.end(),
+                    [](const Sighting& sighting) { return sighting.observation.has_value(); }));
+}
+
+void FrameTracker::decode(const std::vector<std::size_t>& targets) {
+  Stopwatch step;
+  std::vector<ViewTarget> view_targets;
+  view_targets.reserve(targets.size());
+  for (const std::size_t target : targets) {
+    sightings_[target].was_decoded = true;
+    view_targets.push_back(viewTarget(result_->predicted[target], camera_.model()));
+  }
+  std::vector<View> views = planViews(view_targets, tools_.reader.warper().table(),
+                                      camera_.model().imagePlane().scale(), camera_.axisUp(),
+                                      tools_.config.view);
+  for (View& view : views) {
+    for (std::size_t& target : view.targets) target = targets[target];
+  }
+  result_->timings.predict += step.lap();
+  for (const MarkerReading& reading :
+       readViews(tools_.reader, frame_.image, std::move(views), result_)) {
+    const Association association =
+        associate(reading, result_->predicted, result_->views[reading.view].targets, tools_.map,
+                  tools_.config.association);
+    if (association.prediction) {
+      Sighting& sighting = sightings_[*association.prediction];
+      const std::size_t entry = result_->predicted[*association.prediction].map_entry;
+      if (!sighting.observation) sighting.observation = {entry, reading.corners, reading.center};
+    } else {
+      strangers_.push_back(toDetection(reading));
+      strangers_.back().reason = association.reason;
+    }
+  }
+}
+
+void FrameTracker::solve() {
+  Stopwatch step;
+  std::vector<MarkerObservation> observations;
+  observed_.clear();
+  for (std::size_t i = 0; i < sightings_.size(); ++i) {
+    if (!sightings_[i].observation) continue;
+    observations.push_back(*sightings_[i].observation);
+    observed_.push_back(i);
+  }
+  solution_ =
+      estimatePose(tools_.map, camera_, observations, predicted_, tools_.config.estimation);
+  result_->timings.solve += step.lap();
+}
+
+PoseEstimate FrameTracker::aligned() const {
+  std::vector<std::size_t> entries;
+  for (std::size_t k = 0; k < observed_.size(); ++k) {
+    if (solution_->used[k]) entries.push_back(result_->predicted[observed_[k]].map_entry);
+  }
+  return alignedWithPixels(tools_, frame_.image, camera_, entries, solution_->map_from_base,
+                           predicted_);
+}
+
+void FrameTracker::report() {
+  for (std::size_t k = 0; k < observed_.size(); ++k) {
+    const MarkerObservation& observation = *sightings_[observed_[k]].observation;
+    const Marker& marker = tools_.map.markers[observation.map_entry];
+    MarkerDetection detection;
+    detection.family = marker.family;
+    detection.id = marker.id;
+    detection.map_entry = observation.map_entry;
+    detection.corners = observation.corners;
+    detection.center = observation.center;
+    detection.accepted = solution_ && solution_->used[k];
+    detection.residual =
+        solution_ ? solution_->residuals[k] : std::numeric_limits<double>::quiet_NaN();
+    if (!detection.accepted) {
+      detection.reason = solution_ ? "disagrees with the other markers" : "no pose agrees with it";
+    }
+    result_->detections.push_back(std::move(detection));
+  }
+  std::move(strangers_.begin(), strangers_.end(), std::back_inserter(result_->detections));
+}
+
+void FrameTracker::addViews() {
+  std::vector<ViewTarget> targets;
+  std::vector<std::size_t> indices;
+  for (std::size_t i = 0; i < sightings_.size(); ++i) {
+    if (sightings_[i].was_decoded) continue;
+    targets.push_back(viewTarget(result_->predicted[i], camera_.model()));
+    indices.push_back(i);
+  }
+  for (View& view : planViews(targets, tools_.reader.warper().table(),
+                              camera_.model().imagePlane().scale(), camera_.axisUp(),
+                              tools_.config.view)) {
+    for (std::size_t& target : view.targets) target = indices[target];
+    result_->view_images.push_back(tools_.reader.warper().warp(frame_.image, view));
+    result_->views.push_back(std::move(view));
+  }
+}
+
+}  // namespace omnitag

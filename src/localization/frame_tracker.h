@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "omnitag/camera/mounted_camera.h"
+#include "omnitag/localization/frame_result.h"
+#include "omnitag/localization/localizer_config.h"
+#include "omnitag/localization/pose_estimator.h"
+#include "omnitag/marker/marker_map.h"
+#include "omnitag/marker/marker_reader.h"
+#include "omnitag/marker/tag_pattern.h"
+
+namespace omnitag {
+
+/// What a localizer looks with.
+struct TrackingTools {
+  const MarkerMap& map;
+  const LocalizerConfig& config;
+  const MarkerReader& reader;
+  const TagPatterns& patterns;
+};
+
+/// Finds the predicted markers of one frame, by their patterns where their places are known well
+/// enough, by decoding views otherwise, and the pose that they give. Everything that is seen goes
+/// to the frame's result.
+class FrameTracker {
+ public:
+  /// All must outlive the tracker. `result->predicted` holds what is to be found.
+  FrameTracker(const TrackingTools& tools, const Frame& frame, const MountedCamera& camera,
+               const PoseEstimate& predicted, FrameResult* result);
+
+  /// The pose, the prediction included; nothing where no marker agrees with any. `glance` is counted
+  /// up from frame to frame: of the markers that were not found though the pose is certain, it says
+  /// which one is looked at with the decoder, to see what is there instead.
+  std::optional<PoseEstimate> track(std::size_t glance);
+
+ private:
+  /// What became of a predicted marker.
+  struct Sighting {
+    std::optional<MarkerObservation> observation;
+    /// Pixels from where it was predicted.
+    double displacement = 0.0;
+    bool was_decoded = false;
+  };
+
+  /// Looks for the pattern of every marker that was not found, or not near where it was predicted.
+  void recognize(const PoseEstimate& belief);
+  void decode(const std::vector<std::size_t>& targets);
+  std::vector<std::size_t> undecoded() const;
+  std::size_t found() const;
+  void solve();
+  /// The solution, aligned with the pixels where that is asked for and possible.
+  PoseEstimate aligned() const;
+  void report();
+  void addViews();
+
+  const TrackingTools& tools_;
+  const Frame& frame_;
+  const MountedCamera& camera_;
+  const PoseEstimate& predicted_;
+  FrameResult* result_;
+  std::vector<Sighting> sightings_;
+  /// What was decoded and is none of the predicted markers.
+  std::vector<MarkerDetection> strangers_;
+  std::optional<PoseSolution> solution_;
+  /// Indices of the sightings that the solution is based on, in the order of its residuals.
+  std::vector<std::size_t> observed_;
+};
+
+/// A reading as a detection that is not accepted yet.
+MarkerDetection toDetection(const MarkerReading& reading);
+
+/// Reads views and adds them, with what they show, to the result.
+std::vector<MarkerReading> readViews(const MarkerReader& reader, const cv::Mat& panorama,
+                                     std::vector<View> views, FrameResult* result);
+
+/// A pose that corners gave, aligned with the pixels of the markers at `entries`; as it was where
+/// the two contradict each other: something covers a marker then, or the map is not exact enough to
+/// align pixels with, and corners bear more.
+PoseEstimate alignedWithPixels(const TrackingTools& tools, const cv::Mat& panorama,
+                               const MountedCamera& camera, const std::vector<std::size_t>& entries,
+                               const PoseEstimate& from_corners,
+                               const std::optional<PoseEstimate>& prior);
+
+}  // namespace omnitag
