@@ -57,16 +57,16 @@ std::vector<MarkerReading> readViews(const MarkerReader& reader, const cv::Mat& 
   return readings;
 }
 
-PoseEstimate alignedWithPixels(const TrackingTools& tools, const cv::Mat& panorama,
-                               const MountedCamera& camera, const std::vector<std::size_t>& entries,
-                               const PoseEstimate& from_corners,
-                               const std::optional<PoseEstimate>& prior) {
+std::optional<PoseEstimate> alignWithPixels(const TrackingTools& tools, const cv::Mat& panorama,
+                                            const MountedCamera& camera,
+                                            const std::vector<std::size_t>& entries,
+                                            const Pose2& initial,
+                                            const std::optional<PoseEstimate>& prior) {
   const EstimatorConfig& config = tools.config.estimation;
-  if (config.kind != EstimatorKind::kPhotometric) return from_corners;
-  const std::optional<PhotometricFit> fit =
-      refinePhotometrically(panorama, tools.map, camera, tools.patterns, entries,
-                            from_corners.pose, prior, config.photometric);
-  return fit && agree(fit->map_from_base, from_corners) ? fit->map_from_base : from_corners;
+  if (config.kind != EstimatorKind::kPhotometric) return std::nullopt;
+  const std::optional<PhotometricFit> fit = refinePhotometrically(
+      panorama, tools.map, camera, tools.patterns, entries, initial, prior, config.photometric);
+  return fit ? std::optional(fit->map_from_base) : std::nullopt;
 }
 
 FrameTracker::FrameTracker(const TrackingTools& tools, const Frame& frame,
@@ -101,12 +101,11 @@ std::optional<PoseEstimate> FrameTracker::track(std::size_t glance) {
     solve();
   }
   Stopwatch step;
-  std::optional<PoseEstimate> pose;
-  if (solution_) pose = aligned();
+  if (solution_) align();
   result_->timings.solve += step.lap();
   report();
   if (frame_.wants_views) addViews();
-  return pose;
+  return solution_ ? std::optional(solution_->map_from_base) : std::nullopt;
 }
 
 void FrameTracker::recognize(const PoseEstimate& belief) {
@@ -199,13 +198,23 @@ void FrameTracker::solve() {
   result_->timings.solve += step.lap();
 }
 
-PoseEstimate FrameTracker::aligned() const {
+void FrameTracker::align() {
   std::vector<std::size_t> entries;
+  std::vector<MarkerObservation> observations;
   for (std::size_t k = 0; k < observed_.size(); ++k) {
-    if (solution_->used[k]) entries.push_back(result_->predicted[observed_[k]].map_entry);
+    observations.push_back(*sightings_[observed_[k]].observation);
+    if (solution_->used[k]) entries.push_back(observations.back().map_entry);
   }
-  return alignedWithPixels(tools_, frame_.image, camera_, entries, solution_->map_from_base,
-                           predicted_);
+  const auto aligned = alignWithPixels(tools_, frame_.image, camera_, entries,
+                                       solution_->map_from_base.pose, predicted_);
+  if (!aligned) return;
+  std::vector<double> residuals =
+      reprojectionResiduals(tools_.map, camera_, observations, aligned->pose);
+  for (std::size_t k = 0; k < residuals.size(); ++k) {
+    if (solution_->used[k] && residuals[k] > tools_.config.estimation.max_residual) return;
+  }
+  solution_->map_from_base = *aligned;
+  solution_->residuals = std::move(residuals);
 }
 
 void FrameTracker::report() {

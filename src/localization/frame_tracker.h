@@ -51,8 +51,8 @@ class FrameTracker {
   std::vector<std::size_t> undecoded() const;
   std::size_t found() const;
   void solve();
-  /// The solution, aligned with the pixels where that is asked for and possible.
-  PoseEstimate aligned() const;
+  /// Aligns the solution with the pixels, unless a marker is then off that was not before.
+  void align();
   void report();
   void addViews();
 
@@ -76,12 +76,12 @@ MarkerDetection toDetection(const MarkerReading& reading);
 std::vector<MarkerReading> readViews(const MarkerReader& reader, const cv::Mat& panorama,
                                      std::vector<View> views, FrameResult* result);
 
-/// A pose that corners gave, aligned with the pixels of the markers at `entries`; as it was where
-/// the two contradict each other: something covers a marker then, or the map is not exact enough to
-/// align pixels with, and corners bear more.
-PoseEstimate alignedWithPixels(const TrackingTools& tools, const cv::Mat& panorama,
-                               const MountedCamera& camera, const std::vector<std::size_t>& entries,
-                               const PoseEstimate& from_corners,
-                               const std::optional<PoseEstimate>& prior);
+/// A pose aligned with the pixels of the markers at `entries`; nothing where that is not asked for
+/// or not possible.
+std::optional<PoseEstimate> alignWithPixels(const TrackingTools& tools, const cv::Mat& panorama,
+                                            const MountedCamera& camera,
+                                            const std::vector<std::size_t>& entries,
+                                            const Pose2& initial,
+                                            const std::optional<PoseEstimate>& prior);
 
 }  // namespace omnitag

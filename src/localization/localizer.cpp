@@ -166,10 +166,14 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
     // From one marker alone the pixels know the pose no better than its corners do: what is
     // uncertain is not where they are but what they mean.
     const bool is_sure = is_expected || explaining.size() >= 2;
-    const PoseEstimate pose =
-        is_sure ? alignedWithPixels(trackingTools(), frame.image, camera, explaining,
-                                    *found.map_from_base, prior)
-                : *found.map_from_base;
+    PoseEstimate pose = *found.map_from_base;
+    if (is_sure) {
+      const auto aligned =
+          alignWithPixels(trackingTools(), frame.image, camera, explaining, pose.pose, prior);
+      // Where the two contradict each other, something covers a marker or the map is not exact
+      // enough to align pixels with: corners bear more.
+      if (aligned && agree(*aligned, pose)) pose = *aligned;
+    }
     if (is_expected) {
       motion_.correct(pose);
       result->mode = Mode::kTracking;
