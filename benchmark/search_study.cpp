@@ -13,6 +13,7 @@
 #include "omnitag/localization/localizer.h"
 #include "program.h"
 #include "recorded_sequence.h"
+#include "statistics.h"
 
 namespace omnitag {
 namespace {
@@ -34,12 +35,6 @@ bool isWrong(const PoseEstimate& estimate, const Pose2& truth) {
   const Eigen::Vector3d error = difference(estimate.pose, truth);
   return error.head<2>().norm() > 0.5 || std::abs(error.z()) > radians(10.0) ||
          error.dot(estimate.covariance.inverse() * error) > kChiSquareLimit;
-}
-
-double quantile(std::vector<double> sample, double share) {
-  if (sample.empty()) return 0.0;
-  std::sort(sample.begin(), sample.end());
-  return sample[static_cast<std::size_t>(share * static_cast<double>(sample.size() - 1))];
 }
 
 Tally study(const RecordedSequence& sequence, std::size_t visible) {

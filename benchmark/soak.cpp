@@ -5,11 +5,10 @@
 //   soak [FRAMES]     20000 by default
 
 #include <cstdio>
-#include <fstream>
 #include <string>
 
-#include "omnitag/common/error.h"
 #include "omnitag/localization/localizer.h"
+#include "process_memory.h"
 #include "program.h"
 #include "recorded_sequence.h"
 
@@ -20,22 +19,12 @@ constexpr int kWarmUp = 1000;
 /// What the heap may gain by being cut up.
 constexpr double kMaxGrowth = 4.0;
 
-/// MB of this process that are in memory.
-double residentMemory() {
-  std::ifstream status("/proc/self/status");
-  for (std::string word; status >> word;) {
-    double kilobytes = 0.0;
-    if (word == "VmRSS:" && status >> kilobytes) return kilobytes / 1024.0;
-  }
-  throw InputError("/proc/self/status: expected VmRSS, found none");
-}
-
 bool run(int frames) {
   const RecordedSequence sequence = shippedSequence();
   Localizer localizer(sequence.camera, sequence.map, {});
   const double duration = sequence.frames.back().stamp - sequence.frames.front().stamp + 1.0;
   std::printf("frames   poses   VmRSS\n");
-  std::printf("%6d %7d %7.1f MB\n", 0, 0, residentMemory());
+  std::printf("%6d %7d %7.1f MB\n", 0, 0, processMemory("VmRSS"));
   const int per_lap = static_cast<int>(sequence.frames.size());
   int poses = 0;
   double after_warm_up = 0.0;
@@ -43,13 +32,13 @@ bool run(int frames) {
     Frame frame = sequence.frames[static_cast<std::size_t>(i % per_lap)];
     frame.stamp += duration * (i / per_lap);
     if (localizer.process(frame).map_from_base) ++poses;
-    if (i + 1 == kWarmUp) after_warm_up = residentMemory();
+    if (i + 1 == kWarmUp) after_warm_up = processMemory("VmRSS");
     if ((i + 1) % kWarmUp == 0 || i + 1 == frames) {
-      std::printf("%6d %7d %7.1f MB\n", i + 1, poses, residentMemory());
+      std::printf("%6d %7d %7.1f MB\n", i + 1, poses, processMemory("VmRSS"));
       std::fflush(stdout);
     }
   }
-  const double growth = residentMemory() - after_warm_up;
+  const double growth = processMemory("VmRSS") - after_warm_up;
   std::printf("grew by %.1f MB after the first %d frames\n", growth, kWarmUp);
   return growth <= kMaxGrowth;
 }

@@ -1,8 +1,10 @@
 """From a route to images: what the robot's camera sees in each frame."""
 
+import os
 from concurrent.futures import ThreadPoolExecutor
-from typing import Iterator, List
+from typing import Callable, Iterator, List, Optional
 
+import cv2
 import numpy as np
 
 from omnitag.rendering.camera import CatadioptricCamera
@@ -14,8 +16,11 @@ from omnitag.rendering.world import World, present
 
 
 def render_frames(world: World, camera: CatadioptricCamera, frames: List[Frame],
-                  jobs: int) -> Iterator[np.ndarray]:
-    """The light of each frame, (height, width) with 1 where white, in the order of the frames."""
+                  jobs: int, light: Optional[str] = None) -> Iterator[np.ndarray]:
+    """The light of each frame, (height, width) with 1 where white, in the order of the frames.
+
+    Frames whose light is in the directory `light`, named by their stamps, are not rendered again.
+    """
     bitmaps = marker_bitmaps(world.hung_markers.ever(), world.boards)
     base_from_camera = world.mounting.base_from_camera
 
@@ -27,8 +32,13 @@ def render_frames(world: World, camera: CatadioptricCamera, frames: List[Frame],
             camera_scene(camera, frame.map_from_base @ base_from_camera)])
         return render(scene, bitmaps, camera.width, camera.height)
 
+    def frame_light(frame: Frame) -> np.ndarray:
+        if light is None:
+            return render_frame(frame)
+        return kept_light(os.path.join(light, f"{frame.stamp}.png"), lambda: render_frame(frame))
+
     executor = ThreadPoolExecutor(jobs)
-    images = [executor.submit(render_frame, frame) for frame in frames]
+    images = [executor.submit(frame_light, frame) for frame in frames]
     try:
         for image in images:
             yield image.result()
@@ -36,6 +46,17 @@ def render_frames(world: World, camera: CatadioptricCamera, frames: List[Frame],
         for image in images:
             image.cancel()
         executor.shutdown()
+
+
+def kept_light(path: str, render_light: Callable[[], np.ndarray]) -> np.ndarray:
+    """The light of a frame from the 16-bit image at `path`, rendered and kept there if need be."""
+    most = np.iinfo(np.uint16).max
+    if not os.path.exists(path):
+        # Complete or not there, should rendering be interrupted.
+        unfinished = path + ".unfinished.png"
+        cv2.imwrite(unfinished, np.rint(most * render_light()).astype(np.uint16))
+        os.replace(unfinished, path)
+    return cv2.imread(path, cv2.IMREAD_UNCHANGED).astype(float) / most
 
 
 def grey_levels(light: np.ndarray, noise: float, generator: np.random.Generator) -> np.ndarray:

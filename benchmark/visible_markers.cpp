@@ -1,0 +1,55 @@
+#include "visible_markers.h"
+
+#include <algorithm>
+
+#include "omnitag/marker/marker_reader.h"
+
+namespace omnitag {
+namespace {
+
+bool isSame(const PredictedMarker& marker, const MarkerMap& map, const FoundMarker& found) {
+  const Marker& mapped = map.markers[marker.map_entry];
+  return found.family == mapped.family && found.id == mapped.id &&
+         (found.center - marker.center).norm() <= 0.5 * meanEdge(marker.corners);
+}
+
+}  // namespace
+
+std::vector<PredictedMarker> visibleMarkers(const RecordedSequence& sequence, std::size_t frame,
+                                            double max_incidence) {
+  VisibilityConfig all;
+  all.max_incidence = max_incidence;
+  all.min_edge_pixels = 0.0;
+  const MountedCamera camera(sequence.camera, sequence.frames[frame].base_from_camera);
+  return predictMarkers(sequence.map, camera, {sequence.truth[frame], Eigen::Matrix3d::Zero()},
+                        all);
+}
+
+std::vector<FoundMarker> foundMarkers(const FrameResult& result) {
+  std::vector<FoundMarker> found;
+  for (const MarkerDetection& detection : result.detections) {
+    if (detection.accepted) found.push_back({detection.family, detection.id, detection.center});
+  }
+  return found;
+}
+
+std::vector<bool> areFound(const std::vector<PredictedMarker>& markers, const MarkerMap& map,
+                           const std::vector<FoundMarker>& found) {
+  std::vector<bool> are_found;
+  for (const PredictedMarker& marker : markers) {
+    are_found.push_back(std::any_of(found.begin(), found.end(), [&](const FoundMarker& one) {
+      return isSame(marker, map, one);
+    }));
+  }
+  return are_found;
+}
+
+int countStrangers(const std::vector<PredictedMarker>& markers, const MarkerMap& map,
+                   const std::vector<FoundMarker>& found) {
+  return static_cast<int>(std::count_if(found.begin(), found.end(), [&](const FoundMarker& one) {
+    return std::none_of(markers.begin(), markers.end(),
+                        [&](const PredictedMarker& marker) { return isSame(marker, map, one); });
+  }));
+}
+
+}  // namespace omnitag

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "omnitag/localization/frame_result.h"
+#include "recorded_sequence.h"
+
+namespace omnitag {
+
+/// The mapped markers that a frame's camera sees from where it really is: whole within the ring of
+/// the panorama, and turned away from it by at most `max_incidence` (radians), of whatever size.
+/// What stands in between is not known.
+std::vector<PredictedMarker> visibleMarkers(const RecordedSequence& sequence, std::size_t frame,
+                                            double max_incidence);
+
+/// What a method says hangs at a pixel of the panorama, its centre.
+struct FoundMarker {
+  std::string family;
+  int id = 0;
+  Eigen::Vector2d center;
+};
+
+/// The accepted detections of a frame.
+std::vector<FoundMarker> foundMarkers(const FrameResult& result);
+
+/// For each of the markers whether it was found: its id, within half an edge of its place.
+std::vector<bool> areFound(const std::vector<PredictedMarker>& markers, const MarkerMap& map,
+                           const std::vector<FoundMarker>& found);
+
+/// How many of those found are none of the markers.
+int countStrangers(const std::vector<PredictedMarker>& markers, const MarkerMap& map,
+                   const std::vector<FoundMarker>& found);
+
+}  // namespace omnitag
