@@ -11,19 +11,14 @@
 namespace omnitag {
 namespace {
 
+/// Markers that make a prediction sharp enough to find all others easily.
+constexpr std::size_t kFirst = 2;
+
 /// Markers that leave no doubt about the pose when all of them are where they should be.
 constexpr std::size_t kEnough = 3;
 
 /// Of a prediction that is too vague to recognize markers, how many are decoded at first.
 constexpr std::size_t kAnchors = 4;
-
-void moveTo(const Eigen::Vector2d& displacement, const PredictedMarker& predicted,
-            MarkerObservation* observation) {
-  observation->map_entry = predicted.map_entry;
-  observation->corners = predicted.corners;
-  for (Eigen::Vector2d& corner : observation->corners) corner += displacement;
-  observation->center = predicted.center + displacement;
-}
 
 }  // namespace
 
@@ -80,19 +75,17 @@ FrameTracker::FrameTracker(const TrackingTools& tools, const Frame& frame,
       sightings_(result->predicted.size()) {}
 
 std::optional<PoseEstimate> FrameTracker::track(std::size_t glance) {
-  const bool recognizes = tools_.config.estimation.kind == EstimatorKind::kPhotometric;
-  if (recognizes) {
-    recognize(predicted_);
-    if (found() < kEnough) {
+  if (tools_.config.estimation.kind == EstimatorKind::kPhotometric) {
+    // The first ones make it easy to find the others.
+    recognize(predicted_, kFirst);
+    if (found() < kFirst) {
       std::vector<std::size_t> anchors = undecoded();
       anchors.resize(std::min(anchors.size(), kAnchors));
       decode(anchors);
     }
     solve();
-    if (solution_) {
-      recognize(solution_->map_from_base);
-      solve();
-    }
+    if (solution_) recognize(solution_->map_from_base, sightings_.size());
+    solve();
   }
   std::vector<std::size_t> rest = undecoded();
   if (found() >= kEnough && !rest.empty()) rest = {rest[glance % rest.size()]};
@@ -108,42 +101,46 @@ std::optional<PoseEstimate> FrameTracker::track(std::size_t glance) {
   return solution_ ? std::optional(solution_->map_from_base) : std::nullopt;
 }
 
-void FrameTracker::recognize(const PoseEstimate& belief) {
-  // A pattern that was found farther off is tilted and scaled a little against the prediction.
-  constexpr double kFarOff = 1.0;  // pixels
+void FrameTracker::recognize(const PoseEstimate& belief, std::size_t enough) {
   Stopwatch step;
-  for (std::size_t i = 0; i < sightings_.size(); ++i) {
-    Sighting& sighting = sightings_[i];
-    if (sighting.observation && sighting.displacement < kFarOff) continue;
+  for (const std::size_t i : missing()) {
+    if (found() >= enough) break;
     const std::size_t entry = result_->predicted[i].map_entry;
     const auto predicted =
         predictMarker(tools_.map, entry, camera_, belief, tools_.config.visibility);
-    if (!predicted || std::max(predicted->tangential_margin, predicted->radial_margin) >
-                          tools_.config.recognition.max_margin) {
-      continue;
-    }
+    if (!predicted) continue;
     const Marker& marker = tools_.map.markers[entry];
     const auto recognition = omnitag::recognize(
         frame_.image, marker, tools_.patterns.of(marker), camera_, belief.pose, *predicted,
         tools_.config.estimation.photometric.blur, tools_.config.recognition);
     if (!recognition || !recognition->isAccepted()) continue;
-    sighting.observation.emplace();
-    moveTo(recognition->displacement, *predicted, &*sighting.observation);
-    sighting.displacement = recognition->displacement.norm();
+    MarkerObservation observation{entry, predicted->corners,
+                                  predicted->center + recognition->displacement};
+    for (Eigen::Vector2d& corner : observation.corners) corner += recognition->displacement;
+    sightings_[i].observation = observation;
   }
   result_->timings.recognize += step.lap();
 }
 
-std::vector<std::size_t> FrameTracker::undecoded() const {
+std::vector<std::size_t> FrameTracker::missing() const {
   std::vector<std::size_t> targets;
   for (std::size_t i = 0; i < sightings_.size(); ++i) {
-    const bool is_large = longestEdge(result_->predicted[i].corners) >=
-                          tools_.config.visibility.min_decodable_edge_pixels;
-    if (is_large && !sightings_[i].observation && !sightings_[i].was_decoded) targets.push_back(i);
+    if (!sightings_[i].observation) targets.push_back(i);
   }
   std::stable_sort(targets.begin(), targets.end(), [this](std::size_t a, std::size_t b) {
     return meanEdge(result_->predicted[a].corners) > meanEdge(result_->predicted[b].corners);
   });
+  return targets;
+}
+
+std::vector<std::size_t> FrameTracker::undecoded() const {
+  std::vector<std::size_t> targets = missing();
+  const auto isHopeless = [this](std::size_t target) {
+    return sightings_[target].was_decoded ||
+           longestEdge(result_->predicted[target].corners) <
+               tools_.config.visibility.min_decodable_edge_pixels;
+  };
+  targets.erase(std::remove_if(targets.begin(), targets.end(), isHopeless), targets.end());
   return targets;
 }
 

@@ -40,14 +40,16 @@ class FrameTracker {
   /// What became of a predicted marker.
   struct Sighting {
     std::optional<MarkerObservation> observation;
-    /// Pixels from where it was predicted.
-    double displacement = 0.0;
     bool was_decoded = false;
   };
 
-  /// Looks for the pattern of every marker that was not found, or not near where it was predicted.
-  void recognize(const PoseEstimate& belief);
+  /// Looks for the patterns of the markers that were not found, the largest first, until so many
+  /// are found.
+  void recognize(const PoseEstimate& belief, std::size_t enough);
   void decode(const std::vector<std::size_t>& targets);
+  /// Those that were not found yet, the largest first.
+  std::vector<std::size_t> missing() const;
+  /// Those of them that the decoder may still be able to read.
   std::vector<std::size_t> undecoded() const;
   std::size_t found() const;
   void solve();

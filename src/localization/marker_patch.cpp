@@ -19,7 +19,7 @@ MarkerPatch::MarkerPatch(const Marker& marker, const TagPattern& pattern,
   chooseLinesOfSight(map_from_base, choice);
 }
 
-void MarkerPatch::chooseLinesOfSight(const Pose2& map_from_base, const Choice& choice) {
+MarkerPatch::Box MarkerPatch::boundingBox(const Pose2& map_from_base) const {
   const ImageSize& size = camera_.model().imageSize();
   const double width = pattern_.width();
   Eigen::Vector2d low(size.width, size.height);
@@ -32,31 +32,72 @@ void MarkerPatch::chooseLinesOfSight(const Pose2& map_from_base, const Choice& c
     low = low.cwiseMin(*pixel);
     high = high.cwiseMax(*pixel);
   }
-  const int left = std::max(0, static_cast<int>(low.x()) - 1);
-  const int top = std::max(0, static_cast<int>(low.y()) - 1);
-  const int right = std::min(size.width - 1, static_cast<int>(high.x()) + 2);
-  const int bottom = std::min(size.height - 1, static_cast<int>(high.y()) + 2);
+  return {std::max(0, static_cast<int>(low.x()) - 1), std::max(0, static_cast<int>(low.y()) - 1),
+          std::min(size.width - 1, static_cast<int>(high.x()) + 2),
+          std::min(size.height - 1, static_cast<int>(high.y()) + 2)};
+}
 
+void MarkerPatch::chooseLinesOfSight(const Pose2& map_from_base, const Choice& choice) {
   const Cells cells = cellsAt(map_from_base);
   const Eigen::Isometry3d marker_from_base =
       marker_.map_from_marker.inverse() * map_from_base.toIsometry();
-  for (int row = top; row <= bottom; row += choice.step) {
-    for (int column = left; column <= right; column += choice.step) {
-      const std::optional<Ray> ray = camera_.rayInBase({column, row});
-      const auto position = ray ? meet(*ray, marker_from_base) : std::nullopt;
-      if (!position) continue;
-      const Cell& cell = cellOf(cells, *position);
-      if (!cell.is_visible) continue;
-      // The pose may still move by a pixel or two.
-      constexpr double kReach = 2.0;
-      const Eigen::Vector2d reach = kReach * cell.by_pixel.cwiseAbs().rowwise().sum();
-      if ((*position + reach).minCoeff() < 0.0 || (*position - reach).maxCoeff() > width) continue;
-      if (choice.thins_even_ground && (column + 2 * (row % 2)) % 4 != 0 &&
-          pattern_.isEven(*position - reach, *position + reach)) {
-        continue;
-      }
-      lines_of_sight_.push_back({column, row, *ray});
+  const auto positionAt = [&](int column, int row) -> std::optional<Eigen::Vector2d> {
+    const std::optional<Ray> ray = camera_.rayInBase({column, row});
+    return ray ? meet(*ray, marker_from_base) : std::nullopt;
+  };
+  std::vector<Pixel> at_edges;
+  std::vector<Pixel> on_even_ground;
+  const auto consider = [&](int column, int row, const Eigen::Vector2d& position) {
+    const Cell& cell = cellOf(cells, position);
+    if (!cell.is_visible) return;
+    // The pose may still move by a pixel or two.
+    constexpr double kReach = 2.0;
+    const Eigen::Vector2d reach = kReach * cell.by_pixel.cwiseAbs().rowwise().sum();
+    if ((position + reach).minCoeff() < 0.0 ||
+        (position - reach).maxCoeff() > static_cast<double>(pattern_.width())) {
+      return;
     }
+    const bool is_even = pattern_.isEven(position - reach, position + reach);
+    (is_even ? on_even_ground : at_edges).push_back({column, row});
+  };
+
+  // Roughly, positions follow from those of nodes around them.
+  const int node_step = 8 * choice.step;
+  const Box box = boundingBox(map_from_base);
+  for (int top = box.top; top <= box.bottom; top += node_step) {
+    auto upper_left = positionAt(box.left, top);
+    auto lower_left = positionAt(box.left, top + node_step);
+    for (int left = box.left; left <= box.right; left += node_step) {
+      const auto upper_right = positionAt(left + node_step, top);
+      const auto lower_right = positionAt(left + node_step, top + node_step);
+      const bool has_nodes = upper_left && lower_left && upper_right && lower_right;
+      for (int row = top; row < std::min(top + node_step, box.bottom + 1); row += choice.step) {
+        for (int column = left; column < std::min(left + node_step, box.right + 1);
+             column += choice.step) {
+          if (has_nodes) {
+            const double a = static_cast<double>(column - left) / node_step;
+            const double b = static_cast<double>(row - top) / node_step;
+            consider(column, row,
+                     (1.0 - b) * ((1.0 - a) * *upper_left + a * *upper_right) +
+                         b * ((1.0 - a) * *lower_left + a * *lower_right));
+          } else if (const auto position = positionAt(column, row)) {
+            consider(column, row, *position);
+          }
+        }
+      }
+      upper_left = upper_right;
+      lower_left = lower_right;
+    }
+  }
+  keep(at_edges, choice.max_at_edges);
+  keep(on_even_ground, choice.max_on_even_ground);
+}
+
+void MarkerPatch::keep(const std::vector<Pixel>& pixels, std::size_t at_most) {
+  const std::size_t every = (pixels.size() + at_most - 1) / std::max<std::size_t>(1, at_most);
+  for (std::size_t i = 0; i < pixels.size(); i += std::max<std::size_t>(1, every)) {
+    const auto ray = camera_.rayInBase({pixels[i].column, pixels[i].row});
+    if (ray) lines_of_sight_.push_back({pixels[i], *ray});
   }
 }
 
@@ -75,7 +116,7 @@ std::vector<Footprint> MarkerPatch::footprints(const Pose2& map_from_base) const
     const Eigen::Matrix2d sides = stretch_ * cell.by_pixel;
     const Eigen::Vector2d reach = 0.5 * sides.cwiseAbs().rowwise().sum();
     if ((*position - reach).minCoeff() < 0.0 || (*position + reach).maxCoeff() > width) continue;
-    footprints.push_back({line.column, line.row, *position, sides, cell.by_pose});
+    footprints.push_back({line.pixel.column, line.pixel.row, *position, sides, cell.by_pose});
   }
   return footprints;
 }

@@ -176,7 +176,8 @@ std::optional<PhotometricFit> refinePhotometrically(
     const TagPatterns& patterns, const std::vector<std::size_t>& entries, const Pose2& initial,
     const std::optional<PoseEstimate>& prior, const PhotometricConfig& config) {
   MarkerPatch::Choice choice;
-  choice.thins_even_ground = true;
+  choice.max_at_edges = static_cast<std::size_t>(config.max_pixels);
+  choice.max_on_even_ground = choice.max_at_edges / 4;
   std::vector<MarkerPatch> patches;
   patches.reserve(entries.size());
   for (const std::size_t entry : entries) {

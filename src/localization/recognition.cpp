@@ -25,6 +25,13 @@ struct Sample {
 /// Pixels of the marker that are looked at, about: more would only make it slower.
 constexpr double kPixels = 600.0;
 
+/// Where its place is searched for, one of so many of those, if there are enough.
+constexpr std::size_t kCoarse = 4;
+constexpr std::size_t kEnough = 300;
+
+/// Pixels; however small the marker, it is worth to look for it so far around.
+constexpr double kLeastMargin = 3.0;
+
 int stepFor(const PredictedMarker& predicted, const TagPattern& pattern) {
   const double edge = meanEdge(predicted.corners) * pattern.width() / pattern.widthBetweenCorners();
   return std::max(1, static_cast<int>(std::sqrt(edge * edge / kPixels)));
@@ -58,9 +65,14 @@ double greyAt(const cv::Mat& panorama, double u, double v) {
 /// Moves the marker by whole pixels and returns where its pattern correlates best with the panorama.
 Eigen::Vector2i bestPlace(const cv::Mat& panorama, const std::vector<Sample>& samples,
                           const Eigen::Vector2i& reach, int step) {
+  std::vector<Sample> coarse;
   double white_sum = 0.0;
-  for (const Sample& sample : samples) white_sum += sample.white;
-  const double white_mean = white_sum / static_cast<double>(samples.size());
+  for (std::size_t i = 0; i < samples.size(); i += samples.size() > kEnough ? kCoarse : 1) {
+    coarse.push_back(samples[i]);
+    white_sum += samples[i].white;
+  }
+  const auto count = static_cast<double>(coarse.size());
+  const double white_mean = white_sum / count;
   Eigen::Vector2i best = Eigen::Vector2i::Zero();
   double best_correlation = -1.0;
   for (int dv = -reach.y(); dv <= reach.y(); dv += step) {
@@ -68,7 +80,7 @@ Eigen::Vector2i bestPlace(const cv::Mat& panorama, const std::vector<Sample>& sa
       double sum = 0.0;
       double squares = 0.0;
       double product = 0.0;
-      for (const Sample& sample : samples) {
+      for (const Sample& sample : coarse) {
         const int row = std::clamp(sample.row + dv, 0, panorama.rows - 1);
         const int column = std::clamp(sample.column + du, 0, panorama.cols - 1);
         const double grey = panorama.ptr<std::uint8_t>(row)[column];
@@ -76,7 +88,7 @@ Eigen::Vector2i bestPlace(const cv::Mat& panorama, const std::vector<Sample>& sa
         squares += grey * grey;
         product += grey * (sample.white - white_mean);
       }
-      const double variance = squares - sum * sum / static_cast<double>(samples.size());
+      const double variance = squares - sum * sum / count;
       const double correlation = variance > 0.0 ? product / std::sqrt(variance) : -1.0;
       if (correlation > best_correlation) {
         best_correlation = correlation;
@@ -208,6 +220,9 @@ std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& mark
                                      const TagPattern& pattern, const MountedCamera& camera,
                                      const Pose2& map_from_base, const PredictedMarker& predicted,
                                      double blur, const RecognitionConfig& config) {
+  const double module = meanEdge(predicted.corners) / pattern.widthBetweenCorners();
+  const double margin = std::max(predicted.tangential_margin, predicted.radial_margin);
+  if (margin > std::max(kLeastMargin, config.max_margin * module)) return std::nullopt;
   MarkerPatch::Choice choice;
   choice.step = stepFor(predicted, pattern);
   const MarkerPatch patch(marker, pattern, camera, map_from_base, blur, choice);
@@ -217,9 +232,7 @@ std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& mark
   const std::vector<Sample> samples = samplesOf(footprints, pattern);
 
   // Alignment finds its way from a third of a module.
-  const double module = meanEdge(predicted.corners) / pattern.widthBetweenCorners();
   const int step = std::max(1, static_cast<int>(0.5 * module));
-  const double margin = std::max(predicted.tangential_margin, predicted.radial_margin);
   const int steps = static_cast<int>(std::ceil(margin / step));
   const Eigen::Vector2i reach(steps * step, steps * step);
   const Eigen::Vector2i place = bestPlace(panorama, samples, reach, step);

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <vector>
@@ -45,9 +46,10 @@ class MarkerPatch {
   struct Choice {
     /// Every how many pixels along both axes.
     int step = 1;
-    /// Of those with nothing but even black or even white around them, every fourth only: they know
-    /// the light but not the pose.
-    bool thins_even_ground = false;
+    /// Of those, at most so many near edges of the pattern, which tell where it is, and so many with
+    /// nothing but even black or even white around them, which only tell the light.
+    std::size_t max_at_edges = std::numeric_limits<std::size_t>::max();
+    std::size_t max_on_even_ground = std::numeric_limits<std::size_t>::max();
   };
 
   /// `marker`, `pattern` and `camera` must outlive the patch. `map_from_base` says, to about a pixel, where the marker
@@ -66,10 +68,20 @@ class MarkerPatch {
   const TagPattern& pattern() const { return pattern_; }
 
  private:
-  struct LineOfSight {
+  struct Pixel {
     int column;
     int row;
+  };
+  struct LineOfSight {
+    Pixel pixel;
     Ray in_base;
+  };
+  /// Of pixels, the last ones included.
+  struct Box {
+    int left;
+    int top;
+    int right;
+    int bottom;
   };
   /// How the drawing images about the middle of one of its cells: from pixel to pixel and from pose
   /// to pose that hardly changes within a cell.
@@ -87,6 +99,9 @@ class MarkerPatch {
   /// Where a line of sight meets the marker's plane, in modules of the drawing.
   std::optional<Eigen::Vector2d> meet(const Ray& in_base,
                                       const Eigen::Isometry3d& marker_from_base) const;
+  Box boundingBox(const Pose2& map_from_base) const;
+  /// Keeps at most so many of the pixels, evenly spread.
+  void keep(const std::vector<Pixel>& pixels, std::size_t at_most);
   void chooseLinesOfSight(const Pose2& map_from_base, const Choice& choice);
 
   const Marker& marker_;

@@ -23,6 +23,9 @@ struct PhotometricConfig {
   /// m: standard deviation of a marker's place along each axis, and of its edges' places against
   /// each other, from what the map says.
   double placement_deviation = 0.0001;
+  /// Pixels at the edges of a marker's modules that are used, at most; more make the pose a little
+  /// more exact and take longer.
+  int max_pixels = 800;
 };
 
 /// A pose that was aligned with the panorama.

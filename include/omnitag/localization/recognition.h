@@ -14,9 +14,9 @@ namespace omnitag {
 
 /// How markers are recognized where they are predicted.
 struct RecognitionConfig {
-  /// Pixels of the panorama: a marker that may be farther from its predicted place is looked for
-  /// with the decoder.
-  double max_margin = 8.0;
+  /// Lengths of a module: a marker that may be farther from its predicted place is looked for with
+  /// the decoder.
+  double max_margin = 3.0;
   /// How often, at most, something else may be taken for the marker that is predicted there.
   double false_accept_rate = 1e-5;
   /// Grey levels between black and white, the least that counts.
@@ -51,7 +51,8 @@ double correlationThreshold(double dimensions, double rate);
 /// tags of its family apart. Needs far fewer pixels than decoding does.
 ///
 /// The threshold takes into account how many of these modules the pixels can tell apart, and how
-/// many places were tried. Nothing where too little of the marker is in the image.
+/// many places were tried. Nothing where the prediction is too vague, or too little of the marker is
+/// in the image or too pale.
 std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& marker,
                                      const TagPattern& pattern, const MountedCamera& camera,
                                      const Pose2& map_from_base, const PredictedMarker& predicted,
