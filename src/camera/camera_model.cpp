@@ -1,8 +1,20 @@
 #include "omnitag/camera/camera_model.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace omnitag {
+namespace {
+
+/// A ray of the half-plane through the axis that holds a point of the ideal image plane.
+Ray inSpace(const MeridionalRay& ray, const Eigen::Vector2d& ideal, double radius) {
+  const Eigen::Vector2d radial =
+      radius > 0.0 ? Eigen::Vector2d(ideal / radius) : Eigen::Vector2d::UnitX();
+  return {{ray.origin.x() * radial.x(), ray.origin.x() * radial.y(), ray.origin.y()},
+          {ray.direction.x() * radial.x(), ray.direction.x() * radial.y(), ray.direction.y()}};
+}
+
+}  // namespace
 
 std::optional<Eigen::Vector2d> CameraModel::pixelFromPoint(
     const Eigen::Vector3d& point, Eigen::Matrix<double, 2, 3>* jacobian) const {
@@ -34,19 +46,44 @@ std::optional<Eigen::Vector2d> CameraModel::pixelFromPoint(
 }
 
 std::optional<Ray> CameraModel::rayFromPixel(const Eigen::Vector2d& pixel) const {
-  if (!isInImage(pixel)) return std::nullopt;
-  const std::optional<Eigen::Vector2d> ideal = image_plane_.idealFromPixel(pixel);
+  const std::optional<Eigen::Vector2d> ideal = idealFromPixel(pixel);
   if (!ideal) return std::nullopt;
   const double radius = ideal->norm();
   const std::optional<MeridionalRay> ray = rayFromRadius(radius);
-  if (!ray) return std::nullopt;
-  const Eigen::Vector2d radial =
-      radius > 0.0 ? Eigen::Vector2d(*ideal / radius) : Eigen::Vector2d::UnitX();
-  const auto inSpace = [&radial](const Eigen::Vector2d& meridional) {
-    return Eigen::Vector3d(meridional.x() * radial.x(), meridional.x() * radial.y(),
-                           meridional.y());
-  };
-  return Ray{inSpace(ray->origin), inSpace(ray->direction)};
+  return ray ? std::optional(inSpace(*ray, *ideal, radius)) : std::nullopt;
+}
+
+std::optional<Ray> CameraModel::tabulatedRayFromPixel(const Eigen::Vector2d& pixel) const {
+  const std::optional<Eigen::Vector2d> ideal = idealFromPixel(pixel);
+  if (!ideal) return std::nullopt;
+  const double radius = ideal->norm();
+  const double place = (radius - minRadius()) / radius_step_;
+  if (!(place >= 0.0 && place <= static_cast<double>(rays_.size() - 1))) return std::nullopt;
+  const std::size_t below = std::min(static_cast<std::size_t>(place), rays_.size() - 2);
+  const double share = place - static_cast<double>(below);
+  const MeridionalRay& a = rays_[below];
+  const MeridionalRay& b = rays_[below + 1];
+  return inSpace({(1.0 - share) * a.origin + share * b.origin,
+                  (1.0 - share) * a.direction + share * b.direction},
+                 *ideal, radius);
+}
+
+std::optional<Eigen::Vector2d> CameraModel::idealFromPixel(const Eigen::Vector2d& pixel) const {
+  return isInImage(pixel) ? image_plane_.idealFromPixel(pixel) : std::nullopt;
+}
+
+void CameraModel::tabulateRays() {
+  constexpr double kPixels = 0.5;
+  const double span = maxRadius() - minRadius();
+  const int steps =
+      1 + static_cast<int>(std::min(1e5, std::ceil(span * image_plane_.scale() / kPixels)));
+  radius_step_ = span / steps;
+  rays_.clear();
+  for (int i = 0; i <= steps; ++i) {
+    // Rounding must not leave the ring.
+    const double radius = std::min(minRadius() + i * radius_step_, maxRadius());
+    rays_.push_back(*rayFromRadius(radius));
+  }
 }
 
 bool CameraModel::isInImage(const Eigen::Vector2d& pixel) const {

@@ -69,6 +69,7 @@ CatadioptricCamera::CatadioptricCamera(const ImageSize& image_size, const ImageP
   }
   tabulateReflections();
   hideHousing();
+  tabulateRays();
 }
 
 void CatadioptricCamera::findVisibleRim() {

@@ -37,6 +37,12 @@ std::optional<Ray> MountedCamera::rayInBase(const Eigen::Vector2d& pixel) const 
   return Ray{base_from_camera_ * ray->origin, base_from_camera_.linear() * ray->direction};
 }
 
+std::optional<Ray> MountedCamera::tabulatedRayInBase(const Eigen::Vector2d& pixel) const {
+  const std::optional<Ray> ray = camera_->tabulatedRayFromPixel(pixel);
+  if (!ray) return std::nullopt;
+  return Ray{base_from_camera_ * ray->origin, base_from_camera_.linear() * ray->direction};
+}
+
 Eigen::Isometry3d MountedCamera::mapFromCamera(const Pose2& map_from_base) const {
   return map_from_base.toIsometry() * base_from_camera_;
 }

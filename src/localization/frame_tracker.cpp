@@ -84,8 +84,16 @@ std::optional<PoseEstimate> FrameTracker::track(std::size_t glance) {
       decode(anchors);
     }
     solve();
-    if (solution_) recognize(solution_->map_from_base, sightings_.size());
-    solve();
+    if (solution_) {
+      // Whatever was found from a worse belief is found anew: it may be tilted and scaled a little
+      // against what was expected.
+      const std::vector<Sighting> first = std::exchange(sightings_, std::vector<Sighting>(sightings_.size()));
+      recognize(solution_->map_from_base, sightings_.size());
+      for (std::size_t i = 0; i < first.size(); ++i) {
+        if (!sightings_[i].observation) sightings_[i] = first[i];
+      }
+      solve();
+    }
   }
   std::vector<std::size_t> rest = undecoded();
   if (found() >= kEnough && !rest.empty()) rest = {rest[glance % rest.size()]};

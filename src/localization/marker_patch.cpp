@@ -42,7 +42,7 @@ void MarkerPatch::chooseLinesOfSight(const Pose2& map_from_base, const Choice& c
   const Eigen::Isometry3d marker_from_base =
       marker_.map_from_marker.inverse() * map_from_base.toIsometry();
   const auto positionAt = [&](int column, int row) -> std::optional<Eigen::Vector2d> {
-    const std::optional<Ray> ray = camera_.rayInBase({column, row});
+    const std::optional<Ray> ray = camera_.tabulatedRayInBase({column, row});
     return ray ? meet(*ray, marker_from_base) : std::nullopt;
   };
   std::vector<Pixel> at_edges;
@@ -96,7 +96,7 @@ void MarkerPatch::chooseLinesOfSight(const Pose2& map_from_base, const Choice& c
 void MarkerPatch::keep(const std::vector<Pixel>& pixels, std::size_t at_most) {
   const std::size_t every = (pixels.size() + at_most - 1) / std::max<std::size_t>(1, at_most);
   for (std::size_t i = 0; i < pixels.size(); i += std::max<std::size_t>(1, every)) {
-    const auto ray = camera_.rayInBase({pixels[i].column, pixels[i].row});
+    const auto ray = camera_.tabulatedRayInBase({pixels[i].column, pixels[i].row});
     if (ray) lines_of_sight_.push_back({pixels[i], *ray});
   }
 }

@@ -23,11 +23,11 @@ struct Sample {
 };
 
 /// Pixels of the marker that are looked at, about: more would only make it slower.
-constexpr double kPixels = 600.0;
+constexpr double kPixels = 300.0;
 
 /// Where its place is searched for, one of so many of those, if there are enough.
-constexpr std::size_t kCoarse = 4;
-constexpr std::size_t kEnough = 300;
+constexpr std::size_t kCoarse = 2;
+constexpr std::size_t kEnough = 150;
 
 /// Pixels; however small the marker, it is worth to look for it so far around.
 constexpr double kLeastMargin = 3.0;

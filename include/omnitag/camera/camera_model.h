@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <vector>
 
 #include "omnitag/camera/image_plane.h"
 
@@ -63,6 +64,10 @@ class CameraModel {
   /// else than the world through the optics, e.g. beyond the mirror's rim.
   std::optional<Ray> rayFromPixel(const Eigen::Vector2d& pixel) const;
 
+  /// The same from a table over the radius, several times faster and off by less than a thousandth
+  /// of a pixel where rays turn evenly from pixel to pixel; the direction's length is nearly 1.
+  std::optional<Ray> tabulatedRayFromPixel(const Eigen::Vector2d& pixel) const;
+
   /// Image of a point at `distance` >= 0 from the axis and at `height` along it, in metres (the
   /// paper's E, Eqns 5 and 7-14). Nothing where the optics do not show the point.
   virtual std::optional<RadialImage> imageFromPoint(double distance, double height) const = 0;
@@ -88,9 +93,17 @@ class CameraModel {
   CameraModel(const CameraModel&) = default;
   CameraModel& operator=(const CameraModel&) = default;
 
+  /// For the constructor of every model, at its end.
+  void tabulateRays();
+
  private:
+  std::optional<Eigen::Vector2d> idealFromPixel(const Eigen::Vector2d& pixel) const;
+
   ImageSize image_size_;
   ImagePlane image_plane_;
+  /// In equal steps from minRadius() to maxRadius().
+  std::vector<MeridionalRay> rays_;
+  double radius_step_ = 1.0;
 };
 
 }  // namespace omnitag

@@ -27,6 +27,9 @@ class MountedCamera {
   /// The line of sight of a pixel in base_link. Nothing where the pixel shows no world.
   std::optional<Ray> rayInBase(const Eigen::Vector2d& pixel) const;
 
+  /// The same from the model's table, faster.
+  std::optional<Ray> tabulatedRayInBase(const Eigen::Vector2d& pixel) const;
+
   Eigen::Isometry3d mapFromCamera(const Pose2& map_from_base) const;
 
   /// Whether the optical axis points up.
