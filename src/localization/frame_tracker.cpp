@@ -85,13 +85,11 @@ std::optional<PoseEstimate> FrameTracker::track(std::size_t glance) {
     }
     solve();
     if (solution_) {
-      // Whatever was found from a worse belief is found anew: it may be tilted and scaled a little
-      // against what was expected.
-      const std::vector<Sighting> first = std::exchange(sightings_, std::vector<Sighting>(sightings_.size()));
+      recognizeAgain(solution_->map_from_base);
+      solve();
+    }
+    if (solution_) {
       recognize(solution_->map_from_base, sightings_.size());
-      for (std::size_t i = 0; i < first.size(); ++i) {
-        if (!sightings_[i].observation) sightings_[i] = first[i];
-      }
       solve();
     }
   }
@@ -111,23 +109,37 @@ std::optional<PoseEstimate> FrameTracker::track(std::size_t glance) {
 
 void FrameTracker::recognize(const PoseEstimate& belief, std::size_t enough) {
   Stopwatch step;
-  for (const std::size_t i : missing()) {
+  for (const std::size_t target : missing()) {
     if (found() >= enough) break;
-    const std::size_t entry = result_->predicted[i].map_entry;
-    const auto predicted =
-        predictMarker(tools_.map, entry, camera_, belief, tools_.config.visibility);
-    if (!predicted) continue;
-    const Marker& marker = tools_.map.markers[entry];
-    const auto recognition = omnitag::recognize(
-        frame_.image, marker, tools_.patterns.of(marker), camera_, belief.pose, *predicted,
-        tools_.config.estimation.photometric.blur, tools_.config.recognition);
-    if (!recognition || !recognition->isAccepted()) continue;
-    MarkerObservation observation{entry, predicted->corners,
-                                  predicted->center + recognition->displacement};
-    for (Eigen::Vector2d& corner : observation.corners) corner += recognition->displacement;
-    sightings_[i].observation = observation;
+    sightings_[target].observation = recognizeOne(target, belief);
   }
   result_->timings.recognize += step.lap();
+}
+
+void FrameTracker::recognizeAgain(const PoseEstimate& belief) {
+  Stopwatch step;
+  for (std::size_t i = 0; i < sightings_.size(); ++i) {
+    if (!sightings_[i].observation || sightings_[i].was_decoded) continue;
+    if (const auto again = recognizeOne(i, belief)) sightings_[i].observation = again;
+  }
+  result_->timings.recognize += step.lap();
+}
+
+std::optional<MarkerObservation> FrameTracker::recognizeOne(std::size_t target,
+                                                            const PoseEstimate& belief) const {
+  const std::size_t entry = result_->predicted[target].map_entry;
+  const auto predicted =
+      predictMarker(tools_.map, entry, camera_, belief, tools_.config.visibility);
+  if (!predicted) return std::nullopt;
+  const Marker& marker = tools_.map.markers[entry];
+  const auto recognition = omnitag::recognize(
+      frame_.image, marker, tools_.patterns.of(marker), camera_, belief.pose, *predicted,
+      tools_.config.estimation.photometric.blur, tools_.config.recognition);
+  if (!recognition || !recognition->isAccepted()) return std::nullopt;
+  MarkerObservation observation{entry, predicted->corners,
+                                predicted->center + recognition->displacement};
+  for (Eigen::Vector2d& corner : observation.corners) corner += recognition->displacement;
+  return observation;
 }
 
 std::vector<std::size_t> FrameTracker::missing() const {

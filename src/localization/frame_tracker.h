@@ -46,6 +46,11 @@ class FrameTracker {
   /// Looks for the patterns of the markers that were not found, the largest first, until so many
   /// are found.
   void recognize(const PoseEstimate& belief, std::size_t enough);
+  /// Looks once more, from a better belief, for those that were found from a worse one: they may
+  /// have been tilted and scaled a little against what was expected.
+  void recognizeAgain(const PoseEstimate& belief);
+  std::optional<MarkerObservation> recognizeOne(std::size_t target,
+                                                const PoseEstimate& belief) const;
   void decode(const std::vector<std::size_t>& targets);
   /// Those that were not found yet, the largest first.
   std::vector<std::size_t> missing() const;

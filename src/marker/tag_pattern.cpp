@@ -21,6 +21,11 @@ std::array<Eigen::Vector2d, 4> partsOf(const Eigen::Vector2d& middle, const Eige
   return {middle - sum, middle - difference, middle + difference, middle + sum};
 }
 
+bool isWithinModule(const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
+  return static_cast<int>(low.x()) == static_cast<int>(high.x()) &&
+         static_cast<int>(low.y()) == static_cast<int>(high.y());
+}
+
 Eigen::Vector2d partSize(const Eigen::Vector2d& side_u, const Eigen::Vector2d& side_v) {
   return 0.5 * (side_u.cwiseAbs2() + side_v.cwiseAbs2()).cwiseSqrt();
 }
@@ -48,6 +53,7 @@ TagPattern::TagPattern(const apriltag_family& family, int id) {
   for (int row = 0; row < width_; ++row) {
     for (int column = 0; column < width_; ++column) {
       const double white = pixels.get()[row * image->stride + column] > 127 ? 1.0 : 0.0;
+      is_white_.push_back(white > 0.5 ? 1 : 0);
       sums_[indexOf(column + 1, row + 1)] = white + sums_[indexOf(column, row + 1)] +
                                             sums_[indexOf(column + 1, row)] -
                                             sums_[indexOf(column, row)];
@@ -65,9 +71,15 @@ TagPattern::TagPattern(const apriltag_family& family, int id) {
 }
 
 bool TagPattern::isWhite(int column, int row) const {
-  return sumAt(column + 1, row + 1) - sumAt(column, row + 1) - sumAt(column + 1, row) +
-             sumAt(column, row) >
-         0.5;
+  return is_white_[static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +
+                   static_cast<std::size_t>(column)] != 0;
+}
+
+bool TagPattern::isWhiteAt(const Eigen::Vector2d& position) const {
+  const auto module = [this](double coordinate) {
+    return std::clamp(static_cast<int>(coordinate), 0, width_ - 1);
+  };
+  return isWhite(module(position.x()), module(position.y()));
 }
 
 bool TagPattern::isEven(const Eigen::Vector2d& low, const Eigen::Vector2d& high) const {
@@ -104,6 +116,7 @@ TagPattern::White TagPattern::average(const Eigen::Vector2d& position,
                                       const Eigen::Vector2d& size) const {
   const Eigen::Vector2d low = position - 0.5 * size;
   const Eigen::Vector2d high = position + 0.5 * size;
+  if (isWithinModule(low, high)) return {isWhiteAt(low) ? 1.0 : 0.0, Eigen::Vector2d::Zero()};
   const Area a = whiteAbove(low.x(), low.y());
   const Area b = whiteAbove(high.x(), low.y());
   const Area c = whiteAbove(low.x(), high.y());
@@ -142,9 +155,8 @@ TagPattern::White TagPattern::averageOver(const Eigen::Vector2d& position,
                                           const Eigen::Vector2d& side_u,
                                           const Eigen::Vector2d& side_v) const {
   const Eigen::Vector2d reach = 0.5 * (side_u.cwiseAbs() + side_v.cwiseAbs());
-  const Eigen::Vector2i low = (position - reach).cast<int>();
-  if (low == (position + reach).cast<int>()) {
-    return {isWhite(low.x(), low.y()) ? 1.0 : 0.0, Eigen::Vector2d::Zero()};
+  if (isWithinModule(position - reach, position + reach)) {
+    return {isWhiteAt(position) ? 1.0 : 0.0, Eigen::Vector2d::Zero()};
   }
   const Eigen::Vector2d size = partSize(side_u, side_v);
   White white;

@@ -70,6 +70,7 @@ class TagPattern {
     double by_y;
   };
   Area whiteAbove(double x, double y) const;
+  bool isWhiteAt(const Eigen::Vector2d& position) const;
   double sumAt(int column, int row) const { return sums_[indexOf(column, row)]; }
   std::size_t indexOf(int column, int row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(width_ + 1) +
@@ -79,6 +80,8 @@ class TagPattern {
   int width_ = 0;
   int width_between_corners_ = 0;
   int data_modules_ = 0;
+  /// Row by row, 1 for white.
+  std::vector<char> is_white_;
   /// White modules above and to the left of each corner of the grid.
   std::vector<double> sums_;
   /// Number of each data module, row by row; -1 for the others.
