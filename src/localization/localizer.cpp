@@ -145,6 +145,39 @@ void Localizer::track(const Frame& frame, const MountedCamera& camera,
   motion_.correct(*pose);
   result->mode = Mode::kTracking;
   result->map_from_base = pose;
+  if (frame.stamp >= next_patrol_) {
+    next_patrol_ = frame.stamp + config_.recognition.period;
+    patrol(frame, camera, pose->pose, result);
+  }
+}
+
+void Localizer::patrol(const Frame& frame, const MountedCamera& camera, const Pose2& map_from_base,
+                       FrameResult* result) {
+  std::vector<View> all = viewsAllAround(map_, camera, reader_.warper().table(),
+                                         config_.visibility.max_range, config_.look_around);
+  if (all.empty()) return;
+  const std::size_t next = patrolled_views_++ % all.size();
+  for (const MarkerReading& reading :
+       readViews(reader_, frame.image, {std::move(all[next])}, result)) {
+    const bool is_known =
+        std::any_of(result->detections.begin(), result->detections.end(),
+                    [&reading](const MarkerDetection& detection) {
+                      return detection.id == reading.id && detection.family == reading.family &&
+                             (detection.center - reading.center).norm() < meanEdge(reading.corners);
+                    });
+    if (is_known) continue;
+    const std::vector<std::size_t> entries = entriesOf(map_, reading.family, reading.id);
+    // One that was not expected, since it is far or seen from the side, may well be in its place.
+    const bool is_in_place =
+        std::any_of(entries.begin(), entries.end(), [&](std::size_t entry) {
+          const auto place = camera.pixelFromMap(map_from_base, map_.markers[entry].center());
+          return place && (*place - reading.center).norm() < meanEdge(reading.corners);
+        });
+    if (is_in_place) continue;
+    MarkerDetection detection = toDetection(reading);
+    detection.reason = entries.empty() ? "not in the map" : "hangs elsewhere than the map says";
+    result->detections.push_back(std::move(detection));
+  }
 }
 
 void Localizer::search(const Frame& frame, const MountedCamera& camera,
@@ -220,6 +253,7 @@ std::vector<MarkerReading> Localizer::lookAround(const Frame& frame, const Mount
 }
 
 void Localizer::measure(const MountedCamera& camera, FrameResult* result) const {
+  const bool is_measured = result->acceptedMarkers() > 0;
   for (MarkerDetection& detection : result->detections) {
     const std::optional<Ray> ray = camera.rayInBase(detection.center);
     detection.bearing = ray ? std::atan2(ray->direction.y(), ray->direction.x()) : kNaN;
@@ -230,7 +264,6 @@ void Localizer::measure(const MountedCamera& camera, FrameResult* result) const 
       const Eigen::Vector3d viewpoint = camera.mapFromCamera(pose).translation();
       detection.range = (map_.markers[*detection.map_entry].center() - viewpoint).head<2>().norm();
     }
-    const bool is_measured = result->acceptedMarkers() > 0;
     if (detection.accepted || !is_measured) continue;
     const auto displaced =
         displacement(map_, camera, detection.family, detection.id,

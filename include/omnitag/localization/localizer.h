@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <opencv2/core/mat.hpp>
 #include <optional>
@@ -52,6 +53,9 @@ class Localizer {
   /// Looks where the prediction has markers; leaves the result without a pose where none agrees.
   void track(const Frame& frame, const MountedCamera& camera, const PoseEstimate& predicted,
              FrameResult* result);
+  /// Looks, with one of the views all around, for what is not expected from a pose.
+  void patrol(const Frame& frame, const MountedCamera& camera, const Pose2& map_from_base,
+              FrameResult* result);
   /// Looks all around, and decides between what it finds and the prediction.
   void search(const Frame& frame, const MountedCamera& camera,
               const std::optional<PoseEstimate>& predicted, FrameResult* result);
@@ -73,6 +77,9 @@ class Localizer {
   bool has_pose_ = false;
   std::optional<double> last_stamp_;
   std::size_t frames_ = 0;
+  /// Stamp from which the next view is patrolled, and how many have been.
+  double next_patrol_ = -std::numeric_limits<double>::infinity();
+  std::size_t patrolled_views_ = 0;
 };
 
 }  // namespace omnitag
