@@ -77,10 +77,14 @@ class Search {
     for (const Seed& seed : seeds) {
       const auto unexplained = static_cast<double>(readings_.size() - seed.promised);
       if (unexplained * kCostOfUnexplained >= least + config_.min_lead) break;
-      std::optional<Hypothesis> hypothesis = grow(seed);
-      if (!hypothesis) continue;
-      least = std::min(least, hypothesis->saturated_cost);
-      addUnlessKnown(std::move(*hypothesis), &hypotheses);
+      // From afar all pull at once, and one that hangs a little beside its place drags the others
+      // along; near the seed those that agree outvote it.
+      for (const auto refine : {&refineFromAfar, &refineByReprojection}) {
+        std::optional<Hypothesis> hypothesis = grow(seed, refine);
+        if (!hypothesis) continue;
+        least = std::min(least, hypothesis->saturated_cost);
+        addUnlessKnown(std::move(*hypothesis), &hypotheses);
+      }
     }
     std::stable_sort(hypotheses.begin(), hypotheses.end(),
                      [](const Hypothesis& a, const Hypothesis& b) {
@@ -187,7 +191,7 @@ class Search {
   }
 
   /// Refines a seed with all readings that agree, until no more join or leave.
-  std::optional<Hypothesis> grow(const Seed& seed) const {
+  std::optional<Hypothesis> grow(const Seed& seed, decltype(&refineFromAfar) refine) const {
     constexpr int kRounds = 4;
     Hypothesis hypothesis;
     hypothesis.entries = seed.entries;
@@ -198,7 +202,7 @@ class Search {
         if (hypothesis.entries[i]) observations.push_back(observationOf(i, *hypothesis.entries[i]));
       }
       if (observations.empty()) return std::nullopt;
-      auto fit = refineFromAfar(map_, camera_, observations, pose, std::nullopt, reprojection_);
+      auto fit = refine(map_, camera_, observations, pose, std::nullopt, reprojection_);
       if (!fit) return std::nullopt;
       hypothesis.fit = std::move(*fit);
       pose = hypothesis.fit.map_from_base.pose;
