@@ -1,13 +1,11 @@
-find_package(catkin REQUIRED COMPONENTS
+# What those need, too, who use the libraries.
+set(exported_packages
   cv_bridge
   diagnostic_updater
   geometry_msgs
   image_transport
-  message_generation
   nav_msgs
   nodelet
-  pluginlib
-  rosbag_storage
   roscpp
   sensor_msgs
   std_msgs
@@ -17,6 +15,8 @@ find_package(catkin REQUIRED COMPONENTS
   tf2_ros
   visualization_msgs
 )
+find_package(catkin REQUIRED COMPONENTS
+  ${exported_packages} message_generation pluginlib rosbag_storage)
 find_package(Boost REQUIRED COMPONENTS program_options)
 find_package(OpenCV REQUIRED COMPONENTS core imgcodecs imgproc)
 
@@ -37,21 +37,6 @@ set(YAML_CPP_LIBRARIES yaml-cpp)
 catkin_package(
   INCLUDE_DIRS include
   LIBRARIES omnitag_core omnitag_ros
-  CATKIN_DEPENDS
-    cv_bridge
-    diagnostic_updater
-    geometry_msgs
-    image_transport
-    message_runtime
-    nav_msgs
-    nodelet
-    roscpp
-    sensor_msgs
-    std_msgs
-    std_srvs
-    tf2
-    tf2_msgs
-    tf2_ros
-    visualization_msgs
+  CATKIN_DEPENDS ${exported_packages} message_runtime
   DEPENDS EIGEN3 OpenCV YAML_CPP
 )

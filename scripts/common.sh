@@ -22,12 +22,22 @@ accept_only_help() {
   esac
 }
 
-# Runs every test of the CMake build folder $1, and ends with the line `N passed, N failed`.
+# Configures the core alone in the CMake build folder $1 with the sanitizers $2, unless it is.
+configure_sanitized() {
+  [[ ! -f $1/build.ninja ]] || return 0
+  cmake -S "$root" -B "$1" -G Ninja -DOMNITAG_ROS=OFF -DOMNITAG_SANITIZE="$2" \
+    -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -g"
+}
+
+# Runs the tests of the CMake build folder $1 that the further arguments, which are ctest's, choose;
+# all without. Ends with the line `N passed, N failed`.
 run_tests() {
-  local results=$1/test_results/omnitag
+  local build=$1
+  shift
+  local results=$build/test_results/omnitag
   rm -rf "$results"
   mkdir -p "$results"
-  ctest --test-dir "$1" --parallel "$(nproc)" --timeout 900 --output-on-failure \
+  ctest --test-dir "$build" --parallel "$(nproc)" --timeout 900 --output-on-failure "$@" \
     --output-junit "$results/ctest.xml" || true
   /usr/bin/python3 "$root/scripts/summarize_tests.py" "$results"
 }

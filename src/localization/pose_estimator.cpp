@@ -88,17 +88,45 @@ std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera&
     return std::count_if(fit.residuals.begin(), fit.residuals.end(),
                          [&config](double r) { return r <= config.max_residual; });
   };
-  const auto all = static_cast<std::ptrdiff_t>(observations.size());
-  std::optional<ReprojectionFit> best;
-  const auto tryFrom = [&](const Pose2& start) {
-    auto fit = refineFromAfar(map, camera, observations, start, prior, config.reprojection);
-    if (fit && (!best || agreeing(*fit) > agreeing(*best))) best = std::move(fit);
+  // A marker that agrees well counts much more than one that hardly does: a pose between two that
+  // fit well would otherwise win with the markers of both.
+  const double good_residual = 2.0 * config.reprojection.robust_width;
+  const auto misfit = [good_residual](const ReprojectionFit& fit) {
+    double sum = 0.0;
+    for (const double residual : fit.residuals) {
+      const double ratio = good_residual / residual;
+      sum += 1.0 / (1.0 + ratio * ratio);
+    }
+    return sum;
   };
-  if (prior) tryFrom(prior->pose);
-  if (!best || agreeing(*best) < all) {
+  std::optional<ReprojectionFit> best;
+  const auto keepBetter = [&](std::optional<ReprojectionFit> fit) {
+    if (fit && (!best || misfit(*fit) < misfit(*best))) best = std::move(fit);
+  };
+  const auto isGood = [&] {
+    return best && std::all_of(best->residuals.begin(), best->residuals.end(),
+                               [good_residual](double r) { return r <= good_residual; });
+  };
+  if (prior) {
+    keepBetter(refineFromAfar(map, camera, observations, prior->pose, prior, config.reprojection));
+  }
+  if (!isGood()) {
     const auto triangulated =
         triangulateRobustly(map, camera, observations, prior ? prior->pose.yaw : 0.0, config);
-    if (triangulated) tryFrom(triangulated->map_from_base.pose);
+    if (triangulated) {
+      keepBetter(refineFromAfar(map, camera, observations, triangulated->map_from_base.pose, prior,
+                                config.reprojection));
+    }
+  }
+  if (prior && !isGood()) {
+    // Each marker alone says where the others should be.
+    for (const MarkerObservation& observation : observations) {
+      const auto alone =
+          refineByReprojection(map, camera, {observation}, prior->pose, prior, config.reprojection);
+      if (!alone) continue;
+      keepBetter(refineByReprojection(map, camera, observations, alone->map_from_base.pose, prior,
+                                      config.reprojection));
+    }
   }
   if (!best || agreeing(*best) == 0) return std::nullopt;
 

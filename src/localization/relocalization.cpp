@@ -14,6 +14,11 @@ namespace {
 
 using Assignment = std::vector<std::optional<std::size_t>>;
 
+/// What a reading costs that a hypothesis does not explain.
+constexpr double kCostOfUnexplained = 20.0;
+
+double saturated(double cost) { return cost * kCostOfUnexplained / (cost + kCostOfUnexplained); }
+
 /// A pose and the readings that it explains.
 struct Hypothesis {
   ReprojectionFit fit;
@@ -22,6 +27,9 @@ struct Hypothesis {
   std::size_t explained = 0;
   /// Negative logarithm of the likelihood of the explained readings, but for a constant.
   double cost = 0.0;
+  /// The same over all readings, each counting for at most kCostOfUnexplained: what ranks
+  /// hypotheses, since a pose between two that fit well explains more, and each badly.
+  double saturated_cost = 0.0;
 };
 
 /// A start for a hypothesis: the pose of one marker's corners, and how many readings may agree.
@@ -59,25 +67,29 @@ class Search {
                        [](const auto& candidates) { return !candidates.empty(); });
   }
 
-  /// All poses worth comparing: that explain as many readings as the best one.
+  /// All poses worth comparing, the best first: those that it does not clearly surpass.
   std::vector<Hypothesis> hypotheses() const {
     std::vector<Seed> seeds = this->seeds();
     std::stable_sort(seeds.begin(), seeds.end(),
                      [](const Seed& a, const Seed& b) { return a.promised > b.promised; });
     std::vector<Hypothesis> hypotheses;
-    std::size_t most = 1;
+    double least = std::numeric_limits<double>::infinity();
     for (const Seed& seed : seeds) {
-      if (seed.promised < most) break;
-      std::optional<Hypothesis> hypothesis = grow(seed);
-      if (!hypothesis || hypothesis->explained < most) continue;
-      most = hypothesis->explained;
-      addUnlessKnown(std::move(*hypothesis), &hypotheses);
+      const auto unexplained = static_cast<double>(readings_.size() - seed.promised);
+      if (unexplained * kCostOfUnexplained >= least + config_.min_lead) break;
+      // From afar all pull at once, and one that hangs a little beside its place drags the others
+      // along; near the seed those that agree outvote it.
+      for (const auto refine : {&refineFromAfar, &refineByReprojection}) {
+        std::optional<Hypothesis> hypothesis = grow(seed, refine);
+        if (!hypothesis) continue;
+        least = std::min(least, hypothesis->saturated_cost);
+        addUnlessKnown(std::move(*hypothesis), &hypotheses);
+      }
     }
-    hypotheses.erase(std::remove_if(hypotheses.begin(), hypotheses.end(),
-                                    [most](const Hypothesis& h) { return h.explained < most; }),
-                     hypotheses.end());
     std::stable_sort(hypotheses.begin(), hypotheses.end(),
-                     [](const Hypothesis& a, const Hypothesis& b) { return a.cost < b.cost; });
+                     [](const Hypothesis& a, const Hypothesis& b) {
+                       return a.saturated_cost < b.saturated_cost;
+                     });
     return hypotheses;
   }
 
@@ -127,7 +139,9 @@ class Search {
   /// Whether the better of two leaves the other one possible.
   bool isRival(const Hypothesis& best, const Hypothesis& other) const {
     for (std::size_t i = 0; i < readings_.size(); ++i) {
-      if (best.entries[i].has_value() != other.entries[i].has_value()) return true;
+      if (best.entries[i].has_value() != other.entries[i].has_value()) {
+        return other.saturated_cost - best.saturated_cost < config_.min_lead;
+      }
     }
     return other.cost - best.cost < config_.min_lead;
   }
@@ -177,7 +191,7 @@ class Search {
   }
 
   /// Refines a seed with all readings that agree, until no more join or leave.
-  std::optional<Hypothesis> grow(const Seed& seed) const {
+  std::optional<Hypothesis> grow(const Seed& seed, decltype(&refineFromAfar) refine) const {
     constexpr int kRounds = 4;
     Hypothesis hypothesis;
     hypothesis.entries = seed.entries;
@@ -188,7 +202,7 @@ class Search {
         if (hypothesis.entries[i]) observations.push_back(observationOf(i, *hypothesis.entries[i]));
       }
       if (observations.empty()) return std::nullopt;
-      auto fit = refineFromAfar(map_, camera_, observations, pose, std::nullopt, reprojection_);
+      auto fit = refine(map_, camera_, observations, pose, std::nullopt, reprojection_);
       if (!fit) return std::nullopt;
       hypothesis.fit = std::move(*fit);
       pose = hypothesis.fit.map_from_base.pose;
@@ -206,6 +220,7 @@ class Search {
     hypothesis->residuals.assign(readings_.size(), std::numeric_limits<double>::quiet_NaN());
     hypothesis->explained = 0;
     hypothesis->cost = 0.0;
+    hypothesis->saturated_cost = 0.0;
     std::vector<std::size_t> claimed;
     for (std::size_t i = 0; i < readings_.size(); ++i) {
       double least = max_residual_;
@@ -219,10 +234,14 @@ class Search {
         hypothesis->entries[i] = entry;
         hypothesis->residuals[i] = residual;
       }
-      if (!hypothesis->entries[i]) continue;
+      if (!hypothesis->entries[i]) {
+        hypothesis->saturated_cost += kCostOfUnexplained;
+        continue;
+      }
       claimed.push_back(*hypothesis->entries[i]);
       ++hypothesis->explained;
       hypothesis->cost += costOf(least);
+      hypothesis->saturated_cost += saturated(costOf(least));
     }
   }
 
@@ -308,7 +327,9 @@ Relocalization relocalize(const MarkerMap& map, const MountedCamera& camera,
       return result;
     }
   } else {
-    result.map_from_base->covariance *= varianceFactor(best.fit);
+    // Nothing but the corners tells, and few of them hardly tell how good they are.
+    const double rise = config.corner_noise / reprojection.corner_noise;
+    result.map_from_base->covariance *= std::max(rise * rise, varianceFactor(best.fit));
   }
   result.entries = best.entries;
   result.residuals = best.residuals;

@@ -182,7 +182,7 @@ void DebugImagePainter::paintView(const FrameResult& result, std::size_t view_in
   cv::Point pen(corner.x, is_below ? corner.y + size.height + kTextLine
                                    : corner.y - words_height + kTextLine - kMargin / 2);
   for (const Sighting& sighting : sightings) {
-    const Marker& marker = map_.markers[sighting.predicted->map_entry];
+    const Marker& marker = map_.markers[sighting.map_entry];
     pen.x = write(std::to_string(marker.id), pen, colorOf(sighting.detected), kTextSize, canvas) +
             kMargin;
   }
@@ -204,8 +204,11 @@ void DebugImagePainter::paintTitle(const FrameResult& result, cv::Mat* canvas) {
   cv::Point pen(kMargin, 29);
   pen.x = write(toString(result.mode), pen, color, kTextSize, canvas) + 2 * kMargin;
   std::array<char, 200> words{};
-  std::snprintf(words.data(), words.size(), "%d of %zu markers   %.0f ms", result.acceptedMarkers(),
-                result.predicted.size(), 1e3 * result.timings.total);
+  // A search expects none.
+  const std::string of =
+      result.predicted.empty() ? "" : " of " + std::to_string(result.predicted.size());
+  std::snprintf(words.data(), words.size(), "%d%s markers   %.0f ms", result.acceptedMarkers(),
+                of.c_str(), 1e3 * result.timings.total);
   pen.x = write(words.data(), pen, kWhite, kTextSize, canvas) + 2 * kMargin;
   if (!has_pose) return;
   const Pose2& pose = result.map_from_base->pose;
@@ -221,11 +224,20 @@ std::vector<DebugImagePainter::Sighting> DebugImagePainter::sightingsIn(
     const View& view, const FrameResult& result) const {
   std::vector<Sighting> sightings;
   for (const PredictedMarker& predicted : result.predicted) {
-    if (!isIn(view, predicted.center)) continue;
-    const auto detection = std::find_if(
-        result.detections.begin(), result.detections.end(),
-        [&](const MarkerDetection& d) { return d.accepted && d.map_entry == predicted.map_entry; });
-    sightings.push_back({&predicted, detection == result.detections.end() ? nullptr : &*detection});
+    if (isIn(view, predicted.center)) {
+      sightings.push_back({predicted.map_entry, &predicted, nullptr});
+    }
+  }
+  for (const MarkerDetection& detection : result.detections) {
+    if (!detection.accepted) continue;
+    const auto sighting =
+        std::find_if(sightings.begin(), sightings.end(),
+                     [&](const Sighting& each) { return each.map_entry == *detection.map_entry; });
+    if (sighting != sightings.end()) {
+      sighting->detected = &detection;
+    } else if (isIn(view, detection.center)) {
+      sightings.push_back({*detection.map_entry, nullptr, &detection});
+    }
   }
   return sightings;
 }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 
+#include "omnitag/marker/tag_pattern.h"
 #include "omnitag/ros/conversions.h"
 #include "omnitag/ros/rviz_marker.h"
 
@@ -51,18 +52,44 @@ class Sheet {
   visualization_msgs::Marker* triangles_;
 };
 
-void addTag(const Marker& marker, visualization_msgs::Marker* triangles) {
+/// More would make the message too large for RViz; their faces are white.
+constexpr std::size_t kMostWithPatterns = 200;
+
+std_msgs::ColorRGBA moduleColor(bool is_white) {
+  return is_white ? color(0.95, 0.95, 0.95) : color(0.08, 0.08, 0.08);
+}
+
+/// Each row's modules, neighbours of one colour together.
+void addPattern(const TagPattern& pattern, Sheet* sheet) {
+  const double module = 2.0 / pattern.widthBetweenCorners();
+  const double edge = 0.5 * module * pattern.width();
+  for (int row = 0; row < pattern.width(); ++row) {
+    const double top = edge - row * module;
+    int first = 0;
+    for (int column = 1; column <= pattern.width(); ++column) {
+      const bool is_white = pattern.isWhite(first, row);
+      if (column < pattern.width() && pattern.isWhite(column, row) == is_white) continue;
+      sheet->addRectangle({first * module - edge, top - module, column * module - edge, top}, 0.0,
+                          moduleColor(is_white));
+      first = column;
+    }
+  }
+}
+
+void addTag(const Marker& marker, bool with_pattern, visualization_msgs::Marker* triangles) {
   // Proportions of tag36h11: 10 modules with the white margin, 8 with the border, 6 of data.
   constexpr double kMargin = 10.0 / 8.0;
   constexpr double kBorder = 1.0;
   constexpr double kInside = 6.0 / 8.0;
   constexpr double kThickness = 0.01;
-  const std_msgs::ColorRGBA white = color(0.95, 0.95, 0.95);
-  const std_msgs::ColorRGBA black = color(0.08, 0.08, 0.08);
   Sheet sheet(marker, triangles);
-  sheet.addFrame(kMargin, kBorder, white);
-  sheet.addFrame(kBorder, kInside, black);
-  sheet.addRectangle({-kInside, -kInside, kInside, kInside}, 0.0, white);
+  if (with_pattern) {
+    addPattern(TagPattern(marker.family, marker.id), &sheet);
+  } else {
+    sheet.addFrame(kMargin, kBorder, moduleColor(true));
+    sheet.addFrame(kBorder, kInside, moduleColor(false));
+    sheet.addRectangle({-kInside, -kInside, kInside, kInside}, 0.0, moduleColor(true));
+  }
   sheet.addRectangle({-kMargin, -kMargin, kMargin, kMargin}, -kThickness, color(0.45, 0.45, 0.5));
 }
 
@@ -87,7 +114,7 @@ visualization_msgs::MarkerArray mapMarkers(const MarkerMap& map, const std::stri
   RvizMarker normals = rvizMarker(map_frame, "normals", RvizMarker::TRIANGLE_LIST, white);
   visualization_msgs::MarkerArray array;
   for (const Marker& marker : map.markers) {
-    addTag(marker, &tags);
+    addTag(marker, map.markers.size() <= kMostWithPatterns, &tags);
     addNormal(marker, &normals);
 
     RvizMarker name = rvizMarker(map_frame, "names", RvizMarker::TEXT_VIEW_FACING, white);

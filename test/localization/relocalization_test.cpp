@@ -219,6 +219,25 @@ TEST_F(RelocalizationTest, OneMarkerThatHangsElsewhereIsLeftOut) {
   }
 }
 
+TEST_F(RelocalizationTest, OneMarkerBesideItsPlaceDoesNotDragThePoseAlong) {
+  int found_count = 0;
+  constexpr int kTrials = 200;
+  for (int i = 0; i < kTrials; ++i) {
+    const Pose2 truth = randomPose();
+    std::vector<MarkerReading> readings = readSome(room_.markers, truth, 5);
+    Marker moved = room_.markers[static_cast<std::size_t>(readings[0].id)];
+    moved.map_from_marker.translate(
+        Eigen::Vector3d(uniform(0.1, 0.3), uniform(-0.1, 0.1), uniform(0.0, 0.3)));
+    const auto reading = read(moved, truth);
+    if (!reading) continue;
+    readings[0] = *reading;
+    const Relocalization found = search(room_, readings);
+    expectNoWrongPose(found, truth, 0.05);
+    if (found.map_from_base) ++found_count;
+  }
+  EXPECT_GE(found_count, kTrials * 8 / 10);
+}
+
 TEST_F(RelocalizationTest, TwoOfFiveInAWrongDirectionAreLeftOut) {
   for (const auto& [count, wrong] : {std::pair<std::size_t, std::size_t>(5, 2), {7, 2}}) {
     for (int i = 0; i < 60; ++i) {

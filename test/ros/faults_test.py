@@ -54,7 +54,10 @@ class FaultsTest(unittest.TestCase):
         self.assertEqual(self.manager.getPid("/faults")[2], self.pid, "the manager was restarted")
 
     def next_image(self):
-        """The next image of the bag, decoded."""
+        """The next image of the bag, decoded; after the last the first again, which is later."""
+        if self.index == len(self.harness.images):
+            type(self).index = 0
+            type(self).later = self.later + 2 * HALF_PERIOD * len(self.harness.images)
         type(self).index = self.index + 1
         return self.image_of_bag(self.index - 1, self.later)
 
@@ -294,6 +297,48 @@ class FaultsTest(unittest.TestCase):
             self.assertLess(self.errors(pose, index)[0], 0.02)
         self.assertEqual(len(self.harness.poses.messages), first_poses + 4)
         self.assertEqual(len(poses.messages), 4)
+
+    def test_13_equal_stamps_and_older_ones(self):
+        image = self.next_image()
+        dropped = self.expect_right_pose(image).images_dropped
+        older = copy.deepcopy(image)
+        older.header.stamp -= HALF_PERIOD / 2
+        for late in (image, image, older):
+            self.harness.publish_any(late)
+        status = self.expect_right_pose(self.next_image())
+        self.assertEqual(status.mode, LocalizationStatus.TRACKING)
+        self.assertEqual(status.images_dropped, dropped + 3)
+        self.expect_no_pose_at(older.header.stamp)
+        for topic in (self.harness.poses, self.harness.status):
+            stamps = [message.header.stamp for message in topic.messages]
+            self.assertEqual(stamps.count(image.header.stamp), 1)
+
+    def test_14_gaps_of_seconds(self):
+        for gap in (2.0, 5.0, 3600.0):
+            type(self).later = self.later + rospy.Duration(gap)
+            self.expect_right_pose(self.image_of_bag(self.index - 1, self.later))
+    def test_15_a_slow_machine_drops_old_images(self):
+        status = Topic("/second/status", LocalizationStatus)
+        camera = rospy.Publisher("/second_camera/image", Image, queue_size=100)
+        self.assertTrue(wait_until(lambda: camera.get_num_connections() > 0 and
+                                   status.subscriber.get_num_connections() > 0))
+        camera.publish(self.image_of_bag(40))
+        before = status.at(self.image_of_bag(40).header.stamp)
+        self.assertIsNotNone(before)
+        # It waits for this one's transform while the others come.
+        slow = self.image_of_bag(41)
+        slow.header.frame_id = "no_such_camera"
+        camera.publish(slow)
+        rospy.sleep(0.5)
+        others = [self.image_of_bag(index) for index in range(42, 47)]
+        for image in others:
+            camera.publish(image)
+        after = status.at(others[-1].header.stamp)
+        self.assertIsNotNone(after)
+        self.assertEqual(after.images_received, before.images_received + 6)
+        self.assertEqual(after.images_dropped, before.images_dropped + 4)
+        self.assertEqual([message.header.stamp for message in status.messages],
+                         [before.header.stamp, after.header.stamp])
 
 
 if __name__ == "__main__":

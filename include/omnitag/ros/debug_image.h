@@ -24,8 +24,9 @@ class DebugImagePainter {
   cv::Mat paint(const cv::Mat& panorama, const FrameResult& result) const;
 
  private:
-  /// A mapped marker in a view, and what became of it there.
+  /// A mapped marker in a view, and what became of it there: predicted, read and used, or both.
   struct Sighting {
+    std::size_t map_entry;
     const PredictedMarker* predicted;
     const MarkerDetection* detected;
   };

@@ -8,8 +8,9 @@
 
 namespace omnitag {
 
-/// The marker map for RViz: `tags`, drawn with their border, white inside and grey on their back;
-/// `normals`, an arrowhead out of each face; `names`, the entry's name or its id.
+/// The marker map for RViz: `tags`, as they are printed (in a map of more than 200 with their
+/// border alone) and grey on their back; `normals`, an arrowhead out of each face; `names`, the
+/// entry's id and name. Throws InputError for a tag that the AprilTag library does not have.
 visualization_msgs::MarkerArray mapMarkers(const MarkerMap& map, const std::string& map_frame);
 
 }  // namespace omnitag
