@@ -29,6 +29,7 @@
 #include "cylinder_settings.h"
 #include "omnitag/common/error.h"
 #include "omnitag/localization/localizer.h"
+#include "prediction.h"
 #include "processor_time.h"
 #include "program.h"
 #include "recorded_sequence.h"
@@ -56,16 +57,7 @@ class Localization {
       : sequence_(sequence), localizer_(sequence.camera, sequence.map, {}) {}
 
   std::vector<FoundMarker> track(std::size_t frame) {
-    constexpr double kPositionDeviation = 0.02;
-    const double heading_deviation = radians(0.5);
-    const Pose2& truth = sequence_.truth[frame];
-    PoseEstimate predicted;
-    predicted.pose = {truth.x + kPositionDeviation * normal_(generator_),
-                      truth.y + kPositionDeviation * normal_(generator_),
-                      truth.yaw + heading_deviation * normal_(generator_)};
-    predicted.covariance.diagonal() << kPositionDeviation * kPositionDeviation,
-        kPositionDeviation * kPositionDeviation, heading_deviation * heading_deviation;
-    localizer_.setPose(predicted);
+    localizer_.setPose(goodPrediction(sequence_.truth[frame], &generator_));
     return process(frame);
   }
 
@@ -84,7 +76,6 @@ class Localization {
   const RecordedSequence& sequence_;
   Localizer localizer_;
   std::mt19937 generator_{1};
-  std::normal_distribution<double> normal_{0.0, 1.0};
   double stamp_ = 0.0;
 };
 
