@@ -69,12 +69,12 @@ void run(const RecordedSequence& sequence) {
     const auto visible = visibleMarkers(sequence, i, radians(kIncidences.back()));
     localizer.setPose(goodPrediction(sequence.truth[i], &generator));
     const auto found = foundMarkers(localizer.process(sequence.frames[i]));
-    const std::vector<bool> are_found = areFound(visible, sequence.map, found);
+    const auto offsets = offsetsOfFound(visible, sequence.map, found);
     for (std::size_t m = 0; m < visible.size(); ++m) {
       Share& share = shares[binOf(tangentialWidth(visible[m], sequence), kWidths)]
                            [binOf(degrees(visible[m].incidence), kIncidences)];
       ++share.seen;
-      share.found += are_found[m] ? 1 : 0;
+      share.found += offsets[m] ? 1 : 0;
     }
   }
   std::printf("%-14s %17s%17s%17s%17s\n", "pixels/module", "0 to 30 deg", "30 to 45 deg",
