@@ -12,9 +12,9 @@
 //   range
 //
 // `from the truth` is what knows the truth and takes one step from there to the pose that the exact
-// model of the pixels makes most likely. On images that are nothing but that model and noise its
-// error is the limit; what it has more is what the images are off: sampling, shadows across a
-// marker, saturated pixels.
+// model of the pixels makes most likely; it leaves out markers whose pixels contradict the truth.
+// On images that are nothing but that model and noise its error is the limit; what it has more is
+// what the images are off: sampling, shadows across a marker, saturated pixels.
 //
 // The position error is the RMS of its length; limits are their RMS over the same frames. Each
 // frame starts from a prediction that is off by 2 cm and 0.5 degrees (standard deviations).
@@ -66,7 +66,7 @@ struct Options {
 Informations markersInSight(const RecordedSequence& sequence, std::size_t index,
                             const Options& options) {
   const double noise = std::sqrt(options.noise * options.noise + 1.0 / 12.0);
-  constexpr double kMinCorrelation = 0.8;
+  constexpr double kMinCorrelation = 0.95;
   constexpr std::size_t kFewestPixels = 50;
   const Frame& frame = sequence.frames[index];
   const MountedCamera camera(sequence.camera, frame.base_from_camera);
@@ -78,8 +78,8 @@ Informations markersInSight(const RecordedSequence& sequence, std::size_t index,
     const TagPattern pattern(marker.family, marker.id);
     const auto pixels = patternPixels(frame.image, camera, truth, marker, pattern, options.samples);
     if (pixels.size() < kFewestPixels) continue;
-    const Light light = fitLight(pixels);
-    if (light.correlation < kMinCorrelation) continue;
+    const Light light = fitLight(pixels, noise);
+    if (!(light.correlation >= kMinCorrelation)) continue;
     in_sight[visible.map_entry] = {
         pixelInformation(pixels, light.contrast, noise, 0.0),
         pixelInformation(pixels, light.contrast, noise, samplingVariance(pixels))};
@@ -141,20 +141,32 @@ Sums sumOf(const Informations& in_sight) {
   return sums;
 }
 
-/// What knows the truth and steps from there to what the pixels of all markers in sight make most
-/// likely.
+/// What knows the truth and steps from there to what the pixels of the markers in sight make most
+/// likely. Markers that contradict the truth are left out, as something must be wrong with them.
 Row rowAtTruth(const Informations& in_sight) {
+  // Of 250,000 that are right it leaves one out (chi-square with 3 degrees of freedom).
+  constexpr double kChiSquareLimit = 27.9;
   const Sums all = sumOf(in_sight);
+  Informations right;
+  for (const auto& [entry, information] : in_sight) {
+    const PixelInformation& sampled = information.sampled;
+    const Eigen::Vector3d step = sampled.matrix.ldlt().solve(sampled.times_step);
+    if (step.dot(sampled.times_step) < kChiSquareLimit) right[entry] = information;
+  }
+  const Sums used = sumOf(right);
   Row row;
   row.without = 1;
   const std::optional<Squares> limit = limitOf(all.exact);
+  const std::optional<Squares> limit_of_used = limitOf(used.exact);
   const std::optional<Squares> sampled_limit = limitOf(all.sampled);
-  if (!limit || !sampled_limit) return row;
+  if (!limit || !limit_of_used || !sampled_limit) return row;
   row.without = 0;
   row.frames = 1;
-  row.used = row.in_sight = static_cast<double>(in_sight.size());
-  row.error = squaresOf(Eigen::Vector3d(all.sampled.ldlt().solve(all.sampled_times_step)));
-  row.limit = row.limit_of_used = *limit;
+  row.used = static_cast<double>(right.size());
+  row.in_sight = static_cast<double>(in_sight.size());
+  row.error = squaresOf(Eigen::Vector3d(used.sampled.ldlt().solve(used.sampled_times_step)));
+  row.limit = *limit;
+  row.limit_of_used = *limit_of_used;
   row.sampled_limit = *sampled_limit;
   return row;
 }

@@ -240,7 +240,7 @@ std::vector<PatternPixel> patternPixels(const cv::Mat& image, const MountedCamer
   return pixels;
 }
 
-Light fitLight(const std::vector<PatternPixel>& pixels) {
+Light fitLight(const std::vector<PatternPixel>& pixels, double noise) {
   const auto count = static_cast<double>(pixels.size());
   double white = 0.0;
   double grey = 0.0;
@@ -259,7 +259,7 @@ Light fitLight(const std::vector<PatternPixel>& pixels) {
   Light light;
   light.contrast = white_grey / white_white;
   light.black = grey - light.contrast * white;
-  light.correlation = white_grey / std::sqrt(white_white * grey_grey);
+  light.correlation = white_grey / std::sqrt(white_white * (grey_grey - count * noise * noise));
   return light;
 }
 

@@ -37,12 +37,13 @@ std::vector<PatternPixel> patternPixels(const cv::Mat& image, const MountedCamer
 struct Light {
   double black = 0.0;
   double contrast = 0.0;
-  /// Of the greys with what this formula gives, 0 to 1; low where something hides the marker.
+  /// Of the greys, their noise taken off, with what this formula gives: 0 to 1 or a little more;
+  /// low where something hides a part of the marker.
   double correlation = 0.0;
 };
 
-/// Least squares; at least three pixels.
-Light fitLight(const std::vector<PatternPixel>& pixels);
+/// Least squares; at least three pixels. `noise`: standard deviation in grey levels.
+Light fitLight(const std::vector<PatternPixel>& pixels, double noise);
 
 /// Mean square, over the pixels at edges, by which the renderer's share of white is off.
 double samplingVariance(const std::vector<PatternPixel>& pixels);

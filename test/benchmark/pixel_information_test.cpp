@@ -101,7 +101,7 @@ class PatternPixelsTest : public testing::Test {
 TEST_F(PatternPixelsTest, HaveTheGreysOfARenderedImage) {
   const std::vector<PatternPixel> pixels = pixelsOf(render(kPose));
   ASSERT_GT(pixels.size(), 200U);
-  const Light light = fitLight(pixels);
+  const Light light = fitLight(pixels, 0.0);
   EXPECT_GT(light.contrast, 50.0);
   for (const PatternPixel& pixel : pixels) {
     // The renderer's 24 by 24 samples: an edge along their rows is up to 1/48 off.
@@ -115,7 +115,7 @@ TEST_F(PatternPixelsTest, HaveTheGreysOfARenderedImage) {
 TEST_F(PatternPixelsTest, ChangeAsRenderedImagesDo) {
   // About a fifth of a pixel from one to the other.
   const std::vector<Pose2> steps{{0.002, 0.0, 0.0}, {0.0, 0.002, 0.0}, {0.0, 0.0, 0.0007}};
-  const Light light = fitLight(pixelsOf(render(kPose)));
+  const Light light = fitLight(pixelsOf(render(kPose)), 0.0);
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const Pose2& step = steps[i];
     const double length = step.x + step.y + step.yaw;
