@@ -13,11 +13,14 @@
 // Settings are looked for one at a time, on these very images, among those that alternatives()
 // lists. Times are processor time on one core. A marker counts as visible where it faces the camera
 // by 60 degrees or less and the panorama shows all of it, and as found where its id is read within
-// half an edge of where it really is. `wrong` are ids that were read where no such marker hangs.
+// half an edge of where it really is. `wrong` are ids that were read where no such marker hangs;
+// `off` is how far from their place the centres of the markers were found (RMS, pixels of the
+// panorama).
 //
 //   comparison_benchmark DIRECTORY [SIZE_MARKERS]...   bags of scripts/render_comparison
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <functional>
 #include <opencv2/core.hpp>
@@ -29,6 +32,7 @@
 #include "cylinder_settings.h"
 #include "omnitag/common/error.h"
 #include "omnitag/localization/localizer.h"
+#include "prediction.h"
 #include "processor_time.h"
 #include "program.h"
 #include "recorded_sequence.h"
@@ -56,16 +60,7 @@ class Localization {
       : sequence_(sequence), localizer_(sequence.camera, sequence.map, {}) {}
 
   std::vector<FoundMarker> track(std::size_t frame) {
-    constexpr double kPositionDeviation = 0.02;
-    const double heading_deviation = radians(0.5);
-    const Pose2& truth = sequence_.truth[frame];
-    PoseEstimate predicted;
-    predicted.pose = {truth.x + kPositionDeviation * normal_(generator_),
-                      truth.y + kPositionDeviation * normal_(generator_),
-                      truth.yaw + heading_deviation * normal_(generator_)};
-    predicted.covariance.diagonal() << kPositionDeviation * kPositionDeviation,
-        kPositionDeviation * kPositionDeviation, heading_deviation * heading_deviation;
-    localizer_.setPose(predicted);
+    localizer_.setPose(goodPrediction(sequence_.truth[frame], &generator_));
     return process(frame);
   }
 
@@ -84,7 +79,6 @@ class Localization {
   const RecordedSequence& sequence_;
   Localizer localizer_;
   std::mt19937 generator_{1};
-  std::normal_distribution<double> normal_{0.0, 1.0};
   double stamp_ = 0.0;
 };
 
@@ -123,6 +117,7 @@ void compare(const std::string& name, const RecordedSequence& sequence,
     std::vector<double> milliseconds;
     double found = 0.0;
     double wrong = 0.0;
+    double squares = 0.0;
   };
   std::vector<Tally> tallies(methods.size());
   double seen = 0.0;
@@ -134,8 +129,11 @@ void compare(const std::string& name, const RecordedSequence& sequence,
       const double start = processorTime();
       const std::vector<FoundMarker> found = methods[m].find(frame);
       tallies[m].milliseconds.push_back(1e3 * (processorTime() - start));
-      const std::vector<bool> are_found = areFound(visible[frame], sequence.map, found);
-      tallies[m].found += static_cast<double>(std::count(are_found.begin(), are_found.end(), true));
+      for (const auto& offset : offsetsOfFound(visible[frame], sequence.map, found)) {
+        if (!offset) continue;
+        tallies[m].found += 1.0;
+        tallies[m].squares += *offset * *offset;
+      }
       tallies[m].wrong += countStrangers(all[frame], sequence.map, found);
     }
   }
@@ -143,10 +141,11 @@ void compare(const std::string& name, const RecordedSequence& sequence,
   const double tracking = quantile(tallies.front().milliseconds, 0.5);
   for (std::size_t m = 0; m < methods.size(); ++m) {
     const double median = quantile(tallies[m].milliseconds, 0.5);
-    std::printf("%-8s %-18s %8.2f %8.2f %8.2f %6.2f of %5.2f %7.2f\n", name.c_str(),
+    std::printf("%-8s %-18s %8.2f %8.2f %8.2f %6.2f of %5.2f %7.2f %8.3f\n", name.c_str(),
                 methods[m].name.c_str(), median, quantile(tallies[m].milliseconds, 0.99),
                 median / tracking, tallies[m].found / samples, seen / samples,
-                tallies[m].wrong / samples);
+                tallies[m].wrong / samples,
+                std::sqrt(tallies[m].squares / std::max(tallies[m].found, 1.0)));
   }
 }
 
@@ -204,8 +203,8 @@ int run(int argc, char** argv) {
     }
   }
   cv::setNumThreads(1);
-  std::printf("%-8s %-18s %8s %8s %8s %15s %7s\n", "images", "method", "ms", "99th", "times",
-              "found of seen", "wrong");
+  std::printf("%-8s %-18s %8s %8s %8s %15s %7s %8s\n", "images", "method", "ms", "99th", "times",
+              "found of seen", "wrong", "off px");
   for (const std::string& name : names) study(directory, name);
   return 0;
 }

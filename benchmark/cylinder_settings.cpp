@@ -146,8 +146,7 @@ CylinderTrial::Outcome CylinderTrial::of(const CylinderSettings& settings, doubl
     const double start = processorTime();
     const std::vector<FoundMarker> found = reader.read(i);
     outcome.time += processorTime() - start;
-    const std::vector<bool> are_found = areFound(visible_[i], sequence_.map, found);
-    outcome.found += static_cast<int>(std::count(are_found.begin(), are_found.end(), true));
+    outcome.found += countFound(visible_[i], sequence_.map, found);
   }
   return outcome;
 }

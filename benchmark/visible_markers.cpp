@@ -33,15 +33,25 @@ std::vector<FoundMarker> foundMarkers(const FrameResult& result) {
   return found;
 }
 
-std::vector<bool> areFound(const std::vector<PredictedMarker>& markers, const MarkerMap& map,
-                           const std::vector<FoundMarker>& found) {
-  std::vector<bool> are_found;
+std::vector<std::optional<double>> offsetsOfFound(const std::vector<PredictedMarker>& markers,
+                                                  const MarkerMap& map,
+                                                  const std::vector<FoundMarker>& found) {
+  std::vector<std::optional<double>> offsets;
   for (const PredictedMarker& marker : markers) {
-    are_found.push_back(std::any_of(found.begin(), found.end(), [&](const FoundMarker& one) {
-      return isSame(marker, map, one);
-    }));
+    const auto one = std::find_if(found.begin(), found.end(), [&](const FoundMarker& candidate) {
+      return isSame(marker, map, candidate);
+    });
+    offsets.push_back(one != found.end() ? std::optional((one->center - marker.center).norm())
+                                         : std::nullopt);
   }
-  return are_found;
+  return offsets;
+}
+
+int countFound(const std::vector<PredictedMarker>& markers, const MarkerMap& map,
+               const std::vector<FoundMarker>& found) {
+  const auto offsets = offsetsOfFound(markers, map, found);
+  return static_cast<int>(std::count_if(offsets.begin(), offsets.end(),
+                                        [](const auto& offset) { return offset.has_value(); }));
 }
 
 int countStrangers(const std::vector<PredictedMarker>& markers, const MarkerMap& map,

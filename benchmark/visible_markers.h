@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,9 +27,15 @@ struct FoundMarker {
 /// The accepted detections of a frame.
 std::vector<FoundMarker> foundMarkers(const FrameResult& result);
 
-/// For each of the markers whether it was found: its id, within half an edge of its place.
-std::vector<bool> areFound(const std::vector<PredictedMarker>& markers, const MarkerMap& map,
-                           const std::vector<FoundMarker>& found);
+/// For each of the markers how far from its place it was found, in pixels: its id, within half an
+/// edge. Nothing where it was not found.
+std::vector<std::optional<double>> offsetsOfFound(const std::vector<PredictedMarker>& markers,
+                                                  const MarkerMap& map,
+                                                  const std::vector<FoundMarker>& found);
+
+/// How many of the markers were found.
+int countFound(const std::vector<PredictedMarker>& markers, const MarkerMap& map,
+               const std::vector<FoundMarker>& found);
 
 /// How many of those found are none of the markers.
 int countStrangers(const std::vector<PredictedMarker>& markers, const MarkerMap& map,

@@ -17,6 +17,8 @@ from omnitag.command_line import InputError
 
 MILLIMETRES = 1000.0
 
+DEFAULT_SAMPLES = 4
+
 # Method 1 without jitter keeps edges where they are; the adaptive method 2 shifts them.
 _OPTIONS = ("Antialias=on", "Sampling_Method=1", "Antialias_Threshold=0.03", "Jitter=off",
             "File_Gamma=1.0", "Output_File_Type=N", "Bits_Per_Color=16",
@@ -40,7 +42,7 @@ def matrix(transform: np.ndarray) -> str:
 
 
 def render(scene: str, bitmaps: Dict[str, np.ndarray], width: int, height: int,
-           samples: int = 4) -> np.ndarray:
+           samples: int = DEFAULT_SAMPLES) -> np.ndarray:
     """Renders a scene; (height, width) light, 1 where white, proportional to intensity.
 
     `bitmaps` are the image files, 8 bit, that the scene refers to by name. Pixels on an edge are

@@ -9,17 +9,19 @@ import numpy as np
 
 from omnitag.rendering.camera import CatadioptricCamera
 from omnitag.rendering.optics import camera_scene
-from omnitag.rendering.povray import render
+from omnitag.rendering.povray import DEFAULT_SAMPLES, render
 from omnitag.rendering.route import Frame
 from omnitag.rendering.scene import marker_bitmaps, shapes_scene, world_scene
 from omnitag.rendering.world import World, present
 
 
 def render_frames(world: World, camera: CatadioptricCamera, frames: List[Frame],
-                  jobs: int, light: Optional[str] = None) -> Iterator[np.ndarray]:
+                  jobs: int, light: Optional[str] = None,
+                  samples: int = DEFAULT_SAMPLES) -> Iterator[np.ndarray]:
     """The light of each frame, (height, width) with 1 where white, in the order of the frames.
 
     Frames whose light is in the directory `light`, named by their stamps, are not rendered again.
+    Pixels on an edge are the mean of `samples` by `samples` rays.
     """
     bitmaps = marker_bitmaps(world.hung_markers.ever(), world.boards)
     base_from_camera = world.mounting.base_from_camera
@@ -30,7 +32,7 @@ def render_frames(world: World, camera: CatadioptricCamera, frames: List[Frame],
             world_scene(world, moment),
             shapes_scene(present(world.robot, moment), frame.map_from_base, world.ambient),
             camera_scene(camera, frame.map_from_base @ base_from_camera)])
-        return render(scene, bitmaps, camera.width, camera.height)
+        return render(scene, bitmaps, camera.width, camera.height, samples)
 
     def frame_light(frame: Frame) -> np.ndarray:
         if light is None:
