@@ -72,8 +72,12 @@ std::string stampText(const ros::Time& stamp) {
 
 void run(const BagOptions& options) {
   const LocalizerParameters parameters = parametersOf(options);
-  ImageLocalizer localizer(parameters);
+  // What is wrong with a file is said before the bag is read.
+  std::optional<DescribedCamera> camera;
+  if (!options.camera.empty()) camera = cameraFromFile(options.camera);
   const BagInput input(options.bag, options.image_topic);
+  if (!camera) camera = input.describedCamera();
+  ImageLocalizer localizer(parameters, *camera);
   ResultFiles files(options.trajectory, options.poses, options.detections);
   std::optional<ResultBag> output;
   if (!options.output.empty()) {
