@@ -10,7 +10,7 @@
 namespace omnitag {
 namespace {
 
-constexpr char kInstead[] = "; calibrate the camera, or give a camera file";
+constexpr const char* kInstead = "; calibrate the camera, or give a camera file";
 
 /// Throws unless the message says something about a camera at all.
 void checkCalibrated(const sensor_msgs::CameraInfo& info, const std::string& topic) {

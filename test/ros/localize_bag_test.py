@@ -216,7 +216,8 @@ class LocalizeBagTest(unittest.TestCase):
         fisheye = os.path.join(PACKAGE, "config", "cameras", "fisheye.yaml")
         fisheye_map = os.path.join(PACKAGE, "maps", "fisheye.yaml")
         bag = self.path("fisheye.bag")
-        subprocess.run(["rosrun", "omnitag", "render_sequence", "--camera", fisheye,
+        subprocess.run([sys.executable, os.path.join(PACKAGE, "tools", "render_sequence"),
+                        "--camera", fisheye,
                         "--world", os.path.join(PACKAGE, "worlds", "fisheye.yaml"),
                         "--trajectory", os.path.join(PACKAGE, "worlds", "paper_route.csv"),
                         "--frames", "0:1", "--output", bag], stderr=subprocess.PIPE, check=True)

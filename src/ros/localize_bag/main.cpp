@@ -70,14 +70,14 @@ std::string stampText(const ros::Time& stamp) {
   return std::to_string(stamp.sec) + "." + std::to_string(stamp.nsec + 1000000000U).substr(1);
 }
 
+DescribedCamera cameraOf(const BagOptions& options, const BagInput& input) {
+  return options.camera.empty() ? input.describedCamera() : cameraFromFile(options.camera);
+}
+
 void run(const BagOptions& options) {
   const LocalizerParameters parameters = parametersOf(options);
-  // What is wrong with a file is said before the bag is read.
-  std::optional<DescribedCamera> camera;
-  if (!options.camera.empty()) camera = cameraFromFile(options.camera);
   const BagInput input(options.bag, options.image_topic);
-  if (!camera) camera = input.describedCamera();
-  ImageLocalizer localizer(parameters, *camera);
+  ImageLocalizer localizer(parameters, cameraOf(options, input));
   ResultFiles files(options.trajectory, options.poses, options.detections);
   std::optional<ResultBag> output;
   if (!options.output.empty()) {
