@@ -89,9 +89,12 @@ std::optional<ViewCone> coneNearAxis(const PredictedMarker& marker, const Camera
     cone.resolution =
         std::max(cone.resolution, (withBorder(corner, marker) - marker.center).norm() / angle);
   }
-  cone.half_angle += std::max(marker.tangential_margin, marker.radial_margin) / cone.resolution;
+  // How far it may be away along the tangent does not bring it nearer to the axis.
   const double off_axis = std::acos(std::min(1.0, std::abs(center->z())));
-  return off_axis - cone.half_angle < kNearAxis ? std::optional(cone) : std::nullopt;
+  const double nearest = off_axis - cone.half_angle - marker.radial_margin / cone.resolution;
+  if (!(nearest < kNearAxis)) return std::nullopt;
+  cone.half_angle += std::max(marker.tangential_margin, marker.radial_margin) / cone.resolution;
+  return cone;
 }
 
 }  // namespace
