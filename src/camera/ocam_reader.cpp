@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 
 #include "camera_reader.h"
@@ -8,6 +9,9 @@ namespace omnitag {
 std::shared_ptr<const CameraModel> readOcam(const YamlReader& camera) {
   camera.allowOnly({"model", "calibration_file", "max_angle", "through_mirror"});
   const std::string stated = camera.text("calibration_file");
+  const bool is_path = !stated.empty() && std::none_of(stated.begin(), stated.end(),
+                                                       [](unsigned char c) { return c < ' '; });
+  if (!is_path) camera.refuse("calibration_file", "the path of a file");
   // An absolute path stays what it is.
   const std::string path = (std::filesystem::path(camera.origin()).parent_path() / stated).string();
   const FieldLimits limits = readFieldLimits(camera);
