@@ -1,14 +1,18 @@
-/// Nanoseconds of one projection, from point to pixel and back, by the mirror's profile.
+/// Nanoseconds of one projection, from point to pixel and back, by the camera's model.
 
 #include <benchmark/benchmark.h>
 
 #include <cmath>
 #include <cstddef>
+#include <memory>
 #include <random>
 #include <utility>
 #include <vector>
 
 #include "omnitag/camera/catadioptric_camera.h"
+#include "omnitag/camera/equidistant_camera.h"
+#include "omnitag/camera/ocam_camera.h"
+#include "omnitag/camera/unified_camera.h"
 #include "omnitag/common/angle.h"
 
 namespace omnitag {
@@ -17,25 +21,51 @@ namespace {
 constexpr double kApexDistance = 0.21;
 constexpr double kRimRadius = 0.0375;
 
-CatadioptricCamera cameraWith(MirrorProfile profile) {
-  const ImagePlane lens(Eigen::Vector2d(1225.0, 1225.0).asDiagonal(),
-                        Eigen::Vector2d(249.5, 249.5));
-  return CatadioptricCamera({500, 500}, lens, {std::move(profile), kApexDistance, kRimRadius});
+using Camera = std::shared_ptr<const CameraModel>;
+
+ImagePlane lensOf(double focal_length, const ImagePlane::Distortion& distortion = {}) {
+  return {Eigen::Vector2d(focal_length, focal_length).asDiagonal(), Eigen::Vector2d(249.5, 249.5),
+          distortion};
 }
 
-MirrorProfile sphere() { return MirrorProfile::conic(0.04, 0.0); }
-MirrorProfile hyperbola() { return MirrorProfile::conic(0.03, -1.6); }
-MirrorProfile asphere() { return MirrorProfile::conic(0.04, -0.8, {-300.0, 2e4}); }
+Camera cameraWith(MirrorProfile profile) {
+  return std::make_shared<CatadioptricCamera>(
+      ImageSize{500, 500}, lensOf(1225.0),
+      CatadioptricCamera::Mirror{std::move(profile), kApexDistance, kRimRadius});
+}
 
-MirrorProfile table() {
+Camera sphere() { return cameraWith(MirrorProfile::conic(0.04, 0.0)); }
+Camera hyperbola() { return cameraWith(MirrorProfile::conic(0.03, -1.6)); }
+Camera asphere() { return cameraWith(MirrorProfile::conic(0.04, -0.8, {-300.0, 2e4})); }
+
+Camera table() {
   constexpr int kSamples = 100;
-  const MirrorProfile shape = hyperbola();
+  const MirrorProfile shape = MirrorProfile::conic(0.03, -1.6);
   std::vector<Eigen::Vector2d> samples;
   for (int i = 0; i < kSamples; ++i) {
     const double rho = kRimRadius * i / (kSamples - 1);
     samples.emplace_back(rho, shape.at(rho).sag);
   }
-  return MirrorProfile::tabulated(samples);
+  return cameraWith(MirrorProfile::tabulated(samples));
+}
+
+Camera equidistant() {
+  return std::make_shared<EquidistantCamera>(
+      ImageSize{500, 500}, lensOf(146.0),
+      EquidistantCamera::Coefficients{-0.012, 0.003, -0.0008, 0.0001}, FieldLimits{1.65, false});
+}
+
+Camera unified() {
+  return std::make_shared<UnifiedCamera>(ImageSize{500, 500},
+                                         lensOf(320.0, {-0.08, 0.03, 4e-4, -6e-4, 0.0}), 1.4,
+                                         FieldLimits{1.6, false});
+}
+
+Camera ocam() {
+  return std::make_shared<OcamCamera>(
+      OcamCalibration{
+          {-130.1, 0.0, 2.6e-3, -4.1e-6, 1.7e-8}, 249.5, 249.5, 1.002, 1e-3, -2e-3, {500, 500}},
+      FieldLimits{1.64, false});
 }
 
 /// Pixels that show the world, and a point on the ray of each, 0.5 to 10 m away.
@@ -62,32 +92,31 @@ Scene sceneOf(const CameraModel& camera) {
 
 /// Calls `project(camera, scene, i)` for one point after the other of the scene.
 template <typename Project>
-void run(benchmark::State& state, MirrorProfile profile, Project project) {
-  const CatadioptricCamera camera = cameraWith(std::move(profile));
-  const Scene scene = sceneOf(camera);
+void run(benchmark::State& state, const Camera& camera, Project project) {
+  const Scene scene = sceneOf(*camera);
   std::size_t i = 0;
   for (auto _ : state) {
-    benchmark::DoNotOptimize(project(camera, scene, i));
+    benchmark::DoNotOptimize(project(*camera, scene, i));
     i = (i + 1) % scene.points.size();
   }
 }
 
-void pixelFromPoint(benchmark::State& state, MirrorProfile profile) {
-  run(state, std::move(profile), [](const CameraModel& camera, const Scene& scene, std::size_t i) {
+void pixelFromPoint(benchmark::State& state, const Camera& camera) {
+  run(state, camera, [](const CameraModel& camera, const Scene& scene, std::size_t i) {
     return camera.pixelFromPoint(scene.points[i]);
   });
 }
 
-void pixelAndJacobianFromPoint(benchmark::State& state, MirrorProfile profile) {
-  run(state, std::move(profile), [](const CameraModel& camera, const Scene& scene, std::size_t i) {
+void pixelAndJacobianFromPoint(benchmark::State& state, const Camera& camera) {
+  run(state, camera, [](const CameraModel& camera, const Scene& scene, std::size_t i) {
     Eigen::Matrix<double, 2, 3> jacobian;
     const std::optional<Eigen::Vector2d> pixel = camera.pixelFromPoint(scene.points[i], &jacobian);
     return std::pair(pixel, jacobian);
   });
 }
 
-void rayFromPixel(benchmark::State& state, MirrorProfile profile) {
-  run(state, std::move(profile), [](const CameraModel& camera, const Scene& scene, std::size_t i) {
+void rayFromPixel(benchmark::State& state, const Camera& camera) {
+  run(state, camera, [](const CameraModel& camera, const Scene& scene, std::size_t i) {
     return camera.rayFromPixel(scene.pixels[i]);
   });
 }
@@ -96,14 +125,23 @@ BENCHMARK_CAPTURE(pixelFromPoint, sphere, sphere());
 BENCHMARK_CAPTURE(pixelFromPoint, hyperbola, hyperbola());
 BENCHMARK_CAPTURE(pixelFromPoint, asphere, asphere());
 BENCHMARK_CAPTURE(pixelFromPoint, table, table());
+BENCHMARK_CAPTURE(pixelFromPoint, equidistant, equidistant());
+BENCHMARK_CAPTURE(pixelFromPoint, unified, unified());
+BENCHMARK_CAPTURE(pixelFromPoint, ocam, ocam());
 BENCHMARK_CAPTURE(pixelAndJacobianFromPoint, sphere, sphere());
 BENCHMARK_CAPTURE(pixelAndJacobianFromPoint, hyperbola, hyperbola());
 BENCHMARK_CAPTURE(pixelAndJacobianFromPoint, asphere, asphere());
 BENCHMARK_CAPTURE(pixelAndJacobianFromPoint, table, table());
+BENCHMARK_CAPTURE(pixelAndJacobianFromPoint, equidistant, equidistant());
+BENCHMARK_CAPTURE(pixelAndJacobianFromPoint, unified, unified());
+BENCHMARK_CAPTURE(pixelAndJacobianFromPoint, ocam, ocam());
 BENCHMARK_CAPTURE(rayFromPixel, sphere, sphere());
 BENCHMARK_CAPTURE(rayFromPixel, hyperbola, hyperbola());
 BENCHMARK_CAPTURE(rayFromPixel, asphere, asphere());
 BENCHMARK_CAPTURE(rayFromPixel, table, table());
+BENCHMARK_CAPTURE(rayFromPixel, equidistant, equidistant());
+BENCHMARK_CAPTURE(rayFromPixel, unified, unified());
+BENCHMARK_CAPTURE(rayFromPixel, ocam, ocam());
 
 }  // namespace
 }  // namespace omnitag

@@ -1,5 +1,6 @@
 # Where messages meet the core; nodelet, node and tools stand on it.
 add_library(omnitag_ros SHARED
+  src/ros/camera_info.cpp
   src/ros/conversions.cpp
   src/ros/debug_image.cpp
   src/ros/debug_image_layout.cpp
@@ -10,6 +11,7 @@ add_library(omnitag_ros SHARED
   src/ros/image_input.cpp
   src/ros/image_localizer.cpp
   src/ros/localizer_server.cpp
+  src/ros/localizer_starter.cpp
   src/ros/map_markers.cpp
   src/ros/parameters.cpp
   src/ros/path_recorder.cpp

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "omnitag/camera/safeguarded_step.h"
 #include "omnitag/common/error.h"
 
 namespace omnitag {
@@ -37,15 +38,6 @@ double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
 /// across the axis, 2 away from the lens. It stands in for the angle, without an arc tangent.
 double elevationOf(const Eigen::Vector2d& direction) {
   return 1.0 + direction.y() / (std::abs(direction.x()) + std::abs(direction.y()));
-}
-
-/// Next position of a Newton iteration for a function that grows from negative to positive between
-/// `low` and `high`, which are drawn together; bisection where Newton leaves them.
-double safeguardedStep(double position, double value, double derivative, double* low,
-                       double* high) {
-  (value < 0.0 ? *low : *high) = position;
-  const double next = position - value / derivative;
-  return next >= *low && next <= *high ? next : 0.5 * (*low + *high);
 }
 
 }  // namespace

@@ -13,19 +13,30 @@ struct Range {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
 
+  bool isEmpty() const { return !(low <= high); }
   void include(double value) {
     low = std::min(low, value);
     high = std::max(high, value);
   }
 };
 
-/// m, of all markers with their white borders, in the map.
-Range heightsOf(const MarkerMap& map) {
+/// Heights above the camera (m) at which markers are, with their white borders.
+struct Heights {
+  Range upright;
+  /// On the floor or under the ceiling: these can be right below or above the camera, where upright
+  /// ones cannot be read.
+  Range lying;
+};
+
+Heights heightsOf(const MarkerMap& map, const MountedCamera& camera) {
   constexpr double kWithBorder = 1.2;
-  Range heights;
+  const double lying = std::sin(radians(45.0));
+  Heights heights;
   for (const Marker& marker : map.markers) {
+    Range& range = std::abs(marker.normal().z()) > lying ? heights.lying : heights.upright;
     for (const Eigen::Vector3d& corner : marker.corners()) {
-      heights.include(marker.center().z() + kWithBorder * (corner - marker.center()).z());
+      range.include(marker.center().z() + kWithBorder * (corner - marker.center()).z() -
+                    camera.baseFromCamera().translation().z());
     }
   }
   return heights;
@@ -43,29 +54,65 @@ double nearestRadius(const CameraModel& camera, double distance, double height) 
   return is_inside ? camera.minRadius() : camera.maxRadius();
 }
 
-/// Radii of the ideal image plane at which something between these heights can image.
-Range radiiOf(const Range& heights, const MountedCamera& camera, double min_range,
-              double max_range) {
+/// Adds the radii of the ideal image plane at which something at a height above the camera can
+/// image, from `min_range` to `max_range` metres away.
+void includeRadii(double above_camera, double min_range, double max_range,
+                  const MountedCamera& camera, Range* radii) {
   constexpr int kSteps = 64;
-  const Eigen::Isometry3d& base_from_camera = camera.baseFromCamera();
-  const double axis_height = base_from_camera.linear()(2, 2);
+  const double axis_height = camera.baseFromCamera().linear()(2, 2);
   const double tilt = std::acos(std::min(1.0, std::abs(axis_height)));
   const double along_axis = axis_height > 0.0 ? 1.0 : -1.0;
-  Range radii;
   for (int i = 0; i <= kSteps; ++i) {
     const double distance = min_range * std::pow(max_range / min_range, 1.0 * i / kSteps);
-    for (const double height : {heights.low, heights.high}) {
-      const double above_camera = height - base_from_camera.translation().z();
-      const double range = std::hypot(distance, above_camera);
-      // A tilted axis sees the same elevation higher on one side and lower on the other.
-      for (const double turn : {-tilt, tilt}) {
-        const double elevation = std::atan2(above_camera, distance) + turn;
-        radii.include(nearestRadius(camera.model(), range * std::cos(elevation),
-                                    along_axis * range * std::sin(elevation)));
-      }
+    const double range = std::hypot(distance, above_camera);
+    // A tilted axis sees the same elevation higher on one side and lower on the other.
+    for (const double turn : {-tilt, tilt}) {
+      const double elevation = std::atan2(above_camera, distance) + turn;
+      radii->include(nearestRadius(camera.model(), range * std::cos(elevation),
+                                   along_axis * range * std::sin(elevation)));
+    }
+  }
+}
+
+/// Radii of the ideal image plane at which markers can image, but for lying ones near the axis.
+Range radiiOf(const Heights& heights, const MountedCamera& camera, double min_range,
+              double max_range) {
+  Range radii;
+  if (!heights.upright.isEmpty()) {
+    for (const double height : {heights.upright.low, heights.upright.high}) {
+      includeRadii(height, min_range, max_range, camera, &radii);
+    }
+  }
+  if (!heights.lying.isEmpty()) {
+    for (const double height : {heights.lying.low, heights.lying.high}) {
+      const double nearest = std::max(std::abs(height) * std::tan(kNearAxis), 1e-3 * max_range);
+      includeRadii(height, std::min(nearest, max_range), max_range, camera, &radii);
     }
   }
   return radii;
+}
+
+/// Whether lying markers can be near the upper or the lower end of the axis, and the camera sees
+/// that.
+bool isToFace(bool up, const Heights& heights, const MountedCamera& camera) {
+  if (heights.lying.isEmpty()) return false;
+  const bool is_asked_for = up ? heights.lying.high > 0.0 : heights.lying.low < 0.0;
+  constexpr double kFar = 10.0;  // m
+  const double along_axis = camera.axisUp() == up ? kFar : -kFar;
+  return is_asked_for && camera.model().imageFromPoint(0.0, along_axis).has_value();
+}
+
+/// What is near the upper or the lower end of the optical axis.
+ViewTarget targetAtEnd(bool up, const MountedCamera& camera, double distance, double overlap) {
+  const double along_axis = camera.axisUp() == up ? 1.0 : -1.0;
+  const auto edge = camera.model().imageFromPoint(distance * std::sin(kNearAxis),
+                                                  along_axis * distance * std::cos(kNearAxis));
+  const double radius = edge ? edge->radius : camera.model().maxRadius();
+  ViewTarget target;
+  target.distance = distance;
+  target.cone = ViewCone{along_axis * Eigen::Vector3d::UnitZ(), kNearAxis + overlap,
+                         camera.model().imagePlane().scale() * radius / std::sin(kNearAxis)};
+  return target;
 }
 
 }  // namespace
@@ -84,25 +131,33 @@ LookAroundConfig readLookAroundConfig(const YamlReader& reader) {
 std::vector<View> viewsAllAround(const MarkerMap& map, const MountedCamera& camera,
                                  const ContourTable& table, double max_range,
                                  const LookAroundConfig& config) {
-  const Range radii =
-      radiiOf(heightsOf(map), camera, config.min_range, std::max(max_range, config.min_range));
-  if (!(radii.low < radii.high)) return {};
-
+  const Heights heights = heightsOf(map, camera);
+  const double pixels_per_unit = camera.model().imagePlane().scale();
   ViewPlannerConfig planner;
   planner.oversampling = config.oversampling;
   planner.max_size = config.max_size;
-  ViewTarget target;
-  target.half_width =
-      std::min(0.5 * (config.step + config.overlap), ContourTable::kMaxAzimuthOffset);
-  target.min_radius = radii.low;
-  target.max_radius = radii.high;
-  target.distance = table.distance();
+  const auto plan = [&](const ViewTarget& target) {
+    return planView(target, table, pixels_per_unit, camera.axisUp(), planner);
+  };
   std::vector<View> views;
-  const int count = static_cast<int>(std::ceil(2.0 * kPi / config.step - 1e-6));
-  for (int i = 0; i < count; ++i) {
-    target.azimuth = normalizeAngle(2.0 * kPi * i / count);
-    views.push_back(
-        planView(target, table, camera.model().imagePlane().scale(), camera.axisUp(), planner));
+  const Range radii =
+      radiiOf(heights, camera, config.min_range, std::max(max_range, config.min_range));
+  if (radii.low < radii.high) {
+    ViewTarget target;
+    target.half_width =
+        std::min(0.5 * (config.step + config.overlap), ContourTable::kMaxAzimuthOffset);
+    target.min_radius = radii.low;
+    target.max_radius = radii.high;
+    target.distance = table.distance();
+    const int count = static_cast<int>(std::ceil(2.0 * kPi / config.step - 1e-6));
+    for (int i = 0; i < count; ++i) {
+      target.azimuth = normalizeAngle(2.0 * kPi * i / count);
+      views.push_back(plan(target));
+    }
+  }
+  for (const bool up : {true, false}) {
+    if (!isToFace(up, heights, camera)) continue;
+    views.push_back(plan(targetAtEnd(up, camera, table.distance(), config.overlap)));
   }
   return views;
 }

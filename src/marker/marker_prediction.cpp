@@ -1,5 +1,6 @@
 #include "omnitag/marker/marker_prediction.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -37,8 +38,10 @@ std::optional<PredictedMarker> predict(const Marker& marker, const MountedCamera
 
   const Eigen::Matrix2d covariance =
       center_by_pose * map_from_base.covariance * center_by_pose.transpose();
+  const Eigen::Vector2d from_axis = predicted.center - camera.model().imagePlane().principalPoint();
+  // On the axis any direction will do.
   const Eigen::Vector2d radial =
-      (predicted.center - camera.model().imagePlane().principalPoint()).normalized();
+      from_axis.norm() > 0.0 ? from_axis.normalized() : Eigen::Vector2d::UnitX();
   const Eigen::Vector2d tangential(-radial.y(), radial.x());
   const auto margin = [&covariance, &config](const Eigen::Vector2d& direction) {
     const double variance = std::max(0.0, direction.dot(covariance * direction));
@@ -47,6 +50,43 @@ std::optional<PredictedMarker> predict(const Marker& marker, const MountedCamera
   predicted.tangential_margin = margin(tangential);
   predicted.radial_margin = margin(radial);
   return predicted;
+}
+
+/// A corner moved out to where the marker's white border ends at least.
+Eigen::Vector2d withBorder(const Eigen::Vector2d& corner, const PredictedMarker& marker) {
+  return corner + 2.0 * kQuietZone * (corner - marker.center);
+}
+
+double angleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+/// The marker with its border and margins, where that comes near the optical axis.
+std::optional<ViewCone> coneNearAxis(const PredictedMarker& marker, const CameraModel& camera) {
+  const auto directionOf = [&](const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector3d> {
+    const std::optional<Ray> ray = camera.rayFromPixel(pixel);
+    if (!ray) return std::nullopt;
+    return (ray->origin + marker.range * ray->direction).normalized();
+  };
+  const auto center = directionOf(marker.center);
+  if (!center) return std::nullopt;
+  ViewCone cone;
+  cone.direction = *center;
+  for (const Eigen::Vector2d& corner : marker.corners) {
+    auto direction = directionOf(withBorder(corner, marker));
+    if (!direction) direction = directionOf(corner);
+    if (!direction) return std::nullopt;
+    const double angle = angleBetween(*center, *direction);
+    cone.half_angle = std::max(cone.half_angle, angle);
+    cone.resolution =
+        std::max(cone.resolution, (withBorder(corner, marker) - marker.center).norm() / angle);
+  }
+  // How far it may be away along the tangent does not bring it nearer to the axis.
+  const double off_axis = std::acos(std::min(1.0, std::abs(center->z())));
+  const double nearest = off_axis - cone.half_angle - marker.radial_margin / cone.resolution;
+  if (!(nearest < kNearAxis)) return std::nullopt;
+  cone.half_angle += std::max(marker.tangential_margin, marker.radial_margin) / cone.resolution;
+  return cone;
 }
 
 }  // namespace
@@ -108,7 +148,7 @@ ViewTarget viewTarget(const PredictedMarker& marker, const CameraModel& camera) 
   ViewTarget target;
   target.min_radius = target.max_radius = center.y();
   for (const Eigen::Vector2d& corner : marker.corners) {
-    const Eigen::Vector2d with_border = polar(corner + 2.0 * kQuietZone * (corner - marker.center));
+    const Eigen::Vector2d with_border = polar(withBorder(corner, marker));
     const double offset = normalizeAngle(with_border.x() - center.x());
     min_offset = std::min(min_offset, offset);
     max_offset = std::max(max_offset, offset);
@@ -124,6 +164,7 @@ ViewTarget viewTarget(const PredictedMarker& marker, const CameraModel& camera) 
   target.max_radius =
       std::min(camera.maxRadius(), target.max_radius + marker.radial_margin / scale);
   target.distance = marker.range;
+  target.cone = coneNearAxis(marker, camera);
   return target;
 }
 

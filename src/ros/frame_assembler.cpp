@@ -25,9 +25,11 @@ Eigen::Isometry3d lookUp(const tf2::BufferCore& transforms, const std::string& t
 
 }  // namespace
 
-FrameAssembler::FrameAssembler(std::string camera_file, const ImageSize& image_size,
+FrameAssembler::FrameAssembler(std::string camera_origin, const ImageSize& image_size,
                                FrameNames frames)
-    : camera_file_(std::move(camera_file)), image_size_(image_size), frames_(std::move(frames)) {}
+    : camera_origin_(std::move(camera_origin)),
+      image_size_(image_size),
+      frames_(std::move(frames)) {}
 
 bool FrameAssembler::hasTransforms(const std_msgs::Header& header,
                                    const tf2::BufferCore& transforms) const {
@@ -49,7 +51,7 @@ AssembledFrame FrameAssembler::assemble(const cv_bridge::CvImageConstPtr& image,
   const ImageSize size{image->image.cols, image->image.rows};
   if (size.width != image_size_.width || size.height != image_size_.height) {
     throw InputError("the image has " + describe(size) + ", expected " + describe(image_size_) +
-                     " as " + camera_file_ + " says");
+                     " as " + camera_origin_ + " says");
   }
 
   assembled.frame.stamp = image->header.stamp.toSec();

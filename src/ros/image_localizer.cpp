@@ -1,15 +1,14 @@
 #include "omnitag/ros/image_localizer.h"
 
-#include "omnitag/camera/camera_file.h"
 #include "omnitag/marker/marker_map_file.h"
 
 namespace omnitag {
 
-ImageLocalizer::ImageLocalizer(const LocalizerParameters& parameters)
+ImageLocalizer::ImageLocalizer(const LocalizerParameters& parameters, const DescribedCamera& camera)
     : parameters_(parameters),
-      camera_(loadCamera(parameters.camera_file)),
+      camera_(camera.model),
       map_(loadMarkerMap(parameters.map_file)),
-      assembler_(parameters.camera_file, camera_->imageSize(), parameters.frames) {
+      assembler_(camera.origin, camera_->imageSize(), parameters.frames) {
   if (parameters_.frames.map.empty()) parameters_.frames.map = map_.frame_id;
   start();
 }

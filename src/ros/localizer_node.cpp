@@ -1,6 +1,6 @@
 #include <ros/ros.h>
 
-#include "omnitag/ros/localizer_server.h"
+#include "omnitag/ros/localizer_starter.h"
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "localizer");
@@ -8,7 +8,7 @@ int main(int argc, char** argv) {
   const ros::NodeHandle node;
   const ros::NodeHandle private_node("~");
   try {
-    const omnitag::LocalizerServer server(node, private_node);
+    const omnitag::LocalizerStarter starter(node, private_node);
     ros::spin();
   } catch (const std::exception& error) {
     ROS_FATAL_STREAM(error.what());

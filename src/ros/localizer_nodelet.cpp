@@ -3,7 +3,7 @@
 #include <memory>
 #include <pluginlib/class_list_macros.hpp>
 
-#include "omnitag/ros/localizer_server.h"
+#include "omnitag/ros/localizer_starter.h"
 
 namespace omnitag {
 
@@ -13,14 +13,14 @@ class LocalizerNodelet : public nodelet::Nodelet {
   /// The manager reports a nodelet that throws as not loaded, and goes on.
   void onInit() override {
     try {
-      server_ = std::make_unique<LocalizerServer>(getNodeHandle(), getPrivateNodeHandle());
+      starter_ = std::make_unique<LocalizerStarter>(getNodeHandle(), getPrivateNodeHandle());
     } catch (const std::exception& error) {
       ROS_FATAL_STREAM(error.what());
       throw;
     }
   }
 
-  std::unique_ptr<LocalizerServer> server_;
+  std::unique_ptr<LocalizerStarter> starter_;
 };
 
 }  // namespace omnitag

@@ -28,11 +28,13 @@ Eigen::Matrix3d rotated(const Eigen::Matrix3d& covariance,
 
 }  // namespace
 
-LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
+LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
+                                 const LocalizerParameters& parameters,
+                                 const DescribedCamera& camera)
     : node_(node),
       name_(private_node.getNamespace()),
-      parameters_(readParameters(name_)),
-      localizer_(parameters_),
+      parameters_(parameters),
+      localizer_(parameters_, camera),
       transforms_(ros::Duration(kTransformCache)),
       transform_listener_(transforms_, node),
       map_markers_(mapMarkers(localizer_.map(), localizer_.frames().map)),
@@ -69,9 +71,9 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
             return true;
           });
 
-  ROS_INFO_STREAM(name_ << ": camera " << parameters_.camera_file << ", "
-                        << localizer_.map().markers.size() << " markers of " << parameters_.map_file
-                        << ", images from " << input_.topic());
+  ROS_INFO_STREAM(name_ << ": camera " << camera.origin << ", " << localizer_.map().markers.size()
+                        << " markers of " << parameters_.map_file << ", images from "
+                        << input_.topic());
   if (!parameters_.frames.odom.empty()) {
     repeat_timer_ =
         node_.createWallTimer(ros::WallDuration(parameters_.transform_period),

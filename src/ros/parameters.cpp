@@ -7,10 +7,6 @@
 namespace omnitag {
 namespace {
 
-void requireFile(const YamlReader& reader, const std::string& key) {
-  if (!reader.has(key) || reader.text(key).empty()) reader.refuse(key, "the path of a file");
-}
-
 void readFrame(const YamlReader& reader, const std::string& key, std::string* frame) {
   reader.read(key, frame);
   if (!frame->empty() && frame->front() == '/') {
@@ -82,8 +78,10 @@ LocalizerParameters readParameters(const std::string& name_space) {
   if (ros::param::get(name_space, tree)) node = yamlFromXmlRpc(tree, name_space);
   if (node.IsMap() && node["initial_pose"]) parseList(node["initial_pose"]);
   const YamlReader reader(node, name_space);
-  requireFile(reader, "camera_file");
-  requireFile(reader, "map_file");
+  const std::string map_file = "map_file";
+  if (!reader.has(map_file) || reader.text(map_file).empty()) {
+    reader.refuse(map_file, "the path of a file");
+  }
   return readParameters(reader);
 }
 

@@ -27,6 +27,21 @@ Group merged(const Group& a, const Group& b) {
   return group;
 }
 
+View planFacing(const ViewTarget& target, bool axis_up, const ViewPlannerConfig& config) {
+  constexpr double kWidest = radians(60.0);
+  const ViewCone& cone = *target.cone;
+  View view;
+  view.azimuth = std::atan2(cone.direction.y(), cone.direction.x());
+  view.elevation = std::atan2(cone.direction.z(), cone.direction.head<2>().norm());
+  view.distance = target.distance;
+  view.axis_up = axis_up;
+  const double width = 2.0 * std::tan(std::min(cone.half_angle, kWidest));
+  view.focal_length = std::min(config.oversampling * cone.resolution, config.max_size / width);
+  const int pixels = static_cast<int>(std::ceil(width * view.focal_length));
+  view.size = {pixels, pixels};
+  return view;
+}
+
 }  // namespace
 
 ViewPlannerConfig readViewPlannerConfig(const YamlReader& reader) {
@@ -41,6 +56,7 @@ ViewPlannerConfig readViewPlannerConfig(const YamlReader& reader) {
 
 View planView(const ViewTarget& target, const ContourTable& table, double pixels_per_unit,
               bool axis_up, const ViewPlannerConfig& config) {
+  if (target.cone) return planFacing(target, axis_up, config);
   View view;
   view.azimuth = target.azimuth;
   view.distance = target.distance;
@@ -84,6 +100,10 @@ std::vector<View> planViews(const std::vector<ViewTarget>& targets, const Contou
     View view = plan(group);
     // Each merger may make another one worth while, so start over after it.
     for (std::size_t k = 0; k < planned.size();) {
+      if (group.target.cone || planned[k].first.target.cone) {
+        ++k;
+        continue;
+      }
       Group candidate = merged(planned[k].first, group);
       View candidate_view = plan(candidate);
       if (candidate.target.half_width <= config.max_merged_half_width &&

@@ -34,6 +34,27 @@ ViewWarper::ViewWarper(std::shared_ptr<const CameraModel> camera, double working
     : camera_(std::move(camera)), table_(*camera_, working_distance) {}
 
 cv::Mat ViewWarper::warp(const cv::Mat& panorama, const View& view) const {
+  return view.elevation == 0.0 ? warpByTable(panorama, view) : warpExactly(panorama, view);
+}
+
+cv::Mat ViewWarper::warpExactly(const cv::Mat& panorama, const View& view) const {
+  const Eigen::Vector3d corner = view.pointAt({0.0, 0.0});
+  const Eigen::Vector3d rightward = view.pointAt({1.0, 0.0}) - corner;
+  const Eigen::Vector3d downward = view.pointAt({0.0, 1.0}) - corner;
+  cv::Mat image(view.size, CV_8UC1);
+  for (int j = 0; j < view.size.height; ++j) {
+    auto* row = image.ptr<std::uint8_t>(j);
+    for (int i = 0; i < view.size.width; ++i) {
+      const auto pixel = camera_->pixelFromPoint(corner + i * rightward + j * downward);
+      row[i] =
+          pixel ? sample(panorama, static_cast<float>(pixel->x()), static_cast<float>(pixel->y()))
+                : std::uint8_t{0};
+    }
+  }
+  return image;
+}
+
+cv::Mat ViewWarper::warpByTable(const cv::Mat& panorama, const View& view) const {
   const ImagePlane& plane = camera_->imagePlane();
   std::vector<ContourTable::Contours> contours;
   std::vector<Eigen::Vector2d> directions;
@@ -60,6 +81,7 @@ cv::Mat ViewWarper::warp(const cv::Mat& panorama, const View& view) const {
 
 std::optional<Eigen::Vector2d> ViewWarper::panoramaFromView(const View& view,
                                                             const Eigen::Vector2d& position) const {
+  if (view.elevation != 0.0) return camera_->pixelFromPoint(view.pointAt(position));
   const double offset = view.azimuthOffset(position.x());
   const double radius_main = table_.imageRadius(view.distance, view.height(position.y()));
   const double radius = table_.radius(radius_main, offset);
@@ -72,6 +94,10 @@ std::optional<Eigen::Vector2d> ViewWarper::panoramaFromView(const View& view,
 
 std::optional<Eigen::Vector2d> ViewWarper::viewFromPanorama(const View& view,
                                                             const Eigen::Vector2d& pixel) const {
+  if (view.elevation != 0.0) {
+    const std::optional<Ray> ray = camera_->rayFromPixel(pixel);
+    return ray ? view.positionOf(*ray) : std::nullopt;
+  }
   const std::optional<Eigen::Vector2d> ideal = camera_->imagePlane().idealFromPixel(pixel);
   if (!ideal) return std::nullopt;
   const double offset = normalizeAngle(std::atan2(ideal->y(), ideal->x()) - view.azimuth);

@@ -11,6 +11,9 @@
 #include <vector>
 
 #include "omnitag/camera/catadioptric_camera.h"
+#include "omnitag/camera/equidistant_camera.h"
+#include "omnitag/camera/ocam_camera.h"
+#include "omnitag/camera/unified_camera.h"
 #include "omnitag/common/error.h"
 
 namespace omnitag {
@@ -107,9 +110,97 @@ TEST(CameraFile, takesIntegersForReals) {
   EXPECT_EQ(camera->imagePlane().principalPoint(), Eigen::Vector2d(250.0, 200.0));
 }
 
+constexpr char kEquidistant[] =
+    "model: equidistant\n"
+    "image: {width: 500, height: 400}\n"
+    "lens: {fx: 146, fy: 145.5, cx: 249.5, cy: 199.5}\n"
+    "distortion: [-0.01, 0.002, 0, 0.0001]\n"
+    "max_angle: 1.66\n";
+
+constexpr char kUnified[] =
+    "model: unified\n"
+    "image: {width: 500, height: 500}\n"
+    "lens: {fx: 260, fy: 261, cx: 249.5, cy: 250, skew: 0.5}\n"
+    "xi: 1.1\n"
+    "distortion: [-0.05, 0.01, 0.001, -0.002]\n";
+
+constexpr char kOcam[] =
+    "model: ocam\n"
+    "calibration_file: calib_results.txt\n";
+
+constexpr char kCalibration[] =
+    "# direct\n5 -289.5569 0 1.538894e-03 -3.14032e-06 7.206996e-09\n# inverse\n2 434.4 226.0\n"
+    "# center\n390.9 423.7\n# affine\n0.999 -0.0003 -0.0001\n# size\n800 848\n";
+
+/// A folder's camera file, with what stands beside it.
+std::string writtenCamera(const std::string& text) {
+  const std::string folder = testing::TempDir();
+  std::ofstream(folder + "calib_results.txt") << kCalibration;
+  std::ofstream(folder + "central_camera_file_test.yaml") << text;
+  return folder + "central_camera_file_test.yaml";
+}
+
+template <typename Model>
+std::shared_ptr<const Model> loaded(const std::string& text) {
+  return std::dynamic_pointer_cast<const Model>(loadCamera(writtenCamera(text)));
+}
+
+TEST(CameraFile, describesAnEquidistantLens) {
+  const auto camera = loaded<EquidistantCamera>(kEquidistant);
+  ASSERT_TRUE(camera);
+  EXPECT_EQ(camera->imageSize().height, 400);
+  EXPECT_EQ(camera->imagePlane().affine()(1, 1), 145.5);
+  EXPECT_EQ(camera->imagePlane().principalPoint(), Eigen::Vector2d(249.5, 199.5));
+  EXPECT_EQ(camera->coefficients(), (EquidistantCamera::Coefficients{-0.01, 0.002, 0.0, 0.0001}));
+  EXPECT_EQ(camera->maxAngle(), 1.66);
+  EXPECT_FALSE(camera->throughMirror());
+}
+
+TEST(CameraFile, describesAUnifiedCamera) {
+  const auto camera = loaded<UnifiedCamera>(kUnified);
+  ASSERT_TRUE(camera);
+  EXPECT_EQ(camera->xi(), 1.1);
+  EXPECT_EQ(camera->imagePlane().affine()(0, 1), 0.5);
+  EXPECT_EQ(camera->imagePlane().distortion(),
+            (ImagePlane::Distortion{-0.05, 0.01, 0.001, -0.002, 0.0}));
+  EXPECT_TRUE(
+      loaded<UnifiedCamera>(std::string(kUnified) + "through_mirror: true\n")->throughMirror());
+}
+
+TEST(CameraFile, findsTheToolboxsFileBesideIt) {
+  const auto camera = loaded<OcamCamera>(kOcam);
+  ASSERT_TRUE(camera);
+  EXPECT_EQ(camera->imageSize().width, 848);
+  EXPECT_EQ(camera->imagePlane().principalPoint(), Eigen::Vector2d(423.7, 390.9));
+  EXPECT_EQ(loaded<OcamCamera>(std::string(kOcam) + "max_angle: 1.2\n")->maxAngle(), 1.2);
+  const std::string absolute = testing::TempDir() + "calib_results.txt";
+  EXPECT_TRUE(loaded<OcamCamera>("model: ocam\ncalibration_file: " + absolute + "\n"));
+}
+
+TEST(CameraFile, namesTheToolboxsFileWhereThatIsWrong) {
+  const auto refusal = [](const std::string& calibration) -> std::string {
+    const std::string path = writtenCamera(kOcam);
+    std::ofstream(testing::TempDir() + "calib_results.txt") << calibration;
+    try {
+      loadCamera(path);
+    } catch (const InputError& error) {
+      return std::string(error.what()).substr(testing::TempDir().size());
+    }
+    return "";
+  };
+  const std::string camera = "central_camera_file_test.yaml";
+  EXPECT_EQ(refusal("3 -280 zero"),
+            camera + ":2: calibration_file: " + testing::TempDir() +
+                "calib_results.txt:1: coefficient a1: expected a number, found 'zero'");
+  EXPECT_EQ(refusal(replaced(kCalibration, "-289.5569", "289.5569")).find(camera + ": calibration"),
+            0U);
+}
+
 TEST(CameraFile, isWhatTheDocumentationShows) {
   std::ifstream document(PACKAGE_DIR "/doc/camera_models.md");
+  const std::string origin = writtenCamera(kOcam);
   std::set<std::string> profiles;
+  std::set<std::string> models;
   std::string line;
   while (std::getline(document, line)) {
     if (line != "```yaml") continue;
@@ -117,10 +208,12 @@ TEST(CameraFile, isWhatTheDocumentationShows) {
     while (std::getline(document, line) && line != "```") {
       example += line + "\n";
       if (line.find("profile: ") != std::string::npos) profiles.insert(line);
+      if (line.find("model: ") == 0) models.insert(line);
     }
-    EXPECT_NO_THROW(parseCamera(example, "doc/camera_models.md")) << example;
+    EXPECT_NO_THROW(parseCamera(example, origin)) << example;
   }
   EXPECT_EQ(profiles.size(), 5u);
+  EXPECT_EQ(models.size(), 4u);
 }
 
 struct Refusal {
@@ -199,7 +292,41 @@ std::vector<Refusal> refusals() {
       {"NoPixels", sphereWith("500", "0"), {"image.width: expected an integer >= 1", "found '0'"}},
       {"UnknownModel",
        sphereWith("catadioptric", "pinhole"),
-       {"camera.yaml:1: model: expected", "catadioptric", "found 'pinhole'"}},
+       {"camera.yaml:1: model: expected one of catadioptric, equidistant, unified, ocam, found "
+        "'pinhole'"}},
+      {"EquidistantDistortionTooShort",
+       replaced(kEquidistant, ", 0.0001]", "]"),
+       {"camera.yaml:4: distortion: expected a list of 4 numbers, found a list of 3"}},
+      {"EquidistantWithSkew",
+       replaced(kEquidistant, "199.5}", "199.5, skew: 1}"),
+       {"camera.yaml:3: lens.skew: unknown key"}},
+      {"EquidistantThatFolds",
+       replaced(kEquidistant, "-0.01", "-0.5"),
+       {"camera.yaml: distortion: expected", "up to max_angle, 1.66 rad", "found one that folds"}},
+      {"EquidistantThatNeverGrows",
+       replaced(replaced(kEquidistant, "max_angle: 1.66\n", ""), "[-0.01", "[-1e300"),
+       {"camera.yaml: distortion: expected", "found one that folds the image at 0 rad"}},
+      {"MaxAngleAllAround",
+       replaced(kEquidistant, "1.66", "3.2"),
+       {"camera.yaml:5: max_angle: expected a number > 0 and <= 3.12, found '3.2'"}},
+      {"NoXi",
+       replaced(kUnified, "xi: 1.1\n", ""),
+       {"camera.yaml:1: xi: expected a number >= 0, found nothing"}},
+      {"UnifiedBeyondItsFold",
+       std::string(kUnified) + "max_angle: 2.8\n",
+       {"camera.yaml: xi: expected", "max_angle, 2.8 rad", "folds the image at 2.7"}},
+      {"UnifiedThroughMaybe",
+       std::string(kUnified) + "through_mirror: 3\n",
+       {"camera.yaml:6: through_mirror: expected", "found '3'"}},
+      {"OcamWithoutItsFile",
+       "model: ocam\ncalibration_file: no/such.txt\n",
+       {"camera.yaml:2: calibration_file: no/such.txt: expected a readable file, found none"}},
+      {"OcamWithALineBreakInThePath",
+       "model: ocam\ncalibration_file: \"a\\nb\"\n",
+       {"camera.yaml:2: calibration_file: expected the path of a file, found 'a b'"}},
+      {"OcamWithAnImage",
+       std::string(kOcam) + "image: {width: 3, height: 3}\n",
+       {"camera.yaml:3: image: unknown key"}},
       {"UnknownProfile",
        sphereWith("spherical", "round"),
        {"camera.yaml:5: mirror.profile: expected one of spherical, parabolic, hyperbolic, "

@@ -137,6 +137,42 @@ TEST_P(LookAroundTest, ViewsStepAndOverlapAsConfigured) {
   }
 }
 
+TEST(LookAroundFisheye, HoldsEveryMarkerUnderTheCeilingHoweverNear) {
+  const auto model = test::equidistantCamera();
+  const MountedCamera camera(model, test::lookingUp());
+  const ViewWarper warper(model, kWorkingDistance);
+  const Eigen::Vector2d viewpoint = camera.baseFromCamera().translation().head<2>();
+  const MarkerMap map{"map", {test::lyingMarker(0, {50.0, 0.0, 2.8}, false, 0.0, 0.4)}};
+  const std::vector<View> views = viewsAllAround(map, camera, warper.table(), 12.0, {});
+  int seen = 0;
+  for (const double range : {0.0, 0.3, 0.7, 1.1, 1.5, 2.0, 3.0, 5.0}) {
+    for (int i = 0; i < 24; ++i) {
+      const double azimuth = 2.0 * kPi * i / 24;
+      const Eigen::Vector2d place =
+          viewpoint + range * Eigen::Vector2d(std::cos(azimuth), std::sin(azimuth));
+      const Marker marker =
+          test::lyingMarker(0, {place.x(), place.y(), 2.8}, false, 1.7 * azimuth, 0.4);
+      const auto reading = test::exactReading(marker, camera, {});
+      ASSERT_TRUE(reading);
+      ++seen;
+      EXPECT_TRUE(std::any_of(views.begin(), views.end(),
+                              [&](const View& view) {
+                                return std::all_of(reading->corners.begin(), reading->corners.end(),
+                                                   [&](const Eigen::Vector2d& corner) {
+                                                     const auto position =
+                                                         warper.viewFromPanorama(view, corner);
+                                                     return position && position->x() >= 0.0 &&
+                                                            position->y() >= 0.0 &&
+                                                            position->x() <= view.size.width - 1 &&
+                                                            position->y() <= view.size.height - 1;
+                                                   });
+                              }))
+          << "range " << range << ", azimuth " << azimuth;
+    }
+  }
+  EXPECT_GT(seen, 100);
+}
+
 TEST_P(LookAroundTest, WithoutAMarkerOrWhereNoneCanBeSeenThereIsNothingToLookAt) {
   EXPECT_TRUE(views({"map", {}}, 12.0).empty());
   // Straight ahead of the camera, behind the mirror.

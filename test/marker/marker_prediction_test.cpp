@@ -7,6 +7,7 @@
 #include <random>
 
 #include "../support/sample_cameras.h"
+#include "../support/sample_markers.h"
 
 namespace omnitag {
 namespace {
@@ -121,6 +122,34 @@ TEST_F(MarkerPredictionTest, TargetsHoldCornersAndMargins) {
       EXPECT_LT(ideal.norm(), target.max_radius);
     }
     EXPECT_EQ(target.distance, marker.range);
+  }
+}
+
+TEST(ViewTargetTest, FacesWhatIsNearTheAxisWithItsBorderAndMargins) {
+  const MountedCamera camera(test::equidistantCamera(), test::lookingUp());
+  const Eigen::Vector3d viewpoint = camera.baseFromCamera().translation();
+  PoseEstimate pose;
+  pose.covariance.diagonal() << 4e-4, 4e-4, 1e-4;
+  for (const double away : {0.0, 0.4, 1.0, 4.0}) {
+    const Eigen::Vector3d center = viewpoint + Eigen::Vector3d(0.6 * away, -0.8 * away, 2.0);
+    const Marker marker = test::lyingMarker(3, center, false, 0.8, 0.4);
+    const auto predicted = predictMarkers({"map", {marker}}, camera, pose, {});
+    ASSERT_EQ(predicted.size(), 1U);
+    const ViewTarget target = viewTarget(predicted[0], camera.model());
+    ASSERT_EQ(target.cone.has_value(), away < 2.0) << away;
+    if (!target.cone) continue;
+    const Eigen::Isometry3d camera_from_base = camera.baseFromCamera().inverse();
+    const double margin = predicted[0].radial_margin / target.cone->resolution;
+    EXPECT_GT(margin, 0.0);
+    for (const Eigen::Vector3d& corner : marker.corners()) {
+      // tag36h11 has a white border of an eighth of its edge.
+      const Eigen::Vector3d outer = center + 1.25 * (corner - center);
+      const Eigen::Vector3d direction = (camera_from_base * outer).normalized();
+      const double angle = std::acos(direction.dot(target.cone->direction));
+      EXPECT_LT(angle + margin, target.cone->half_angle);
+    }
+    EXPECT_LT(target.cone->half_angle, 0.4 + margin);
+    EXPECT_NEAR(target.cone->resolution, 210.0, 15.0);
   }
 }
 

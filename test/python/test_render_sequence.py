@@ -8,7 +8,8 @@ from source_tree import FileTest
 import cv2
 import numpy as np
 import rosbag
-from omnitag.rendering.camera import load_camera
+from omnitag.command_line import InputError
+from omnitag.rendering.camera import canvas_of, load_camera
 from omnitag.rendering.route import read_route
 from omnitag.rendering.world import load_world
 from omnitag.trajectory import read_trajectory
@@ -52,6 +53,45 @@ robot:
 """
 
 ROUTE = "stamp,x,y,yaw\n0.00,0,0,0\n0.25,0.1,0,1.5\n0.50,0.2,0.1,-3\n"
+
+
+FISHEYE = """\
+model: equidistant
+image: {width: 64, height: 48}
+lens: {fx: 20, fy: 20, cx: 30.5, cy: 23}
+distortion: [0, 0, 0, 0]
+max_angle: 1.6
+"""
+
+
+class FisheyeFileTest(FileTest):
+    """Which fisheyes can be rendered."""
+
+    def load(self, text):
+        return load_camera(self.write("fisheye.yaml", text))
+
+    def test_is_read(self):
+        camera = self.load(FISHEYE)
+        self.assertEqual((camera.width, camera.height, camera.max_angle), (64, 48, 1.6))
+        canvas = canvas_of(camera)
+        # The axis is in the canvas's middle.
+        self.assertEqual(0.5 * (canvas.width - 1) - canvas.left, 30.5)
+        self.assertEqual(0.5 * (canvas.height - 1) - canvas.top, 23.0)
+        self.assertGreaterEqual(canvas.width - canvas.left, 64)
+        self.assertGreaterEqual(canvas.height - canvas.top, 48)
+
+    def test_reaches_to_the_corners_by_default(self):
+        camera = self.load(FISHEYE.replace("max_angle: 1.6\n", ""))
+        self.assertAlmostEqual(camera.max_angle, np.hypot(33.0, 24.5) / 20.0)
+
+    def test_others_are_refused(self):
+        for old, new, part in (("[0, 0, 0, 0]", "[0, 0.1, 0, 0]", "exactly equidistant"),
+                               ("30.5", "30.6", "lens.cx: expected a multiple of 0.5"),
+                               ("1.6", "3.2", "max_angle: expected at most 3.12"),
+                               ("equidistant", "unified", "model: expected 'catadioptric' or")):
+            with self.assertRaises(InputError) as caught:
+                self.load(FISHEYE.replace(old, new))
+            self.assertIn(part, str(caught.exception))
 
 
 class RenderSequenceTest(FileTest):

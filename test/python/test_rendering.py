@@ -6,7 +6,7 @@ import source_tree  # noqa: F401, puts the package on the path
 
 import numpy as np
 from omnitag.marker_map import Marker, rotation_from_yaw_and_roll
-from omnitag.rendering.camera import CatadioptricCamera, Lens
+from omnitag.rendering.camera import CatadioptricCamera, FisheyeCamera, Lens, canvas_of
 from omnitag.rendering.mirror import ConicMirror, TabulatedMirror
 from omnitag.rendering.optics import camera_scene
 from omnitag.rendering.povray import matrix, render
@@ -155,6 +155,45 @@ class DotsInTheMirrorTest(unittest.TestCase):
 
     def test_tabulated(self):
         self.check(TABLE)
+
+
+class DotsInTheFisheyeTest(unittest.TestCase):
+    """Images of small glowing discs, some of them behind the lens."""
+
+    TOLERANCE = 0.02  # px
+
+    def test_equidistant(self):
+        lens = Lens(62.0, 58.5, 131.5, 140.0)
+        camera = FisheyeCamera(300, 280, lens, 2.0)
+        canvas = canvas_of(camera)
+        scene = HEADER + camera_scene(camera, MAP_FROM_CAMERA)
+        expected = []
+        for index, off_axis in enumerate((0.0, 0.4, 0.8, 1.1, 1.4, 1.6, 1.75, 1.9)):
+            azimuth = 2.4 * index
+            direction = np.array([np.sin(off_axis) * np.cos(azimuth),
+                                  np.sin(off_axis) * np.sin(azimuth), np.cos(off_axis)])
+            angular_radius = 0.06
+            disc = MAP_FROM_CAMERA @ facing(-direction, direction)
+            scene += (f"disc {{ <0, 0, 0>, z, {1000.0 * np.tan(angular_radius)} "
+                      f"pigment {{ rgb 1 }} finish {{ emission rgb 1 ambient 0 diffuse 0 }} "
+                      f"{matrix(disc)} }}\n")
+            turns = np.linspace(0.0, 2.0 * np.pi, 400, endpoint=False)
+            edge = facing(-direction, direction) @ np.vstack([
+                np.tan(angular_radius) * np.cos(turns), np.tan(angular_radius) * np.sin(turns),
+                np.zeros_like(turns), np.ones_like(turns)])
+            sideways = np.hypot(edge[0], edge[1])
+            angles = np.arctan2(sideways, edge[2])
+            expected.append(polygon_centroid(np.column_stack([
+                lens.cx + lens.fx * angles * edge[0] / sideways,
+                lens.cy + lens.fy * angles * edge[1] / sideways])))
+        image = render(scene, {}, canvas.width, canvas.height, samples=9)
+        image = image[canvas.top:canvas.top + 280, canvas.left:canvas.left + 300]
+        columns, rows = np.meshgrid(np.arange(300), np.arange(280))
+        for u, v in expected:
+            near = np.hypot(columns - u, rows - v) < 9.0
+            light = image * near
+            found = np.array([(light * columns).sum(), (light * rows).sum()]) / light.sum()
+            np.testing.assert_allclose(found, (u, v), atol=self.TOLERANCE)
 
 
 class MarkersTest(unittest.TestCase):

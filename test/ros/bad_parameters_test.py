@@ -43,7 +43,7 @@ class BadParametersTest(unittest.TestCase):
         bad_map = self.write("map.yaml", re.sub("(?m)^size: .*$", "size: -1", good_map))
         bad_camera = self.write("camera.yaml", good_camera.replace("spherical", "conical"))
         return [
-            ({}, "/bad: camera_file: expected the path of a file, found nothing"),
+            ({}, "/bad: map_file: expected the path of a file, found nothing"),
             ({"camera_file": CAMERA}, "/bad: map_file: expected the path of a file, found nothing"),
             ({"camera_file": "/no/such.yaml", "map_file": MAP}, "/no/such.yaml: expected a readable file, found none"),
             ({"camera_file": bad_camera, "map_file": MAP}, bad_camera + ":"),

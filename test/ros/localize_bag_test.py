@@ -212,6 +212,39 @@ class LocalizeBagTest(unittest.TestCase):
         self.assertIn("from 'base_link' to 'odom'", result.stderr)
         self.assertIn("without odometry:  66", result.stdout)
 
+    def test_camera_info_instead_of_a_camera_file(self):
+        fisheye = os.path.join(PACKAGE, "config", "cameras", "fisheye.yaml")
+        fisheye_map = os.path.join(PACKAGE, "maps", "fisheye.yaml")
+        bag = self.path("fisheye.bag")
+        subprocess.run([sys.executable, os.path.join(PACKAGE, "tools", "render_sequence"),
+                        "--camera", fisheye,
+                        "--world", os.path.join(PACKAGE, "worlds", "fisheye.yaml"),
+                        "--trajectory", os.path.join(PACKAGE, "worlds", "paper_route.csv"),
+                        "--frames", "0:1", "--output", bag], stderr=subprocess.PIPE, check=True)
+        results = []
+        for camera in (None, fisheye):
+            self.assert_runs(camera=camera, map=fisheye_map, bag=bag, initial_pose=None)
+            fields = read_text(self.path("out.tum")).split()
+            results.append([float(field) for field in fields[1:3]])
+        true_pose = read_truth()[min(read_truth())]
+        for x, y in results:
+            self.assertLess(abs(x - true_pose[0]) + abs(y - true_pose[1]), 2e-3)
+
+        def spoil(message):
+            message.K = [0.0] * 9
+            return message
+
+        messages = read_bag(bag)
+        empty = self.write_bag("empty.bag", [
+            (topic, spoil(message) if topic.endswith("camera_info") else message, time)
+            for topic, message, time in messages])
+        self.assert_refused("empty.bag: /camera/camera_info: K: expected", camera=None,
+                            map=fisheye_map, bag=empty)
+        without = self.write_bag("without.bag", [
+            each for each in messages if not each[0].endswith("camera_info")])
+        self.assert_refused("without.bag: expected camera_info on /camera/camera_info", "--camera",
+                            camera=None, map=fisheye_map, bag=without)
+
     def test_help(self):
         result = subprocess.run(["rosrun", "omnitag", "localize_bag", "--help"],
                                 stdout=subprocess.PIPE, universal_newlines=True, check=True)

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "omnitag/camera/camera_file.h"
+#include "omnitag/camera/ocam_camera.h"
 #include "omnitag/common/angle.h"
 
 namespace omnitag::test {
@@ -29,6 +30,37 @@ mirror: {profile: hyperbolic, radius_of_curvature: 0.03, conic_constant: -1.6, a
          rim_radius: 0.032}
 )",
                      "hyperbola");
+}
+
+/// Fisheyes of 190 degrees or a little less, 700 x 700 pixels, one of each central model.
+inline std::shared_ptr<const CameraModel> equidistantCamera() {
+  return parseCamera(R"(
+model: equidistant
+image: {width: 700, height: 700}
+lens: {fx: 210, fy: 208, cx: 352.3, cy: 347.1}
+distortion: [-0.012, 0.003, -0.0008, 0.0001]
+max_angle: 1.65
+)",
+                     "equidistant");
+}
+
+inline std::shared_ptr<const CameraModel> unifiedCamera() {
+  return parseCamera(R"(
+model: unified
+image: {width: 700, height: 700}
+lens: {fx: 440, fy: 442, cx: 347.7, cy: 351.2, skew: 0.8}
+xi: 1.4
+distortion: [-0.08, 0.03, 0.0004, -0.0006]
+max_angle: 1.6
+)",
+                     "unified");
+}
+
+inline std::shared_ptr<const CameraModel> ocamCamera() {
+  return std::make_shared<OcamCamera>(
+      OcamCalibration{
+          {-180.1, 0.0, 1.9e-3, -2.1e-6, 6.3e-9}, 351.4, 346.2, 1.002, 1e-3, -2e-3, {700, 700}},
+      FieldLimits{1.64, false});
 }
 
 /// A camera that looks down on its mirror, turned, off the robot's middle and a little tilted.

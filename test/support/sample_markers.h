@@ -24,6 +24,19 @@ inline Marker wallMarker(int id, const Eigen::Vector3d& center, double yaw, doub
   return marker;
 }
 
+/// A marker that lies on the floor, or face down under the ceiling; `turn` is about the vertical.
+inline Marker lyingMarker(int id, const Eigen::Vector3d& center, bool face_up, double turn,
+                          double size) {
+  Marker marker;
+  marker.family = "tag36h11";
+  marker.id = id;
+  marker.size = size;
+  marker.map_from_marker = Eigen::Translation3d(center) *
+                           Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()) *
+                           Eigen::AngleAxisd(face_up ? 0.0 : kPi, Eigen::Vector3d::UnitX());
+  return marker;
+}
+
 /// Ten markers, with ids from 0, at various heights on the walls of a room of 8 x 8 m, whose middle
 /// is the origin.
 inline std::vector<Marker> roomMarkers() {

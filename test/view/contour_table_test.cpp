@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <string>
 
 #include "../support/sample_cameras.h"
 
@@ -97,9 +99,17 @@ TEST_P(ContourTableTest, KnowsWhereItEnds) {
   EXPECT_TRUE(std::isnan(table.imageRadius(0.01, 5.0)));
 }
 
+std::string nameOf(const testing::TestParamInfo<std::shared_ptr<const CameraModel>>& test) {
+  const std::array<const char*, 5> names = {"Sphere", "Hyperbola", "Equidistant", "Unified",
+                                            "Ocam"};
+  return names.at(test.index);
+}
+
 INSTANTIATE_TEST_SUITE_P(Cameras, ContourTableTest,
-                         testing::Values(test::sphericalCamera(), test::hyperbolicCamera()),
-                         [](const auto& test) { return test.index == 0 ? "Sphere" : "Hyperbola"; });
+                         testing::Values(test::sphericalCamera(), test::hyperbolicCamera(),
+                                         test::equidistantCamera(), test::unifiedCamera(),
+                                         test::ocamCamera()),
+                         nameOf);
 
 }  // namespace
 }  // namespace omnitag

@@ -103,6 +103,63 @@ TEST_P(ViewTest, BackAndForth) {
   }
 }
 
+TEST_P(ViewTest, FacesWhatIsNearTheAxisUnmirroredAndExactly) {
+  for (const double off_axis : {0.0, 0.2, 0.6}) {
+    const auto camera = test::equidistantCamera();
+    const ViewWarper warper(camera, kWorkingDistance);
+    const Eigen::Vector3d forward(std::sin(off_axis) * std::cos(0.8),
+                                  std::sin(off_axis) * std::sin(0.8), std::cos(off_axis));
+    ViewTarget target;
+    target.distance = 2.0;
+    target.cone = ViewCone{forward, 0.3, 210.0};
+    const View view = planView(target, warper.table(), 1.0, GetParam(), {});
+    const Eigen::Vector2d middle(0.5 * (view.size.width - 1), 0.5 * (view.size.height - 1));
+    EXPECT_LT((view.pointAt(middle) - 2.0 * forward).norm(), 1e-12);
+    const Eigen::Vector3d rightward =
+        view.pointAt(middle + Eigen::Vector2d(1.0, 0.0)) - view.pointAt(middle);
+    const Eigen::Vector3d downward =
+        view.pointAt(middle + Eigen::Vector2d(0.0, 1.0)) - view.pointAt(middle);
+    // As somebody at the camera sees it: what he looks along is right times down.
+    EXPECT_GT(rightward.cross(downward).normalized().dot(forward), 1.0 - 1e-12);
+    EXPECT_NEAR(rightward.norm(), 2.0 / view.focal_length, 1e-12);
+    EXPECT_NEAR(downward.norm(), 2.0 / view.focal_length, 1e-12);
+    EXPECT_NEAR(rightward.dot(downward), 0.0, 1e-12);
+    for (double column = -3.0; column < view.size.width + 3.0; column += 9.1) {
+      for (double row = -3.0; row < view.size.height + 3.0; row += 7.7) {
+        const auto pixel = warper.panoramaFromView(view, {column, row});
+        ASSERT_TRUE(pixel);
+        const auto position = warper.viewFromPanorama(view, *pixel);
+        ASSERT_TRUE(position);
+        EXPECT_LT((*position - Eigen::Vector2d(column, row)).norm(), 1e-6);
+      }
+    }
+  }
+}
+
+TEST_P(ViewTest, FacingViewsShowWhatTheirPositionsSay) {
+  const auto camera = test::ocamCamera();
+  const ViewWarper warper(camera, kWorkingDistance);
+  cv::Mat panorama(700, 700, CV_8UC1);
+  for (int v = 0; v < 700; ++v) {
+    for (int u = 0; u < 700; ++u) {
+      panorama.at<std::uint8_t>(v, u) = cv::saturate_cast<std::uint8_t>(0.11 * u + 0.13 * v);
+    }
+  }
+  ViewTarget target;
+  target.distance = 1.5;
+  target.cone = ViewCone{Eigen::Vector3d(0.1, -0.2, 1.0).normalized(), 0.4, 220.0};
+  const View view = planView(target, warper.table(), 1.0, GetParam(), {});
+  const cv::Mat image = warper.warp(panorama, view);
+  ASSERT_EQ(image.size(), view.size);
+  for (int j = 0; j < view.size.height; j += 3) {
+    for (int i = 0; i < view.size.width; i += 3) {
+      const auto pixel = warper.panoramaFromView(view, {i, j});
+      ASSERT_TRUE(pixel);
+      EXPECT_NEAR(image.at<std::uint8_t>(j, i), 0.11 * pixel->x() + 0.13 * pixel->y(), 1.01);
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Axis, ViewTest, testing::Bool(),
                          [](const auto& test) { return test.param ? "Up" : "Down"; });
 

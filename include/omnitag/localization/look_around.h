@@ -20,7 +20,7 @@ struct LookAroundConfig {
   /// rad, by which neighbouring views overlap: a marker that is narrower is whole in one of them.
   double overlap = radians(20.0);
   /// m, horizontally from the camera: nearer markers are not looked for, as they would be far above
-  /// or below.
+  /// or below. Markers on the floor and under the ceiling are, however near.
   double min_range = 0.8;
   /// Pixels of a view per pixel of the panorama along the tangent, where the panorama resolves
   /// best.
@@ -33,8 +33,9 @@ struct LookAroundConfig {
 LookAroundConfig readLookAroundConfig(const YamlReader& reader);
 
 /// Views all around the camera, at the elevations at which the map's markers can be, from
-/// `config.min_range` to `max_range` metres away. `oversampling` as in ViewPlannerConfig. None
-/// where the camera sees none of these elevations.
+/// `config.min_range` to `max_range` metres away, and one along the axis where markers can be
+/// there. `oversampling` as in ViewPlannerConfig. None where the camera sees none of these
+/// elevations.
 std::vector<View> viewsAllAround(const MarkerMap& map, const MountedCamera& camera,
                                  const ContourTable& table, double max_range,
                                  const LookAroundConfig& config);

@@ -37,7 +37,7 @@ struct AssembledFrame {
 class FrameAssembler {
  public:
   /// Images must be as large as the camera file says.
-  FrameAssembler(std::string camera_file, const ImageSize& image_size, FrameNames frames);
+  FrameAssembler(std::string camera_origin, const ImageSize& image_size, FrameNames frames);
 
   /// Whether tf has all that `assemble` looks up for such an image.
   bool hasTransforms(const std_msgs::Header& header, const tf2::BufferCore& transforms) const;
@@ -49,7 +49,7 @@ class FrameAssembler {
                           const tf2::BufferCore& transforms) const;
 
  private:
-  std::string camera_file_;
+  std::string camera_origin_;
   ImageSize image_size_;
   FrameNames frames_;
 };

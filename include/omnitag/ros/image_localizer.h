@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "omnitag/localization/localizer.h"
+#include "omnitag/ros/camera_info.h"
 #include "omnitag/ros/frame_assembler.h"
 #include "omnitag/ros/parameters.h"
 
@@ -25,8 +26,8 @@ struct LocalizedImage {
 /// transforms give the same poses. Not safe to use from two threads at once.
 class ImageLocalizer {
  public:
-  /// Loads the camera and the map. Throws InputError where one of them or a parameter is wrong.
-  explicit ImageLocalizer(const LocalizerParameters& parameters);
+  /// Loads the map. Throws InputError where that or a parameter is wrong.
+  ImageLocalizer(const LocalizerParameters& parameters, const DescribedCamera& camera);
 
   /// Nothing for an image that is not newer than the one before; it is counted as late. Throws what
   /// FrameAssembler throws, and keeps its state then.

@@ -26,14 +26,17 @@
 
 namespace omnitag {
 
-/// The localizer on topics, tf and services; nodelet and node are this class.
+/// The localizer on topics, tf and services; nodelet and node are this class, started by
+/// LocalizerStarter.
 ///
 /// Callbacks only store what they bring. One thread takes the images and does all the work, so that
 /// the newest image waits for nothing else.
 class LocalizerServer {
  public:
-  /// Throws InputError with one line where a parameter or a file is wrong.
-  LocalizerServer(const ros::NodeHandle& node, const ros::NodeHandle& private_node);
+  /// `parameters`: those of `private_node`. Throws InputError with one line where one of them or
+  /// the map is wrong.
+  LocalizerServer(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
+                  const LocalizerParameters& parameters, const DescribedCamera& camera);
   ~LocalizerServer();
   LocalizerServer(const LocalizerServer&) = delete;
   LocalizerServer& operator=(const LocalizerServer&) = delete;

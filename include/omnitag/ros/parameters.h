@@ -20,6 +20,7 @@ struct FrameNames {
 /// Every parameter of the nodelet, the node and localize_bag; config/localizer.yaml documents them
 /// for users.
 struct LocalizerParameters {
+  /// Empty: `camera_info` beside the images describes the camera.
   std::string camera_file;
   std::string map_file;
   FrameNames frames;
@@ -56,7 +57,7 @@ struct LocalizerParameters {
 LocalizerParameters readParameters(const YamlReader& reader);
 
 /// The same, from the parameter server: all parameters below `name_space`, e.g. "/localizer". There
-/// must be a camera_file and a map_file.
+/// must be a map_file.
 LocalizerParameters readParameters(const std::string& name_space);
 
 }  // namespace omnitag

@@ -1,10 +1,29 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <opencv2/core/types.hpp>
+#include <optional>
 #include <vector>
 
+#include "omnitag/camera/camera_model.h"
+#include "omnitag/common/angle.h"
+
 namespace omnitag {
+
+/// rad. What lies within this angle of the optical axis, at either end of it, is looked at face to
+/// face: on a rectangle parallel to the axis it would be stretched beyond measure.
+constexpr double kNearAxis = radians(35.0);
+
+/// All that lies within an angle of a direction.
+struct ViewCone {
+  /// Of length 1, in the optical frame.
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();
+  /// rad.
+  double half_angle = 0.0;
+  /// Pixels of the panorama per radian, where it resolves best.
+  double resolution = 0.0;
+};
 
 /// Part of the panorama to look at: a piece of a ring of the ideal image plane.
 struct ViewTarget {
@@ -17,16 +36,24 @@ struct ViewTarget {
   double max_radius = 0.0;
   /// m, from the optical axis to what is looked at.
   double distance = 0.0;
+  /// The target instead, where it is near the axis: of no ring a small piece.
+  std::optional<ViewCone> cone = std::nullopt;
 };
 
 /// A quasi-perspective view (the paper's Section 6): the image on a rectangle, parallel to the
 /// optical axis, that stands across the direction `azimuth` at `distance`. What is straight in the
 /// world is nearly straight in it, and it is never mirrored: up and right in the view are up and
 /// right for a person in the room.
+///
+/// A view that faces something near the axis has its rectangle turned by `elevation` about the
+/// horizontal line through the optical frame's origin, so that it stands across that direction.
 struct View {
   /// rad, theta_main.
   double azimuth = 0.0;
-  /// m, from the optical axis to the rectangle.
+  /// rad, of the direction that the rectangle stands across, toward the optical axis's +z; 0: it is
+  /// parallel to the axis.
+  double elevation = 0.0;
+  /// m, from the optical axis (before it is turned by `elevation`) to the rectangle.
   double distance = 0.0;
   /// m along the optical axis: height of the rectangle's middle row.
   double middle_height = 0.0;
@@ -48,6 +75,15 @@ struct View {
   /// Inverses of the two.
   double column(double azimuth_offset) const;
   double row(double height) const;
+
+  /// The point of the rectangle at a position of the view, in the optical frame; and the position
+  /// at which a line of sight meets the rectangle's plane, nothing where it does not.
+  Eigen::Vector3d pointAt(const Eigen::Vector2d& position) const;
+  std::optional<Eigen::Vector2d> positionOf(const Ray& ray) const;
+
+ private:
+  /// Columns: to the right, up and forward, across the rectangle, in the optical frame.
+  Eigen::Matrix3d axes() const;
 };
 
 }  // namespace omnitag

@@ -30,7 +30,8 @@ View planView(const ViewTarget& target, const ContourTable& table, double pixels
               bool axis_up, const ViewPlannerConfig& config);
 
 /// Views that together cover all targets, overlapping ones merged where that leaves fewer pixels to
-/// look at. A target that reaches farther than the table's contours is cut there.
+/// look at; a target near the axis has a view of its own. A target that reaches farther than the
+/// table's contours is cut there.
 std::vector<View> planViews(const std::vector<ViewTarget>& targets, const ContourTable& table,
                             double pixels_per_unit, bool axis_up, const ViewPlannerConfig& config);
 

@@ -13,7 +13,7 @@ namespace omnitag {
 
 /// Takes views out of the panorama and positions in them back to it, both through the same look-up
 /// table: a position read in a view goes back to exactly where its pixels came from, whatever the
-/// table's error.
+/// table's error. Views that face something near the axis take the exact projection instead.
 class ViewWarper {
  public:
   /// `working_distance`: m, distance of the horizontal lines whose contours the table holds.
@@ -36,6 +36,9 @@ class ViewWarper {
   const ContourTable& table() const { return table_; }
 
  private:
+  cv::Mat warpByTable(const cv::Mat& panorama, const View& view) const;
+  cv::Mat warpExactly(const cv::Mat& panorama, const View& view) const;
+
   std::shared_ptr<const CameraModel> camera_;
   ContourTable table_;
 };

@@ -9,13 +9,15 @@ import genpy
 import numpy as np
 import rosbag
 from geometry_msgs.msg import PoseStamped, TransformStamped
-from sensor_msgs.msg import CompressedImage, Image
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from tf2_msgs.msg import TFMessage
 
+from omnitag.rendering.camera import FisheyeCamera
 from omnitag.rendering.odometry import Sample
 from omnitag.rendering.world import Mounting
 
 IMAGE_TOPIC = "/camera/image"
+CAMERA_INFO_TOPIC = "/camera/camera_info"
 GROUND_TRUTH_TOPIC = "/ground_truth/pose"
 BASE_FRAME = "base_link"
 ENCODINGS = ("png", "jpeg", "raw")
@@ -83,6 +85,20 @@ class SequenceBag:
         message.format = f"mono8; {self._encoding} compressed mono8"
         message.data = self._compress(pixels)
         self._bag.write(IMAGE_TOPIC + "/compressed", message, message.header.stamp)
+
+    def write_camera_info(self, camera: FisheyeCamera, frame_id: str, stamp: int) -> None:
+        """What a driver says of a calibrated fisheye, beside its image."""
+        lens = camera.lens
+        message = CameraInfo()
+        message.header.stamp = _time(stamp)
+        message.header.frame_id = frame_id
+        message.width, message.height = camera.width, camera.height
+        message.distortion_model = "equidistant"
+        message.D = [0.0] * 4
+        message.K = [lens.fx, 0.0, lens.cx, 0.0, lens.fy, lens.cy, 0.0, 0.0, 1.0]
+        message.R = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
+        message.P = [lens.fx, 0.0, lens.cx, 0.0, 0.0, lens.fy, lens.cy, 0.0, 0.0, 0.0, 1.0, 0.0]
+        self._bag.write(CAMERA_INFO_TOPIC, message, message.header.stamp)
 
     def write_ground_truth(self, position: np.ndarray, orientation: np.ndarray, frame_id: str,
                            stamp: int) -> None:

@@ -1,6 +1,7 @@
-"""The camera files that can be rendered: a pinhole lens that looks at a mirror."""
+"""The camera files that can be rendered: a lens that looks at a mirror, and an ideal fisheye."""
 
-from typing import NamedTuple, Union
+from itertools import product
+from typing import NamedTuple, Tuple, Union
 
 import numpy as np
 
@@ -12,6 +13,9 @@ CONIC_CONSTANTS = {"spherical": 0.0, "parabolic": -1.0}
 PROFILES = ("spherical", "parabolic", "hyperbolic", "aspheric", "tabulated")
 CONIC_KEYS = ("profile", "radius_of_curvature", "conic_constant", "apex_distance", "rim_radius")
 MINIMUM_SAMPLES = 4
+
+# As in the localizer: behind it, a point would image all along a circle.
+LARGEST_ANGLE = 3.12
 
 
 class Lens(NamedTuple):
@@ -32,16 +36,82 @@ class CatadioptricCamera(NamedTuple):
     mirror: Union[ConicMirror, TabulatedMirror]
 
 
-def load_camera(path: str) -> CatadioptricCamera:
+class FisheyeCamera(NamedTuple):
+    """A fisheye whose image radius is exactly proportional to the angle off the axis."""
+
+    width: int
+    height: int
+    lens: Lens
+    max_angle: float
+    """rad off the axis; beyond, the image is black."""
+
+
+Camera = Union[CatadioptricCamera, FisheyeCamera]
+
+
+class Canvas(NamedTuple):
+    """What is rendered, of which the image is a part; pixels."""
+
+    width: int
+    height: int
+    left: int
+    top: int
+
+
+def load_camera(path: str) -> Camera:
     """Read a camera file; raises InputError naming file, line and key."""
     root = read_yaml(path).mapping(("model", "image", "lens", "mirror", "xi", "distortion",
-                                    "max_angle", "calibration_file"))
-    if root["model"].text() != "catadioptric":
-        raise root["model"].error("'catadioptric', the model that can be rendered")
-    root = read_yaml(path).mapping(("model", "image", "lens", "mirror"))
-    image = root["image"].mapping(("width", "height"))
-    return CatadioptricCamera(positive_integer(image["width"]), positive_integer(image["height"]),
-                              _lens(root["lens"]), _mirror(root["mirror"]))
+                                    "max_angle", "calibration_file", "through_mirror"))
+    model = root["model"].text()
+    if model == "catadioptric":
+        root = read_yaml(path).mapping(("model", "image", "lens", "mirror"))
+        return CatadioptricCamera(*_image_size(root["image"]), _lens(root["lens"]),
+                                  _mirror(root["mirror"]))
+    if model == "equidistant":
+        root = read_yaml(path).mapping(("model", "image", "lens", "distortion", "max_angle"))
+        return _fisheye(root)
+    raise root["model"].error("'catadioptric' or 'equidistant', the models that can be rendered")
+
+
+def canvas_of(camera: Camera) -> Canvas:
+    """The image, made larger where a fisheye's axis, the canvas's middle, is not in its middle."""
+    if isinstance(camera, CatadioptricCamera):
+        return Canvas(camera.width, camera.height, 0, 0)
+    width, left = _centred(camera.width, camera.lens.cx)
+    height, top = _centred(camera.height, camera.lens.cy)
+    return Canvas(width, height, left, top)
+
+
+def _centred(size: int, center: float) -> Tuple[int, int]:
+    before, after = center, size - 1 - center
+    return int(round(2.0 * max(before, after))) + 1, int(round(max(0.0, after - before)))
+
+
+def _image_size(value: Value) -> Tuple[int, int]:
+    image = value.mapping(("width", "height"))
+    return positive_integer(image["width"]), positive_integer(image["height"])
+
+
+def _fisheye(root: Mapping) -> FisheyeCamera:
+    width, height = _image_size(root["image"])
+    entry = root["lens"].mapping(("fx", "fy", "cx", "cy"))
+    lens = Lens(positive(entry["fx"]), positive(entry["fy"]), entry["cx"].real(),
+                entry["cy"].real())
+    for key, center in (("cx", lens.cx), ("cy", lens.cy)):
+        if 2.0 * center != round(2.0 * center):
+            raise entry[key].error("a multiple of 0.5, since POV-Ray's fisheye has its axis in "
+                                   "the middle of the image")
+    for coefficient in root["distortion"].items():
+        if coefficient.real() != 0.0:
+            raise coefficient.error("0, since POV-Ray's fisheye is exactly equidistant")
+    corners = product((-0.5, width - 0.5), (-0.5, height - 0.5))
+    max_angle = min(LARGEST_ANGLE, max(
+        np.hypot((u - lens.cx) / lens.fx, (v - lens.cy) / lens.fy) for u, v in corners))
+    if "max_angle" in root:
+        max_angle = positive(root["max_angle"])
+        if max_angle > LARGEST_ANGLE:
+            raise root["max_angle"].error(f"at most {LARGEST_ANGLE:g}")
+    return FisheyeCamera(width, height, lens, max_angle)
 
 
 def _lens(value: Value) -> Lens:

@@ -1,18 +1,20 @@
-"""The camera as POV-Ray text: the pinhole lens and the mirror in front of it."""
+"""The camera as POV-Ray text: a pinhole lens and the mirror in front of it, or a fisheye."""
 
 from typing import Union
 
 import numpy as np
 
-from omnitag.rendering.camera import CatadioptricCamera
+from omnitag.rendering.camera import Camera, CatadioptricCamera, FisheyeCamera, canvas_of
 from omnitag.rendering.mirror import ConicMirror, TabulatedMirror
 from omnitag.rendering.povray import MILLIMETRES, matrix, point, vector
 
 _MIRROR_FINISH = "pigment { rgb 1 } finish { ambient 0 diffuse 0 specular 0 reflection 1 }"
 
 
-def camera_scene(camera: CatadioptricCamera, map_from_camera: np.ndarray) -> str:
-    """The lens and the mirror of a camera at `map_from_camera`, a (4, 4) transform."""
+def camera_scene(camera: Camera, map_from_camera: np.ndarray) -> str:
+    """The optics of a camera at `map_from_camera`, a (4, 4) transform."""
+    if isinstance(camera, FisheyeCamera):
+        return fisheye_scene(camera, map_from_camera)
     return lens_scene(camera, map_from_camera) + mirror_scene(camera.mirror, map_from_camera)
 
 
@@ -34,6 +36,25 @@ def lens_scene(camera: CatadioptricCamera, map_from_camera: np.ndarray) -> str:
   direction {vector(direction)}
   right {vector(camera.width / lens.fx * x_axis)}
   up {vector(-camera.height / lens.fy * y_axis)}
+}}
+"""
+
+
+def fisheye_scene(camera: FisheyeCamera, map_from_camera: np.ndarray) -> str:
+    """The fisheye at the optical frame's origin, with the canvas's middle on its axis.
+
+    POV-Ray's ray of the position (x, y), which are -1 and 1 at the canvas's edges, is off the axis
+    by half of `angle` times the length of (|right| x, |up| y), and absent where that is above 1.
+    """
+    lens, canvas = camera.lens, canvas_of(camera)
+    x_axis, y_axis, z_axis = map_from_camera[:3, :3].T
+    return f"""camera {{
+  fisheye
+  location {point(map_from_camera[:3, 3])}
+  direction {vector(z_axis)}
+  right {vector(0.5 * canvas.width / (lens.fx * camera.max_angle) * x_axis)}
+  up {vector(-0.5 * canvas.height / (lens.fy * camera.max_angle) * y_axis)}
+  angle {np.degrees(2.0 * camera.max_angle):.12g}
 }}
 """
 

@@ -7,7 +7,7 @@ from typing import Callable, Iterator, List, Optional
 import cv2
 import numpy as np
 
-from omnitag.rendering.camera import CatadioptricCamera
+from omnitag.rendering.camera import Camera, canvas_of
 from omnitag.rendering.optics import camera_scene
 from omnitag.rendering.povray import DEFAULT_SAMPLES, render
 from omnitag.rendering.route import Frame
@@ -15,7 +15,7 @@ from omnitag.rendering.scene import marker_bitmaps, shapes_scene, world_scene
 from omnitag.rendering.world import World, present
 
 
-def render_frames(world: World, camera: CatadioptricCamera, frames: List[Frame],
+def render_frames(world: World, camera: Camera, frames: List[Frame],
                   jobs: int, light: Optional[str] = None,
                   samples: int = DEFAULT_SAMPLES) -> Iterator[np.ndarray]:
     """The light of each frame, (height, width) with 1 where white, in the order of the frames.
@@ -25,6 +25,9 @@ def render_frames(world: World, camera: CatadioptricCamera, frames: List[Frame],
     """
     bitmaps = marker_bitmaps(world.hung_markers.ever(), world.boards)
     base_from_camera = world.mounting.base_from_camera
+    canvas = canvas_of(camera)
+    part = (slice(canvas.top, canvas.top + camera.height),
+            slice(canvas.left, canvas.left + camera.width))
 
     def render_frame(frame: Frame) -> np.ndarray:
         moment = frame.stamp - world.start
@@ -32,7 +35,7 @@ def render_frames(world: World, camera: CatadioptricCamera, frames: List[Frame],
             world_scene(world, moment),
             shapes_scene(present(world.robot, moment), frame.map_from_base, world.ambient),
             camera_scene(camera, frame.map_from_base @ base_from_camera)])
-        return render(scene, bitmaps, camera.width, camera.height, samples)
+        return render(scene, bitmaps, canvas.width, canvas.height, samples)[part]
 
     def frame_light(frame: Frame) -> np.ndarray:
         if light is None:

@@ -1,7 +1,9 @@
 #include "bag_input.h"
 
+#include <image_transport/camera_common.h>
 #include <rosbag/exceptions.h>
 #include <rosbag/view.h>
+#include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/CompressedImage.h>
 #include <sensor_msgs/Image.h>
 #include <tf2_msgs/TFMessage.h>
@@ -97,7 +99,7 @@ std::string chooseImageTopic(const std::string& path, const rosbag::Bag& bag,
 
 }  // namespace
 
-BagInput::BagInput(const std::string& path, const std::string& image_topic) {
+BagInput::BagInput(const std::string& path, const std::string& image_topic) : path_(path) {
   open(path, &bag_);
   image_topic_ = chooseImageTopic(path, bag_, image_topic);
   try {
@@ -120,6 +122,21 @@ void BagInput::loadTransforms() {
       transforms_->setTransform(transform, "bag", endsWith(message.getTopic(), "tf_static"));
     }
   }
+}
+
+DescribedCamera BagInput::describedCamera() const {
+  std::string image_topic = image_topic_;
+  if (endsWith(image_topic, kCompressed)) {
+    image_topic.resize(image_topic.size() - kCompressed.size());
+  }
+  const std::string topic = image_transport::getCameraInfoTopic(image_topic);
+  rosbag::View view(bag_, rosbag::TopicQuery(topic));
+  for (const rosbag::MessageInstance& message : view) {
+    const auto info = message.instantiate<sensor_msgs::CameraInfo>();
+    if (info) return cameraFromInfo(*info, path_ + ": " + topic);
+  }
+  throw InputError(path_ + ": expected camera_info on " + topic +
+                   " as there is no --camera, found none");
 }
 
 cv_bridge::CvImageConstPtr BagInput::grayImageOf(const rosbag::MessageInstance& message) {

@@ -9,6 +9,8 @@
 #include <memory>
 #include <string>
 
+#include "omnitag/ros/camera_info.h"
+
 namespace omnitag {
 
 /// A bag that is read: its images and its transforms.
@@ -23,12 +25,17 @@ class BagInput {
   /// All transforms of /tf and /tf_static.
   const tf2::BufferCore& transforms() const { return *transforms_; }
 
+  /// The camera that the bag's first camera_info, beside the image topic, describes. Throws
+  /// InputError where there is none, or it describes no camera.
+  DescribedCamera describedCamera() const;
+
   /// An image message in grey. Throws InputError where it cannot be read.
   static cv_bridge::CvImageConstPtr grayImageOf(const rosbag::MessageInstance& message);
 
  private:
   void loadTransforms();
 
+  std::string path_;
   rosbag::Bag bag_;
   std::string image_topic_;
   std::unique_ptr<tf2::BufferCore> transforms_;

@@ -70,10 +70,14 @@ std::string stampText(const ros::Time& stamp) {
   return std::to_string(stamp.sec) + "." + std::to_string(stamp.nsec + 1000000000U).substr(1);
 }
 
+DescribedCamera cameraOf(const BagOptions& options, const BagInput& input) {
+  return options.camera.empty() ? input.describedCamera() : cameraFromFile(options.camera);
+}
+
 void run(const BagOptions& options) {
   const LocalizerParameters parameters = parametersOf(options);
-  ImageLocalizer localizer(parameters);
   const BagInput input(options.bag, options.image_topic);
+  ImageLocalizer localizer(parameters, cameraOf(options, input));
   ResultFiles files(options.trajectory, options.poses, options.detections);
   std::optional<ResultBag> output;
   if (!options.output.empty()) {

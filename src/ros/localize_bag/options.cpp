@@ -15,7 +15,8 @@ namespace {
 namespace po = boost::program_options;
 
 const char* const kUsage =
-    "usage: localize_bag --camera C.yaml --map M.yaml --bag IN.bag --trajectory OUT.tum [options]\n"
+    "usage: localize_bag [--camera C.yaml] --map M.yaml --bag IN.bag --trajectory OUT.tum "
+    "[options]\n"
     "\n"
     "Runs the localizer over every image of a bag, as fast as it can and with the same result\n"
     "every time. Transforms come from the bag's /tf and /tf_static. Needs no roscore.\n";
@@ -81,7 +82,8 @@ std::optional<BagOptions> parseOptions(int argc, char** argv) {
     return po::value<std::string>(value)->value_name(name);
   };
   description.add_options()("help,h", "print this")(
-      "camera", text(&options.camera, "C.yaml")->required(), "camera file")(
+      "camera", text(&options.camera, "C.yaml"),
+      "camera file; default: the bag's camera_info beside the images, of a fisheye")(
       "map", text(&options.map, "M.yaml")->required(), "marker map")(
       "bag", text(&options.bag, "IN.bag")->required(), "bag with images and transforms")(
       "trajectory", text(&options.trajectory, "OUT.tum")->required(),

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "omnitag/camera/camera_model.h"
+
+namespace omnitag {
+
+/// What the OCamCalib toolbox writes into calib_results.txt. Its polynomial for the way from points
+/// to pixels is left out: it only approximates the inverse of the other one.
+struct OcamCalibration {
+  /// a0, a1, ...: pixels, per pixel^0, per pixel^1, ...
+  std::vector<double> polynomial;
+  /// Pixels, the centre of the top-left pixel at (0, 0).
+  double center_row = 0.0;
+  double center_column = 0.0;
+  /// The affine correction [c d; e 1] of (row, column).
+  double c = 1.0;
+  double d = 0.0;
+  double e = 0.0;
+  ImageSize image_size;
+};
+
+/// Reads such a file. Throws InputError with one line that names the file, the line and what was
+/// expected there.
+OcamCalibration loadOcamCalibration(const std::string& path);
+
+/// The same from text; `origin` stands for the file name in errors.
+OcamCalibration parseOcamCalibration(const std::string& text, const std::string& origin);
+
+}  // namespace omnitag

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/ros.h>
+#include <sensor_msgs/CameraInfo.h>
+
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "omnitag/ros/localizer_server.h"
+#include "omnitag/ros/parameters.h"
+
+namespace omnitag {
+
+/// Starts the localizer as soon as its camera is known: at once where there is a camera file, else
+/// when `camera_info`, beside the images, describes one. While it waits it says so, in the log and
+/// in /diagnostics.
+class LocalizerStarter {
+ public:
+  /// Throws InputError with one line where a parameter or a file is wrong.
+  LocalizerStarter(const ros::NodeHandle& node, const ros::NodeHandle& private_node);
+  ~LocalizerStarter();
+  LocalizerStarter(const LocalizerStarter&) = delete;
+  LocalizerStarter& operator=(const LocalizerStarter&) = delete;
+
+ private:
+  void waitForInfo();
+  void onInfo(const sensor_msgs::CameraInfo& info);
+  void report(diagnostic_updater::DiagnosticStatusWrapper& report);
+  void complain(const std::string& problem);
+
+  ros::NodeHandle node_;
+  ros::NodeHandle private_node_;
+  std::string name_;
+  LocalizerParameters parameters_;
+
+  /// Why there is no camera yet; empty once there is.
+  std::string problem_;
+  ros::WallTime last_line_;
+  std::mutex mutex_;
+  std::unique_ptr<LocalizerServer> server_;
+  std::unique_ptr<diagnostic_updater::Updater> updater_;
+  ros::Subscriber info_subscriber_;
+  ros::WallTimer timer_;
+};
+
+}  // namespace omnitag

@@ -1,0 +1,29 @@
+#include "camera_reader.h"
+
+namespace omnitag {
+
+ImageSize readImageSize(const YamlReader& camera) {
+  const YamlReader image = camera.mapping("image");
+  image.allowOnly({"width", "height"});
+  constexpr Interval kPixels{1, 1 << 15};
+  return {image.integer("width", kPixels), image.integer("height", kPixels)};
+}
+
+ImagePlane readImagePlane(const YamlReader& lens, const ImagePlane::Distortion& distortion) {
+  Eigen::Matrix2d affine = Eigen::Matrix2d::Zero();
+  affine(0, 0) = lens.number("fx", kPositive);
+  affine(1, 1) = lens.number("fy", kPositive);
+  lens.read("skew", &affine(0, 1));
+  return {affine, {lens.number("cx"), lens.number("cy")}, distortion};
+}
+
+FieldLimits readFieldLimits(const YamlReader& camera) {
+  FieldLimits limits;
+  if (camera.has("max_angle")) {
+    limits.max_angle = camera.number("max_angle", {0.0, CentralCamera::kLargestAngle, false});
+  }
+  camera.read("through_mirror", &limits.through_mirror);
+  return limits;
+}
+
+}  // namespace omnitag

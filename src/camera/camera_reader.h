@@ -1,0 +1,37 @@
+#pragma once
+
+#include <memory>
+
+#include "omnitag/camera/camera_model.h"
+#include "omnitag/camera/central_camera.h"
+#include "omnitag/common/yaml_reader.h"
+
+/// What the readers of the camera file's models share, and the readers themselves, one for each
+/// `model`. All throw InputError with one line that names file, line and key.
+namespace omnitag {
+
+/// `image`.
+ImageSize readImageSize(const YamlReader& camera);
+
+/// `fx`, `fy`, `cx`, `cy` and, where `lens` has it, `skew`; with the distortion given.
+ImagePlane readImagePlane(const YamlReader& lens, const ImagePlane::Distortion& distortion = {});
+
+/// The optional keys `max_angle` and `through_mirror`.
+FieldLimits readFieldLimits(const YamlReader& camera);
+
+/// Calls `make`, and has its InputErrors name the file.
+template <typename Make>
+std::shared_ptr<const CameraModel> madeFor(const YamlReader& camera, const Make& make) {
+  try {
+    return make();
+  } catch (const InputError& error) {
+    throw InputError(camera.origin() + ": " + error.what());
+  }
+}
+
+std::shared_ptr<const CameraModel> readCatadioptric(const YamlReader& camera);
+std::shared_ptr<const CameraModel> readEquidistant(const YamlReader& camera);
+std::shared_ptr<const CameraModel> readUnified(const YamlReader& camera);
+std::shared_ptr<const CameraModel> readOcam(const YamlReader& camera);
+
+}  // namespace omnitag

@@ -1,0 +1,80 @@
+#include "omnitag/ros/localizer_starter.h"
+
+#include <image_transport/camera_common.h>
+
+#include "omnitag/common/error.h"
+#include "omnitag/marker/marker_map_file.h"
+#include "omnitag/ros/camera_info.h"
+
+namespace omnitag {
+
+LocalizerStarter::LocalizerStarter(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
+    : node_(node),
+      private_node_(private_node),
+      name_(private_node.getNamespace()),
+      parameters_(readParameters(name_)) {
+  if (parameters_.camera_file.empty()) {
+    // What is wrong with the map is to be said now, not when the camera speaks.
+    loadMarkerMap(parameters_.map_file);
+    waitForInfo();
+  } else {
+    server_ = std::make_unique<LocalizerServer>(node_, private_node_, parameters_,
+                                                cameraFromFile(parameters_.camera_file));
+  }
+}
+
+LocalizerStarter::~LocalizerStarter() {
+  // Each waits for a callback that is running.
+  timer_.stop();
+  info_subscriber_.shutdown();
+}
+
+void LocalizerStarter::waitForInfo() {
+  const std::string topic = image_transport::getCameraInfoTopic(node_.resolveName("image"));
+  problem_ = "waiting for the first camera_info on " + topic + ", as there is no camera_file";
+  ROS_INFO_STREAM(name_ << ": " << problem_);
+  last_line_ = ros::WallTime::now();
+  updater_ = std::make_unique<diagnostic_updater::Updater>(node_, private_node_, name_);
+  updater_->setHardwareID("none");
+  updater_->add("camera", this, &LocalizerStarter::report);
+  timer_ = node_.createWallTimer(ros::WallDuration(1.0),
+                                 [this](const ros::WallTimerEvent&) { updater_->force_update(); });
+  info_subscriber_ = node_.subscribe(topic, 1, &LocalizerStarter::onInfo, this);
+}
+
+void LocalizerStarter::onInfo(const sensor_msgs::CameraInfo& info) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (server_) return;
+  try {
+    const DescribedCamera camera = cameraFromInfo(info, info_subscriber_.getTopic());
+    server_ = std::make_unique<LocalizerServer>(node_, private_node_, parameters_, camera);
+    problem_.clear();
+  } catch (const std::exception& error) {
+    complain(error.what());
+  }
+}
+
+void LocalizerStarter::report(diagnostic_updater::DiagnosticStatusWrapper& report) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  report.add("topic", info_subscriber_.getTopic());
+  report.add("publishers", info_subscriber_.getNumPublishers());
+  if (server_) {
+    report.summary(diagnostic_updater::DiagnosticStatusWrapper::OK, "described by camera_info");
+    return;
+  }
+  report.summary(diagnostic_updater::DiagnosticStatusWrapper::ERROR, problem_);
+  complain(problem_);
+}
+
+void LocalizerStarter::complain(const std::string& problem) {
+  // s between two lines of the log about the same lasting problem.
+  constexpr double kLinePeriod = 10.0;
+  const ros::WallTime now = ros::WallTime::now();
+  const bool is_new = problem != problem_;
+  problem_ = problem;
+  if (!is_new && (now - last_line_).toSec() < kLinePeriod) return;
+  last_line_ = now;
+  ROS_WARN_STREAM(name_ << ": " << problem);
+}
+
+}  // namespace omnitag

@@ -1,0 +1,116 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+#include <ostream>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "../support/panorama_renderer.h"
+#include "../support/sample_cameras.h"
+#include "../support/sample_markers.h"
+#include "omnitag/localization/localizer.h"
+
+namespace omnitag {
+namespace {
+
+struct Setup {
+  std::string name;
+  std::shared_ptr<const CameraModel> (*camera)();
+  bool looks_up;
+};
+
+/// How gtest names a setup.
+void PrintTo(const Setup& setup, std::ostream* out) { *out << setup.name; }
+
+/// A fisheye that looks up from near the floor, or down from near the ceiling, a little tilted.
+class FisheyeTest : public testing::TestWithParam<Setup> {
+ protected:
+  static Eigen::Isometry3d mountingOf(bool looks_up) {
+    const Eigen::Isometry3d level =
+        Eigen::Translation3d(0.08, -0.04, looks_up ? 0.5 : 2.2) *
+        Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()) *
+        Eigen::AngleAxisd(looks_up ? 0.0 : kPi, Eigen::Vector3d::UnitX());
+    return level * Eigen::AngleAxisd(0.04, Eigen::Vector3d(0.6, 0.8, 0.0));
+  }
+
+  /// Three markers on walls, and some under the ceiling or on the floor, one of them right above or
+  /// below the camera.
+  static MarkerMap mapOf(bool looks_up) {
+    std::vector<Marker> markers = test::roomMarkers();
+    MarkerMap map{"map", {markers[1], markers[3], markers[6]}};
+    const double height = looks_up ? 2.7 : 0.0;
+    const std::vector<Eigen::Vector2d> places = {{0.3, 0.2}, {1.6, -0.9}, {-1.2, 0.8}, {0.4, 1.9}};
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      map.markers.push_back(test::lyingMarker(20 + static_cast<int>(i),
+                                              {places[i].x(), places[i].y(), height}, !looks_up,
+                                              0.9 * static_cast<double>(i) - 0.4, 0.5));
+    }
+    return map;
+  }
+
+  Frame frame(double stamp) const {
+    return {stamp, test::renderPanorama(map_, camera_, truth_), camera_.baseFromCamera(),
+            std::nullopt};
+  }
+
+  static std::set<int> acceptedIds(const FrameResult& result) {
+    std::set<int> ids;
+    for (const MarkerDetection& detection : result.detections) {
+      if (detection.accepted) ids.insert(detection.id);
+    }
+    return ids;
+  }
+
+  void expectTruth(const FrameResult& result) const {
+    ASSERT_TRUE(result.map_from_base) << result.remark;
+    EXPECT_LT(test::positionError(result.map_from_base->pose, truth_), 2e-3);
+    EXPECT_NEAR(result.map_from_base->pose.yaw, truth_.yaw, 5e-4);
+  }
+
+  std::shared_ptr<const CameraModel> model_ = GetParam().camera();
+  MountedCamera camera_{model_, mountingOf(GetParam().looks_up)};
+  MarkerMap map_ = mapOf(GetParam().looks_up);
+  Pose2 truth_{0.25, 0.22, 0.5};
+  std::set<int> all_{1, 3, 6, 20, 21, 22, 23};
+};
+
+TEST_P(FisheyeTest, TracksWithMarkersAboveBelowAndAround) {
+  Localizer localizer(model_, map_, {});
+  localizer.setPose(Pose2{truth_.x + 0.05, truth_.y - 0.04, truth_.yaw + 0.03});
+  const FrameResult result = localizer.process(frame(1.0));
+  EXPECT_EQ(result.mode, Mode::kTracking);
+  EXPECT_EQ(acceptedIds(result), all_);
+  expectTruth(result);
+}
+
+TEST_P(FisheyeTest, FindsThemAllAround) {
+  Localizer localizer(model_, map_, {});
+  const FrameResult result = localizer.process(frame(1.0));
+  EXPECT_EQ(result.mode, Mode::kSearching);
+  EXPECT_EQ(acceptedIds(result), all_);
+  expectTruth(result);
+}
+
+TEST_P(FisheyeTest, TracksByTheOneRightAboveOrBelow) {
+  map_.markers = {map_.markers[3]};
+  Localizer localizer(model_, map_, {});
+  localizer.setPose(Pose2{truth_.x + 0.02, truth_.y - 0.02, truth_.yaw + 0.01});
+  const FrameResult result = localizer.process(frame(1.0));
+  EXPECT_EQ(acceptedIds(result), std::set<int>{20});
+  ASSERT_TRUE(result.map_from_base);
+  EXPECT_LT(test::positionError(result.map_from_base->pose, truth_), 5e-3);
+}
+
+INSTANTIATE_TEST_SUITE_P(, FisheyeTest,
+                         testing::Values(Setup{"EquidistantUp", test::equidistantCamera, true},
+                                         Setup{"EquidistantDown", test::equidistantCamera, false},
+                                         Setup{"UnifiedUp", test::unifiedCamera, true},
+                                         Setup{"UnifiedDown", test::unifiedCamera, false},
+                                         Setup{"OcamUp", test::ocamCamera, true},
+                                         Setup{"OcamDown", test::ocamCamera, false}),
+                         [](const auto& test) { return test.param.name; });
+
+}  // namespace
+}  // namespace omnitag

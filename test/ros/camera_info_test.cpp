@@ -1,0 +1,83 @@
+#include "omnitag/ros/camera_info.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <string>
+
+#include "omnitag/camera/equidistant_camera.h"
+#include "omnitag/common/error.h"
+
+namespace omnitag {
+namespace {
+
+sensor_msgs::CameraInfo fisheyeInfo() {
+  sensor_msgs::CameraInfo info;
+  info.width = 640;
+  info.height = 480;
+  info.distortion_model = "equidistant";
+  info.D = {-0.02, 0.004, -0.001, 0.0002};
+  info.K = {201.0, 0.4, 322.5, 0.0, 199.0, 238.0, 0.0, 0.0, 1.0};
+  return info;
+}
+
+TEST(CameraInfo, describesAFisheye) {
+  const DescribedCamera described = cameraFromInfo(fisheyeInfo(), "/eye/camera_info");
+  EXPECT_EQ(described.origin, "/eye/camera_info");
+  const auto camera = std::dynamic_pointer_cast<const EquidistantCamera>(described.model);
+  ASSERT_TRUE(camera);
+  EXPECT_EQ(camera->imageSize().width, 640);
+  EXPECT_EQ(camera->imageSize().height, 480);
+  EXPECT_EQ(camera->coefficients(),
+            (EquidistantCamera::Coefficients{-0.02, 0.004, -0.001, 0.0002}));
+  Eigen::Matrix2d affine;
+  affine << 201.0, 0.4, 0.0, 199.0;
+  EXPECT_EQ(camera->imagePlane().affine(), affine);
+  EXPECT_EQ(camera->imagePlane().principalPoint(), Eigen::Vector2d(322.5, 238.0));
+}
+
+TEST(CameraInfo, mayStateThatItsImagesAreWhole) {
+  sensor_msgs::CameraInfo info = fisheyeInfo();
+  info.roi.width = 640;
+  info.roi.height = 480;
+  info.binning_x = info.binning_y = 1;
+  EXPECT_TRUE(cameraFromInfo(info, "/eye/camera_info").model);
+}
+
+TEST(CameraInfo, isRefusedInOneLineThatTellsWhy) {
+  const auto refusal = [](const std::function<void(sensor_msgs::CameraInfo*)>& spoil) {
+    sensor_msgs::CameraInfo info = fisheyeInfo();
+    spoil(&info);
+    try {
+      cameraFromInfo(info, "/eye/camera_info");
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  using Info = sensor_msgs::CameraInfo;
+  const auto has = [](const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos && text.find('\n') == std::string::npos;
+  };
+  EXPECT_PRED2(has, refusal([](Info* info) { *info = Info(); }),
+               "/eye/camera_info: width, height: expected the image's size, found 0 x 0");
+  EXPECT_PRED2(has, refusal([](Info* info) { info->K = {}; }),
+               "/eye/camera_info: K: expected a camera matrix with focal lengths > 0, found none; "
+               "calibrate the camera, or give a camera file");
+  EXPECT_PRED2(has,
+               refusal([](Info* info) { info->K[2] = std::numeric_limits<double>::quiet_NaN(); }),
+               "K: expected");
+  EXPECT_PRED2(has, refusal([](Info* info) { info->distortion_model = "plumb_bob"; }),
+               "distortion_model: expected 'equidistant', found 'plumb_bob'");
+  EXPECT_PRED2(has, refusal([](Info* info) { info->D.push_back(0.0); }),
+               "D: expected 4 numbers, found 5");
+  EXPECT_PRED2(has, refusal([](Info* info) { info->roi.x_offset = 8; }), "roi: expected whole");
+  EXPECT_PRED2(has, refusal([](Info* info) { info->binning_x = 2; }),
+               "binning: expected none, found 2 x 0");
+  EXPECT_PRED2(has, refusal([](Info* info) { info->D[0] = -1e300; }),
+               "/eye/camera_info: distortion: expected one that grows");
+}
+
+}  // namespace
+}  // namespace omnitag
