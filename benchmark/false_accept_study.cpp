@@ -1,7 +1,7 @@
 // How often something else is taken for a marker that is predicted somewhere: every marker in view
-// of a sequence is taken for each other id of its family, and the map's markers are looked for where
-// a random pose predicts them, amid clutter and plain walls. Prints, for the markers as they are,
-// how many are recognized, by the width of their modules.
+// of a sequence is taken for each other id of its family, and the map's markers are looked for
+// where a random pose predicts them, amid clutter and plain walls. Prints, for the markers as they
+// are, how many are recognized, by the width of their modules.
 //
 //   false_accept_study [BAG CAMERA MAP]     a bag of render_sequence; the shipped one by default
 
@@ -91,8 +91,7 @@ void run(const RecordedSequence& sequence) {
       return recognize(frame.image, sequence.map.markers[marker.map_entry], pattern, camera,
                        pose.pose, marker, 0.0, config);
     };
-    for (const PredictedMarker& marker :
-         predictMarkers(sequence.map, camera, belief, visibility)) {
+    for (const PredictedMarker& marker : predictMarkers(sequence.map, camera, belief, visibility)) {
       const int true_id = sequence.map.markers[marker.map_entry].id;
       const TagPattern& pattern = patterns[static_cast<std::size_t>(true_id)];
       const double width = moduleWidth(marker, *sequence.camera, pattern.widthBetweenCorners());

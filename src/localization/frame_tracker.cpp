@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "omnitag/common/stopwatch.h"
@@ -156,9 +157,8 @@ std::vector<std::size_t> FrameTracker::missing() const {
 std::vector<std::size_t> FrameTracker::undecoded() const {
   std::vector<std::size_t> targets = missing();
   const auto isHopeless = [this](std::size_t target) {
-    return sightings_[target].was_decoded ||
-           longestEdge(result_->predicted[target].corners) <
-               tools_.config.visibility.min_decodable_edge_pixels;
+    return sightings_[target].was_decoded || longestEdge(result_->predicted[target].corners) <
+                                                 tools_.config.visibility.min_decodable_edge_pixels;
   };
   targets.erase(std::remove_if(targets.begin(), targets.end(), isHopeless), targets.end());
   return targets;
@@ -178,18 +178,20 @@ void FrameTracker::decode(const std::vector<std::size_t>& targets) {
     sightings_[target].was_decoded = true;
     view_targets.push_back(viewTarget(result_->predicted[target], camera_.model()));
   }
-  std::vector<View> views = planViews(view_targets, tools_.reader.warper().table(),
-                                      camera_.model().imagePlane().scale(), camera_.axisUp(),
-                                      tools_.config.view);
+  std::vector<View> views =
+      planViews(view_targets, tools_.reader.warper().table(), camera_.model().imagePlane().scale(),
+                camera_.axisUp(), tools_.config.view);
   for (View& view : views) {
     for (std::size_t& target : view.targets) target = targets[target];
   }
   result_->timings.predict += step.lap();
+  // Views overlap: what one of them shows may have been expected in another.
+  std::vector<std::size_t> all(result_->predicted.size());
+  std::iota(all.begin(), all.end(), 0U);
   for (const MarkerReading& reading :
        readViews(tools_.reader, frame_.image, std::move(views), result_)) {
     const Association association =
-        associate(reading, result_->predicted, result_->views[reading.view].targets, tools_.map,
-                  tools_.config.association);
+        associate(reading, result_->predicted, all, tools_.map, tools_.config.association);
     if (association.prediction) {
       Sighting& sighting = sightings_[*association.prediction];
       const std::size_t entry = result_->predicted[*association.prediction].map_entry;
@@ -210,8 +212,7 @@ void FrameTracker::solve() {
     observations.push_back(*sightings_[i].observation);
     observed_.push_back(i);
   }
-  solution_ =
-      estimatePose(tools_.map, camera_, observations, predicted_, tools_.config.estimation);
+  solution_ = estimatePose(tools_.map, camera_, observations, predicted_, tools_.config.estimation);
   result_->timings.solve += step.lap();
 }
 
@@ -263,9 +264,9 @@ void FrameTracker::addViews() {
     targets.push_back(viewTarget(result_->predicted[i], camera_.model()));
     indices.push_back(i);
   }
-  for (View& view : planViews(targets, tools_.reader.warper().table(),
-                              camera_.model().imagePlane().scale(), camera_.axisUp(),
-                              tools_.config.view)) {
+  for (View& view :
+       planViews(targets, tools_.reader.warper().table(), camera_.model().imagePlane().scale(),
+                 camera_.axisUp(), tools_.config.view)) {
     for (std::size_t& target : view.targets) target = indices[target];
     result_->view_images.push_back(tools_.reader.warper().warp(frame_.image, view));
     result_->views.push_back(std::move(view));

@@ -31,9 +31,9 @@ class FrameTracker {
   FrameTracker(const TrackingTools& tools, const Frame& frame, const MountedCamera& camera,
                const PoseEstimate& predicted, FrameResult* result);
 
-  /// The pose, the prediction included; nothing where no marker agrees with any. `glance` is counted
-  /// up from frame to frame: of the markers that were not found though the pose is certain, it says
-  /// which one is looked at with the decoder, to see what is there instead.
+  /// The pose, the prediction included; nothing where no marker agrees with any. `glance` is
+  /// counted up from frame to frame: of the markers that were not found though the pose is certain,
+  /// it says which one is looked at with the decoder, to see what is there instead.
   std::optional<PoseEstimate> track(std::size_t glance);
 
  private:

@@ -168,11 +168,10 @@ void Localizer::patrol(const Frame& frame, const MountedCamera& camera, const Po
     if (is_known) continue;
     const std::vector<std::size_t> entries = entriesOf(map_, reading.family, reading.id);
     // One that was not expected, since it is far or seen from the side, may well be in its place.
-    const bool is_in_place =
-        std::any_of(entries.begin(), entries.end(), [&](std::size_t entry) {
-          const auto place = camera.pixelFromMap(map_from_base, map_.markers[entry].center());
-          return place && (*place - reading.center).norm() < meanEdge(reading.corners);
-        });
+    const bool is_in_place = std::any_of(entries.begin(), entries.end(), [&](std::size_t entry) {
+      const auto place = camera.pixelFromMap(map_from_base, map_.markers[entry].center());
+      return place && (*place - reading.center).norm() < meanEdge(reading.corners);
+    });
     if (is_in_place) continue;
     MarkerDetection detection = toDetection(reading);
     detection.reason = entries.empty() ? "not in the map" : "hangs elsewhere than the map says";

@@ -177,8 +177,8 @@ const MarkerPatch::Cell& MarkerPatch::cellOf(const Cells& cells,
 
 Eigen::Vector3d MarkerPatch::inMap(const Eigen::Vector2d& position) const {
   const double half = 0.5 * pattern_.width();
-  return marker_.map_from_marker * (metres_per_module_ * Eigen::Vector3d(position.x() - half,
-                                                                         half - position.y(), 0.0));
+  return marker_.map_from_marker *
+         (metres_per_module_ * Eigen::Vector3d(position.x() - half, half - position.y(), 0.0));
 }
 
 std::optional<Eigen::Vector2d> MarkerPatch::meet(const Ray& in_base,

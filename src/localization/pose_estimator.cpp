@@ -149,9 +149,8 @@ std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera&
 }  // namespace
 
 EstimatorConfig readEstimatorConfig(const YamlReader& reader) {
-  reader.allowOnly(
-      {"corner_noise", "robust_width", "max_residual", "blur", "min_noise", "placement_deviation",
-       "max_pixels"});
+  reader.allowOnly({"corner_noise", "robust_width", "max_residual", "blur", "min_noise",
+                    "placement_deviation", "max_pixels"});
   EstimatorConfig config;
   reader.read("corner_noise", &config.reprojection.corner_noise, kPositive);
   reader.read("robust_width", &config.reprojection.robust_width, kPositive);

@@ -59,15 +59,17 @@ double greyAt(const cv::Mat& panorama, double u, double v) {
   const double b = y - row;
   const auto* above = panorama.ptr<std::uint8_t>(row) + column;
   const auto* below = panorama.ptr<std::uint8_t>(row + 1) + column;
-  return (1.0 - b) * ((1.0 - a) * above[0] + a * above[1]) + b * ((1.0 - a) * below[0] + a * below[1]);
+  return (1.0 - b) * ((1.0 - a) * above[0] + a * above[1]) +
+         b * ((1.0 - a) * below[0] + a * below[1]);
 }
 
-/// Moves the marker by whole pixels and returns where its pattern correlates best with the panorama.
+/// Moves the marker by whole pixels and returns where its pattern correlates best with the
+/// panorama.
 Eigen::Vector2i bestPlace(const cv::Mat& panorama, const std::vector<Sample>& samples,
                           const Eigen::Vector2i& reach, int step) {
   std::vector<Sample> coarse;
   double white_sum = 0.0;
-  for (std::size_t i = 0; i < samples.size(); i += samples.size() > kEnough ? kCoarse : 1) {
+  for (std::size_t i = 0; i<samples.size(); i += samples.size()> kEnough ? kCoarse : 1) {
     coarse.push_back(samples[i]);
     white_sum += samples[i].white;
   }
@@ -117,8 +119,8 @@ std::optional<Fit> align(const cv::Mat& panorama, const std::vector<Sample>& sam
     Eigen::Vector4d right_side = Eigen::Vector4d::Zero();
     for (const Sample& sample : samples) {
       const Eigen::Vector4d x(1.0, sample.white, -sample.by_pixel.x(), -sample.by_pixel.y());
-      const double grey = greyAt(panorama, sample.column + fit.displacement.x(),
-                                 sample.row + fit.displacement.y());
+      const double grey =
+          greyAt(panorama, sample.column + fit.displacement.x(), sample.row + fit.displacement.y());
       normal.selfadjointView<Eigen::Lower>().rankUpdate(x);
       right_side += grey * x;
     }
@@ -168,13 +170,14 @@ std::optional<Comparison> compareData(const cv::Mat& panorama,
     constexpr double kLeastData = 0.05;
     if (data < kLeastData) continue;
     const double white =
-        pattern.averageOver(footprint.position, footprint.by_pixel.col(0), footprint.by_pixel.col(1))
+        pattern
+            .averageOver(footprint.position, footprint.by_pixel.col(0), footprint.by_pixel.col(1))
             .share;
     const double data_white = 0.5 * (data + shares.col(used).dot(signs));
     const Eigen::Vector2d place = footprint.position / pattern.width();
     nuisances.col(used) << 1.0, place.x(), place.y(), white - data_white, data;
-    greys[used] = greyAt(panorama, footprint.column + displacement.x(),
-                         footprint.row + displacement.y());
+    greys[used] =
+        greyAt(panorama, footprint.column + displacement.x(), footprint.row + displacement.y());
     ++used;
   }
   if (used <= kNuisances + 2) return std::nullopt;
@@ -183,8 +186,8 @@ std::optional<Comparison> compareData(const cv::Mat& panorama,
   greys.conservativeResize(used);
 
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> decomposition(nuisances.transpose());
-  const Eigen::MatrixXd basis = decomposition.householderQ() *
-                                Eigen::MatrixXd::Identity(used, decomposition.rank());
+  const Eigen::MatrixXd basis =
+      decomposition.householderQ() * Eigen::MatrixXd::Identity(used, decomposition.rank());
   shares -= (shares * basis) * basis.transpose();
   greys -= basis * (basis.transpose() * greys);
   const Eigen::VectorXd expected = shares.transpose() * signs;
@@ -194,8 +197,8 @@ std::optional<Comparison> compareData(const cv::Mat& panorama,
   comparison.correlation = expected.dot(greys) / norms;
   // Of random signs r, the correlation with the expected ones s has the variance
   // |G s|^2 / (s'G s tr G), G = A'A; of n independent dimensions it would be 1 / n.
-  comparison.dimensions = expected.squaredNorm() * shares.squaredNorm() /
-                          (shares * expected).squaredNorm();
+  comparison.dimensions =
+      expected.squaredNorm() * shares.squaredNorm() / (shares * expected).squaredNorm();
   return comparison;
 }
 

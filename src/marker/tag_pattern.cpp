@@ -12,8 +12,8 @@
 namespace omnitag {
 namespace {
 
-/// The middles of the four parts of a parallelogram, and the size of the rectangle along the modules
-/// that stands for each of them.
+/// The middles of the four parts of a parallelogram, and the size of the rectangle along the
+/// modules that stands for each of them.
 std::array<Eigen::Vector2d, 4> partsOf(const Eigen::Vector2d& middle, const Eigen::Vector2d& side_u,
                                        const Eigen::Vector2d& side_v) {
   const Eigen::Vector2d sum = 0.25 * (side_u + side_v);

@@ -157,6 +157,7 @@ LocalizationStatus toMessage(const std_msgs::Header& header, const FrameResult& 
   message.markers_detected = static_cast<std::uint32_t>(result.detections.size());
   message.markers_used = static_cast<std::uint32_t>(result.acceptedMarkers());
   message.predict_ms = kMilliseconds * result.timings.predict;
+  message.recognize_ms = kMilliseconds * result.timings.recognize;
   message.warp_ms = kMilliseconds * result.timings.warp;
   message.decode_ms = kMilliseconds * result.timings.decode;
   message.solve_ms = kMilliseconds * result.timings.solve;

@@ -20,7 +20,8 @@ void ImageLocalizer::start() {
 }
 
 std::optional<LocalizedImage> ImageLocalizer::localize(const cv_bridge::CvImageConstPtr& image,
-                                                       const tf2::BufferCore& transforms) {
+                                                       const tf2::BufferCore& transforms,
+                                                       bool wants_views) {
   LocalizedImage localized;
   const ros::Time& stamp = image->header.stamp;
   const bool is_late = !last_stamp_.isZero() && stamp <= last_stamp_;
@@ -33,6 +34,7 @@ std::optional<LocalizedImage> ImageLocalizer::localize(const cv_bridge::CvImageC
   localized.input = assembler_.assemble(image, transforms);
   if (localized.started_anew) start();
   last_stamp_ = stamp;
+  localized.input.frame.wants_views = wants_views;
   localized.result = localizer_->process(localized.input.frame);
   return localized;
 }

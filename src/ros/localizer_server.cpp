@@ -111,7 +111,8 @@ void LocalizerServer::onImage(const ReceivedImage& received) {
   }
   const cv_bridge::CvImageConstPtr image = received.decode();
   waitForTransforms(received.header);
-  const std::optional<LocalizedImage> localized = localizer_.localize(image, transforms_);
+  const std::optional<LocalizedImage> localized =
+      localizer_.localize(image, transforms_, debug_image_publisher_.getNumSubscribers() > 0);
   if (localized) {
     publish(*localized);
   } else {

@@ -46,8 +46,8 @@ LocalizerParameters readParameters(const YamlReader& reader) {
                     "initial_pose", "image_transport", "queue_size", "transform_timeout",
                     "transform_tolerance", "transform_period", "restart_time_jump", "path_min_step",
                     "path_max_poses", "robot_radius", "visibility", "view", "detector",
-                    "association", "estimation", "look_around", "relocalization", "motion",
-                    "estimator",
+                    "association", "recognition", "estimation", "look_around", "relocalization",
+                    "motion", "estimator",
                     // Read by others in the same namespace: diagnostic_updater and nodelet.
                     "diagnostic_period", "num_worker_threads"});
   LocalizerParameters parameters;

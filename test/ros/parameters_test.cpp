@@ -49,8 +49,8 @@ TEST(Parameters, ManualNamesEveryParameter) {
     expected.erase(key);
   }
   EXPECT_EQ(keysOf(manual), expected);
-  for (const std::string group : {"visibility", "view", "detector", "association", "estimation",
-                                  "look_around", "relocalization", "motion"}) {
+  for (const std::string group : {"visibility", "view", "detector", "association", "recognition",
+                                  "estimation", "look_around", "relocalization", "motion"}) {
     EXPECT_EQ(keysOf(manual[group]), knownKeys(group + ": {no_such_key: 1}")) << group;
   }
 }
@@ -76,6 +76,7 @@ TEST(Parameters, ManualHasTheDefaults) {
   EXPECT_EQ(visibility.max_range, visibility_default.max_range);
   EXPECT_DOUBLE_EQ(visibility.max_incidence, visibility_default.max_incidence);
   EXPECT_EQ(visibility.min_edge_pixels, visibility_default.min_edge_pixels);
+  EXPECT_EQ(visibility.min_decodable_edge_pixels, visibility_default.min_decodable_edge_pixels);
   EXPECT_EQ(visibility.margin_deviations, visibility_default.margin_deviations);
   EXPECT_EQ(visibility.min_margin_pixels, visibility_default.min_margin_pixels);
 
@@ -116,6 +117,14 @@ TEST(Parameters, ManualHasTheDefaults) {
   EXPECT_EQ(estimation.photometric.min_noise, estimation_default.photometric.min_noise);
   EXPECT_EQ(estimation.photometric.placement_deviation,
             estimation_default.photometric.placement_deviation);
+  EXPECT_EQ(estimation.photometric.max_pixels, estimation_default.photometric.max_pixels);
+
+  const RecognitionConfig& recognition = manual.localizer.recognition;
+  const RecognitionConfig& recognition_default = defaults.localizer.recognition;
+  EXPECT_EQ(recognition.max_margin, recognition_default.max_margin);
+  EXPECT_EQ(recognition.false_accept_rate, recognition_default.false_accept_rate);
+  EXPECT_EQ(recognition.min_contrast, recognition_default.min_contrast);
+  EXPECT_EQ(recognition.period, recognition_default.period);
 
   const LookAroundConfig& look_around = manual.localizer.look_around;
   const LookAroundConfig& look_around_default = defaults.localizer.look_around;

@@ -28,7 +28,8 @@ struct LocalizerConfig {
 
 /// Reads the groups `visibility`, `view`, `detector`, `association`, `recognition`, `estimation`,
 /// `look_around`, `relocalization` and `motion`, and the key `estimator` (triangulation |
-/// reprojection | photometric). Absent keys keep their defaults; other keys of the top level are not looked at. Throws InputError.
+/// reprojection | photometric). Absent keys keep their defaults; other keys of the top level are
+/// not looked at. Throws InputError.
 LocalizerConfig readLocalizerConfig(const YamlReader& reader);
 
 }  // namespace omnitag

@@ -46,15 +46,15 @@ class MarkerPatch {
   struct Choice {
     /// Every how many pixels along both axes.
     int step = 1;
-    /// Of those, at most so many near edges of the pattern, which tell where it is, and so many with
-    /// nothing but even black or even white around them, which only tell the light.
+    /// Of those, at most so many near edges of the pattern, which tell where it is, and so many
+    /// with nothing but even black or even white around them, which only tell the light.
     std::size_t max_at_edges = std::numeric_limits<std::size_t>::max();
     std::size_t max_on_even_ground = std::numeric_limits<std::size_t>::max();
   };
 
-  /// `marker`, `pattern` and `camera` must outlive the patch. `map_from_base` says, to about a pixel, where the marker
-  /// images. `blur` is the standard deviation, in pixels, of the blur that adds to the averaging
-  /// over a pixel's area.
+  /// `marker`, `pattern` and `camera` must outlive the patch. `map_from_base` says, to about a
+  /// pixel, where the marker images. `blur` is the standard deviation, in pixels, of the blur that
+  /// adds to the averaging over a pixel's area.
   MarkerPatch(const Marker& marker, const TagPattern& pattern, const MountedCamera& camera,
               const Pose2& map_from_base, double blur, const Choice& choice);
 

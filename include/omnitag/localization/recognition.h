@@ -47,12 +47,12 @@ struct Recognition {
 double correlationThreshold(double dimensions, double rate);
 
 /// Whether a marker is where it is predicted, without decoding: its pattern is laid where it should
-/// image, moved until it fits the panorama best (CV_8UC1), and compared in the modules that tell the
-/// tags of its family apart. Needs far fewer pixels than decoding does.
+/// image, moved until it fits the panorama best (CV_8UC1), and compared in the modules that tell
+/// the tags of its family apart. Needs far fewer pixels than decoding does.
 ///
 /// The threshold takes into account how many of these modules the pixels can tell apart, and how
-/// many places were tried. Nothing where the prediction is too vague, or too little of the marker is
-/// in the image or too pale.
+/// many places were tried. Nothing where the prediction is too vague, or too little of the marker
+/// is in the image or too pale.
 std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& marker,
                                      const TagPattern& pattern, const MountedCamera& camera,
                                      const Pose2& map_from_base, const PredictedMarker& predicted,

@@ -47,8 +47,8 @@ class TagPattern {
 
   bool isWhite(int column, int row) const;
 
-  /// Whether all of a rectangle, or of what the drawing has of it, is of one colour. It must not lie
-  /// off the drawing.
+  /// Whether all of a rectangle, or of what the drawing has of it, is of one colour. It must not
+  /// lie off the drawing.
   bool isEven(const Eigen::Vector2d& low, const Eigen::Vector2d& high) const;
 
   /// How many modules tell the tags of a family apart; the layout fixes the others.

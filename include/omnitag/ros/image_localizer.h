@@ -33,9 +33,10 @@ class ImageLocalizer {
   /// FrameAssembler throws, and keeps its state then.
   ///
   /// Where stamps step back by more than `restart_time_jump`, as when a bag loops, the localizer
-  /// starts anew: with the initial pose of the parameters, or searching.
+  /// starts anew: with the initial pose of the parameters, or searching. `wants_views`: see Frame.
   std::optional<LocalizedImage> localize(const cv_bridge::CvImageConstPtr& image,
-                                         const tf2::BufferCore& transforms);
+                                         const tf2::BufferCore& transforms,
+                                         bool wants_views = false);
 
   /// For a pose from outside, or to forget the one it has.
   Localizer& localizer() { return *localizer_; }
