@@ -1,12 +1,16 @@
 #include "frame_tracker.h"
 
+#include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <limits>
 #include <numeric>
 #include <utility>
 
+#include "omnitag/common/angle.h"
 #include "omnitag/common/stopwatch.h"
+#include "omnitag/localization/marker_pose.h"
 #include "omnitag/marker/marker_association.h"
 
 namespace omnitag {
@@ -20,6 +24,22 @@ constexpr std::size_t kEnough = 3;
 
 /// Of a prediction that is too vague to recognize markers, how many are decoded at first.
 constexpr std::size_t kAnchors = 4;
+
+/// Mean and covariance of a pose of which two estimates are possible, each with its misfit (twice
+/// the negative log-likelihood).
+PoseEstimate mixture(const PoseEstimate& a, double misfit_a, const PoseEstimate& b,
+                     double misfit_b) {
+  const double ratio = std::exp(0.5 * std::clamp(misfit_a - misfit_b, -100.0, 100.0)) *
+                       std::sqrt(b.covariance.determinant() / a.covariance.determinant());
+  const double share = ratio / (1.0 + ratio);
+  const Eigen::Vector3d apart = difference(b.pose, a.pose);
+  PoseEstimate mean;
+  mean.pose = {a.pose.x + share * apart.x(), a.pose.y + share * apart.y(),
+               normalizeAngle(a.pose.yaw + share * apart.z())};
+  mean.covariance = (1.0 - share) * a.covariance + share * b.covariance +
+                    share * (1.0 - share) * apart * apart.transpose();
+  return mean;
+}
 
 }  // namespace
 
@@ -58,11 +78,33 @@ std::optional<PoseEstimate> alignWithPixels(const TrackingTools& tools, const cv
                                             const std::vector<std::size_t>& entries,
                                             const Pose2& initial,
                                             const std::optional<PoseEstimate>& prior) {
-  const EstimatorConfig& config = tools.config.estimation;
-  if (config.kind != EstimatorKind::kPhotometric) return std::nullopt;
-  const std::optional<PhotometricFit> fit = refinePhotometrically(
-      panorama, tools.map, camera, tools.patterns, entries, initial, prior, config.photometric);
-  return fit ? std::optional(fit->map_from_base) : std::nullopt;
+  const PhotometricConfig& config = tools.config.estimation.photometric;
+  if (tools.config.estimation.kind != EstimatorKind::kPhotometric) return std::nullopt;
+  const auto from = [&](const Pose2& start) {
+    return refinePhotometrically(panorama, tools.map, camera, tools.patterns, entries, start, prior,
+                                 config);
+  };
+  std::optional<PhotometricFit> fit = from(initial);
+  if (entries.size() > 1) return fit ? std::optional(fit->map_from_base) : std::nullopt;
+
+  // A single marker may look almost the same from two sides.
+  const Marker& marker = tools.map.markers[entries.front()];
+  const auto mirrored = mirroredPose(marker, camera, fit ? fit->map_from_base.pose : initial);
+  std::optional<PhotometricFit> other = mirrored ? from(*mirrored) : std::nullopt;
+  if (!fit) std::swap(fit, other);
+  if (!fit) return std::nullopt;
+  if (!other) return fit->map_from_base;
+  const PhotometricFit& sharper = other->noise < fit->noise ? *other : *fit;
+  const auto misfit = [&](const PhotometricFit& optimum) {
+    double sum = photometricMisfit(panorama, tools.map, camera, tools.patterns, entries,
+                                   optimum.map_from_base.pose, sharper, config);
+    if (prior) {
+      const Eigen::Vector3d off = difference(optimum.map_from_base.pose, prior->pose);
+      sum += off.dot(prior->covariance.inverse() * off);
+    }
+    return sum;
+  };
+  return mixture(fit->map_from_base, misfit(*fit), other->map_from_base, misfit(*other));
 }
 
 FrameTracker::FrameTracker(const TrackingTools& tools, const Frame& frame,
@@ -225,7 +267,17 @@ void FrameTracker::align() {
   }
   const auto aligned = alignWithPixels(tools_, frame_.image, camera_, entries,
                                        solution_->map_from_base.pose, predicted_);
-  if (!aligned) return;
+  if (!aligned) {
+    // With a marker or two alone, corners may be much farther off than they are where many agree.
+    constexpr std::size_t kFew = 2;
+    const double ratio = tools_.config.relocalization.corner_noise /
+                         tools_.config.estimation.reprojection.corner_noise;
+    const bool was_asked_for = tools_.config.estimation.kind == EstimatorKind::kPhotometric;
+    if (was_asked_for && entries.size() <= kFew && ratio > 1.0) {
+      solution_->map_from_base.covariance *= ratio * ratio;
+    }
+    return;
+  }
   std::vector<double> residuals =
       reprojectionResiduals(tools_.map, camera_, observations, aligned->pose);
   for (std::size_t k = 0; k < residuals.size(); ++k) {

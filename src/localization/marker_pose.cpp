@@ -127,4 +127,21 @@ std::vector<ReprojectionFit> posesFromMarker(const MarkerMap& map, const Mounted
   return fits;
 }
 
+std::optional<Pose2> mirroredPose(const Marker& marker, const MountedCamera& camera,
+                                  const Pose2& map_from_base) {
+  constexpr double kUpright = 0.5;
+  const Eigen::Vector2d normal = marker.normal().head<2>();
+  if (normal.norm() < kUpright) return std::nullopt;
+  const Eigen::Vector2d viewpoint = camera.mapFromCamera(map_from_base).translation().head<2>();
+  const Eigen::Vector2d center = marker.center().head<2>();
+  const Eigen::Vector2d along = normal.normalized();
+  const Eigen::Vector2d way = viewpoint - center;
+  const Eigen::Vector2d mirrored_way = 2.0 * way.dot(along) * along - way;
+  const double turn = std::atan2(mirrored_way.y(), mirrored_way.x()) - std::atan2(way.y(), way.x());
+  const Eigen::Vector2d base =
+      center + mirrored_way +
+      Eigen::Rotation2Dd(turn) * (Eigen::Vector2d(map_from_base.x, map_from_base.y) - viewpoint);
+  return Pose2{base.x(), base.y(), normalizeAngle(map_from_base.yaw + turn)};
+}
+
 }  // namespace omnitag

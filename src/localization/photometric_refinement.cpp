@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "omnitag/common/angle.h"
@@ -142,20 +143,25 @@ Noise noiseOf(std::vector<Residual> residuals, double least_flat) {
   });
   gradient_square /= static_cast<double>(edge_squares.size());
   const double edge_variance = varianceOf(std::move(edge_squares)) - noise.flat * noise.flat;
-  // Neighbours along an edge err alike, so that they tell less than if they did not.
-  constexpr double kCorrelation = 1.5;
-  noise.edge = std::sqrt(kCorrelation * std::max(0.0, edge_variance) / gradient_square);
+  noise.edge = std::sqrt(std::max(0.0, edge_variance) / gradient_square);
   return noise;
 }
 
-/// Takes into account that a marker does not hang exactly where the map says, nor exactly even: the
-/// pose errs along with it, however exact the pixels are.
-void blurPlacement(const Marker& marker, const Pose2& pose, double deviation, PatchFit* fit) {
+/// Takes into account that a marker does not hang exactly where the map says, nor exactly even, and
+/// that all of its pixels together image a little beside where they should: the pose errs along
+/// with it, however exact the pixels are.
+void blurPlacement(const Marker& marker, const MountedCamera& camera, const Pose2& pose,
+                   const PhotometricConfig& config, PatchFit* fit) {
+  Eigen::Matrix<double, 2, 3> pixel_by_pose;
+  if (!camera.pixelFromMap(pose, marker.center(), &pixel_by_pose)) return;
+  const double pixels_per_metre = std::max(1e-3, pixel_by_pose.leftCols<2>().norm());
+  const double variance = config.placement_deviation * config.placement_deviation +
+                          std::pow(config.alignment_deviation / pixels_per_metre, 2);
   const Eigen::Vector2d from_marker = Eigen::Vector2d(pose.x, pose.y) - marker.center().head<2>();
   const Eigen::Vector3d by_turn(-from_marker.y(), from_marker.x(), 1.0);
   Eigen::Matrix3d placement = by_turn * by_turn.transpose() / (marker.size * marker.size);
   placement.topLeftCorner<2, 2>() += Eigen::Matrix2d::Identity();
-  placement *= deviation * deviation;
+  placement *= variance;
   // (information^-1 + placement)^-1, also where the information has no inverse.
   const Eigen::Matrix3d share =
       (Eigen::Matrix3d::Identity() + fit->information * placement).inverse();
@@ -169,12 +175,11 @@ double disagreement(const PatchFit& fit, const Eigen::Vector3d& gradient) {
   return gradient.dot(fit.information.ldlt().solve(gradient));
 }
 
-}  // namespace
-
-std::optional<PhotometricFit> refinePhotometrically(
-    const cv::Mat& panorama, const MarkerMap& map, const MountedCamera& camera,
-    const TagPatterns& patterns, const std::vector<std::size_t>& entries, const Pose2& initial,
-    const std::optional<PoseEstimate>& prior, const PhotometricConfig& config) {
+/// The parts of the panorama that show the markers at `entries`.
+std::vector<MarkerPatch> patchesOf(const MarkerMap& map, const MountedCamera& camera,
+                                   const TagPatterns& patterns,
+                                   const std::vector<std::size_t>& entries, const Pose2& pose,
+                                   const PhotometricConfig& config) {
   MarkerPatch::Choice choice;
   choice.max_at_edges = static_cast<std::size_t>(config.max_pixels);
   choice.max_on_even_ground = choice.max_at_edges / 4;
@@ -182,8 +187,36 @@ std::optional<PhotometricFit> refinePhotometrically(
   patches.reserve(entries.size());
   for (const std::size_t entry : entries) {
     const Marker& marker = map.markers[entry];
-    patches.emplace_back(marker, patterns.of(marker), camera, initial, config.blur, choice);
+    patches.emplace_back(marker, patterns.of(marker), camera, pose, config.blur, choice);
   }
+  return patches;
+}
+
+}  // namespace
+
+double photometricMisfit(const cv::Mat& panorama, const MarkerMap& map, const MountedCamera& camera,
+                         const TagPatterns& patterns, const std::vector<std::size_t>& entries,
+                         const Pose2& map_from_base, const PhotometricFit& fit,
+                         const PhotometricConfig& config) {
+  const Noise noise{fit.noise, fit.edge_noise};
+  double misfit = 0.0;
+  for (const MarkerPatch& patch :
+       patchesOf(map, camera, patterns, entries, map_from_base, config)) {
+    const auto lit = fitLight(patch.pixels(panorama, map_from_base), noise);
+    if (!lit) return std::numeric_limits<double>::infinity();
+    for (const Residual& residual : lit->residuals) {
+      misfit += weightOf(residual, noise) * residual.grey * residual.grey;
+    }
+  }
+  return misfit;
+}
+
+std::optional<PhotometricFit> refinePhotometrically(
+    const cv::Mat& panorama, const MarkerMap& map, const MountedCamera& camera,
+    const TagPatterns& patterns, const std::vector<std::size_t>& entries, const Pose2& initial,
+    const std::optional<PoseEstimate>& prior, const PhotometricConfig& config) {
+  const std::vector<MarkerPatch> patches =
+      patchesOf(map, camera, patterns, entries, initial, config);
   Eigen::Matrix3d prior_information = Eigen::Matrix3d::Zero();
   if (prior) prior_information = prior->covariance.inverse();
 
@@ -207,7 +240,7 @@ std::optional<PhotometricFit> refinePhotometrically(
     for (std::size_t i = 0; i < patches.size(); ++i) {
       fits.push_back(fitLight(patches[i].pixels(panorama, pose), noise));
       if (!fits[i]) continue;
-      blurPlacement(map.markers[entries[i]], pose, config.placement_deviation, &*fits[i]);
+      blurPlacement(map.markers[entries[i]], camera, pose, config, &*fits[i]);
       information += weights[i] * fits[i]->information;
       gradient += weights[i] * fits[i]->gradient;
       residuals.insert(residuals.end(), fits[i]->residuals.begin(), fits[i]->residuals.end());

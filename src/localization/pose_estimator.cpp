@@ -150,7 +150,7 @@ std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera&
 
 EstimatorConfig readEstimatorConfig(const YamlReader& reader) {
   reader.allowOnly({"corner_noise", "robust_width", "max_residual", "blur", "min_noise",
-                    "placement_deviation", "max_pixels"});
+                    "placement_deviation", "alignment_deviation", "max_pixels"});
   EstimatorConfig config;
   reader.read("corner_noise", &config.reprojection.corner_noise, kPositive);
   reader.read("robust_width", &config.reprojection.robust_width, kPositive);
@@ -158,6 +158,7 @@ EstimatorConfig readEstimatorConfig(const YamlReader& reader) {
   reader.read("blur", &config.photometric.blur, {0.0, 5.0});
   reader.read("min_noise", &config.photometric.min_noise, kPositive);
   reader.read("placement_deviation", &config.photometric.placement_deviation, kNonNegative);
+  reader.read("alignment_deviation", &config.photometric.alignment_deviation, kNonNegative);
   reader.read("max_pixels", &config.photometric.max_pixels, {50, 1000000});
   return config;
 }

@@ -117,6 +117,8 @@ TEST(Parameters, ManualHasTheDefaults) {
   EXPECT_EQ(estimation.photometric.min_noise, estimation_default.photometric.min_noise);
   EXPECT_EQ(estimation.photometric.placement_deviation,
             estimation_default.photometric.placement_deviation);
+  EXPECT_EQ(estimation.photometric.alignment_deviation,
+            estimation_default.photometric.alignment_deviation);
   EXPECT_EQ(estimation.photometric.max_pixels, estimation_default.photometric.max_pixels);
 
   const RecognitionConfig& recognition = manual.localizer.recognition;

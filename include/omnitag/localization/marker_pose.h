@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "omnitag/camera/mounted_camera.h"
+#include "omnitag/common/pose2.h"
 #include "omnitag/localization/observation.h"
 #include "omnitag/localization/reprojection.h"
 #include "omnitag/marker/marker_map.h"
@@ -15,5 +17,11 @@ namespace omnitag {
 std::vector<ReprojectionFit> posesFromMarker(const MarkerMap& map, const MountedCamera& camera,
                                              const MarkerObservation& observation,
                                              const ReprojectionConfig& config, double max_residual);
+
+/// The pose of the robot from which a marker on a wall images almost alike: on the other side of
+/// the marker's normal, as far away, in the same direction from the robot. Small or far markers do
+/// not tell the two apart. Nothing for a marker that lies.
+std::optional<Pose2> mirroredPose(const Marker& marker, const MountedCamera& camera,
+                                  const Pose2& map_from_base);
 
 }  // namespace omnitag

@@ -22,7 +22,10 @@ struct PhotometricConfig {
   double min_noise = 1.0;
   /// m: standard deviation of a marker's place along each axis, and of its edges' places against
   /// each other, from what the map says.
-  double placement_deviation = 0.0001;
+  double placement_deviation = 0.00002;
+  /// Pixels of the panorama: standard deviation of what all of a marker's pixels err by together,
+  /// since neither the camera model nor the pattern's is perfect.
+  double alignment_deviation = 0.012;
   /// Pixels at the edges of a marker's modules that are used, at most; more make the pose a little
   /// more exact and take longer.
   int max_pixels = 800;
@@ -38,6 +41,13 @@ struct PhotometricFit {
   /// For each marker how much it counts: less than 1 where it disagrees with the others.
   std::vector<double> weights;
 };
+
+/// How badly a pose explains the pixels: twice the negative log-likelihood, up to a constant, at
+/// the noise that `fit` found. Tells which of several optima is the likelier.
+double photometricMisfit(const cv::Mat& panorama, const MarkerMap& map, const MountedCamera& camera,
+                         const TagPatterns& patterns, const std::vector<std::size_t>& entries,
+                         const Pose2& map_from_base, const PhotometricFit& fit,
+                         const PhotometricConfig& config);
 
 /// Refines a pose, good to about half a pixel, so that the patterns of the markers at `entries`
 /// explain the panorama's grey levels: every pixel of a marker is predicted as the pattern's
