@@ -16,11 +16,12 @@
 namespace omnitag {
 
 /// What a pixel of the panorama sees of a marker's drawing: the parallelogram about `position`
-/// (modules) whose sides are the columns of `by_pixel`.
+/// (modules) whose sides are the columns of `sides`, which the blur makes longer.
 struct Footprint {
   int column = 0;
   int row = 0;
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d sides = Eigen::Matrix2d::Zero();
   /// Derivatives of the position by the pixel, and by the pose (x, y, yaw) where the pixel stays.
   Eigen::Matrix2d by_pixel = Eigen::Matrix2d::Zero();
   Eigen::Matrix<double, 2, 3> by_pose = Eigen::Matrix<double, 2, 3>::Zero();
@@ -46,15 +47,15 @@ class MarkerPatch {
   struct Choice {
     /// Every how many pixels along both axes.
     int step = 1;
-    /// Of those, at most so many near edges of the pattern, which tell where it is, and so many with
-    /// nothing but even black or even white around them, which only tell the light.
+    /// Of those, at most so many near edges of the pattern, which tell where it is, and so many
+    /// with nothing but even black or even white around them, which only tell the light.
     std::size_t max_at_edges = std::numeric_limits<std::size_t>::max();
     std::size_t max_on_even_ground = std::numeric_limits<std::size_t>::max();
   };
 
-  /// `marker`, `pattern` and `camera` must outlive the patch. `map_from_base` says, to about a pixel, where the marker
-  /// images. `blur` is the standard deviation, in pixels, of the blur that adds to the averaging
-  /// over a pixel's area.
+  /// `marker`, `pattern` and `camera` must outlive the patch. `map_from_base` says, to about a
+  /// pixel, where the marker images. `blur` is the standard deviation, in pixels, of the blur that
+  /// adds to the averaging over a pixel's area.
   MarkerPatch(const Marker& marker, const TagPattern& pattern, const MountedCamera& camera,
               const Pose2& map_from_base, double blur, const Choice& choice);
 
