@@ -134,10 +134,10 @@ std::optional<Fit> align(const cv::Mat& panorama, const std::vector<Footprint>& 
     for (const Sample& sample : samples) {
       const Eigen::Vector4d x(1.0, sample.white, -sample.by_pixel.x(), -sample.by_pixel.y());
       const double grey = panorama.ptr<std::uint8_t>(sample.row)[sample.column];
-      normal.selfadjointView<Eigen::Lower>().rankUpdate(x);
+      normal += x * x.transpose();
       right_side += grey * x;
     }
-    const Eigen::LDLT<Eigen::Matrix4d> factors(normal.selfadjointView<Eigen::Lower>());
+    const Eigen::LDLT<Eigen::Matrix4d> factors(normal);
     if (factors.info() != Eigen::Success || !(factors.vectorD().minCoeff() > 1e-9)) {
       return std::nullopt;
     }
