@@ -21,16 +21,20 @@ MarkerPatch::MarkerPatch(const Marker& marker, const TagPattern& pattern,
 
 MarkerPatch::Box MarkerPatch::boundingBox(const Pose2& map_from_base) const {
   const ImageSize& size = camera_.model().imageSize();
-  const double width = pattern_.width();
+  const double cell_width = static_cast<double>(pattern_.width()) / kCells;
   Eigen::Vector2d low(size.width, size.height);
   Eigen::Vector2d high(-1.0, -1.0);
-  for (const Eigen::Vector2d& corner :
-       {Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(width, 0.0), Eigen::Vector2d(0.0, width),
-        Eigen::Vector2d(width, width)}) {
-    const auto pixel = camera_.pixelFromMap(map_from_base, inMap(corner));
-    if (!pixel) continue;
-    low = low.cwiseMin(*pixel);
-    high = high.cwiseMax(*pixel);
+  for (int i = 0; i <= kCells; ++i) {
+    for (int j = 0; j <= kCells; ++j) {
+      // Edges image as curves, which reach farther than their ends.
+      const bool is_on_outline = i % kCells == 0 || j % kCells == 0;
+      if (!is_on_outline) continue;
+      const auto pixel =
+          camera_.pixelFromMap(map_from_base, inMap(cell_width * Eigen::Vector2d(i, j)));
+      if (!pixel) continue;
+      low = low.cwiseMin(*pixel);
+      high = high.cwiseMax(*pixel);
+    }
   }
   return {std::max(0, static_cast<int>(low.x()) - 1), std::max(0, static_cast<int>(low.y()) - 1),
           std::min(size.width - 1, static_cast<int>(high.x()) + 2),
@@ -94,7 +98,8 @@ void MarkerPatch::chooseLinesOfSight(const Pose2& map_from_base, const Choice& c
 }
 
 void MarkerPatch::keep(const std::vector<Pixel>& pixels, std::size_t at_most) {
-  const std::size_t every = (pixels.size() + at_most - 1) / std::max<std::size_t>(1, at_most);
+  if (at_most == 0) return;
+  const std::size_t every = (pixels.size() + at_most - 1) / at_most;
   for (std::size_t i = 0; i < pixels.size(); i += std::max<std::size_t>(1, every)) {
     const auto ray = camera_.tabulatedRayInBase({pixels[i].column, pixels[i].row});
     if (ray) lines_of_sight_.push_back({pixels[i], *ray});
@@ -116,7 +121,8 @@ std::vector<Footprint> MarkerPatch::footprints(const Pose2& map_from_base) const
     const Eigen::Matrix2d sides = stretch_ * cell.by_pixel;
     const Eigen::Vector2d reach = 0.5 * sides.cwiseAbs().rowwise().sum();
     if ((*position - reach).minCoeff() < 0.0 || (*position + reach).maxCoeff() > width) continue;
-    footprints.push_back({line.pixel.column, line.pixel.row, *position, sides, cell.by_pose});
+    footprints.push_back(
+        {line.pixel.column, line.pixel.row, *position, sides, cell.by_pixel, cell.by_pose});
   }
   return footprints;
 }
@@ -126,8 +132,8 @@ std::vector<MarkerPixel> MarkerPatch::pixels(const cv::Mat& panorama,
   const double width = pattern_.width();
   std::vector<MarkerPixel> pixels;
   for (const Footprint& footprint : footprints(map_from_base)) {
-    const TagPattern::White white = pattern_.averageOver(
-        footprint.position, footprint.by_pixel.col(0), footprint.by_pixel.col(1));
+    const TagPattern::White white =
+        pattern_.averageOver(footprint.position, footprint.sides.col(0), footprint.sides.col(1));
     MarkerPixel pixel;
     pixel.grey = panorama.at<std::uint8_t>(footprint.row, footprint.column);
     pixel.white = white.share;

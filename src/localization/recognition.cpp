@@ -37,30 +37,42 @@ int stepFor(const PredictedMarker& predicted, const TagPattern& pattern) {
   return std::max(1, static_cast<int>(std::sqrt(edge * edge / kPixels)));
 }
 
+/// What is seen of a marker that is displaced: the pixels move as far as whole pixels go, and what
+/// they see of the marker by the rest. (Grey levels between pixels would be blurred.) Leaves out
+/// what is then off the marker or the panorama.
+std::vector<Footprint> displaced(const std::vector<Footprint>& footprints,
+                                 const Eigen::Vector2d& displacement, const cv::Size& panorama,
+                                 double width) {
+  const Eigen::Vector2d whole = displacement.array().round();
+  const cv::Point offset(static_cast<int>(whole.x()), static_cast<int>(whole.y()));
+  const cv::Rect image({0, 0}, panorama);
+  std::vector<Footprint> moved;
+  moved.reserve(footprints.size());
+  for (Footprint footprint : footprints) {
+    footprint.column += offset.x;
+    footprint.row += offset.y;
+    footprint.position += footprint.by_pixel * (whole - displacement);
+    const Eigen::Vector2d reach = 0.5 * footprint.sides.cwiseAbs().rowwise().sum();
+    if (!image.contains({footprint.column, footprint.row}) ||
+        (footprint.position - reach).minCoeff() < 0.0 ||
+        (footprint.position + reach).maxCoeff() > width) {
+      continue;
+    }
+    moved.push_back(footprint);
+  }
+  return moved;
+}
+
 std::vector<Sample> samplesOf(const std::vector<Footprint>& footprints, const TagPattern& pattern) {
   std::vector<Sample> samples;
   samples.reserve(footprints.size());
   for (const Footprint& footprint : footprints) {
-    const TagPattern::White white = pattern.averageOver(
-        footprint.position, footprint.by_pixel.col(0), footprint.by_pixel.col(1));
+    const TagPattern::White white =
+        pattern.averageOver(footprint.position, footprint.sides.col(0), footprint.sides.col(1));
     samples.push_back({footprint.column, footprint.row, white.share,
                        footprint.by_pixel.transpose() * white.by_position});
   }
   return samples;
-}
-
-/// The panorama's grey level between pixels, by linear interpolation; the nearest within the image.
-double greyAt(const cv::Mat& panorama, double u, double v) {
-  const double x = std::clamp(u, 0.0, panorama.cols - 1.001);
-  const double y = std::clamp(v, 0.0, panorama.rows - 1.001);
-  const int column = static_cast<int>(x);
-  const int row = static_cast<int>(y);
-  const double a = x - column;
-  const double b = y - row;
-  const auto* above = panorama.ptr<std::uint8_t>(row) + column;
-  const auto* below = panorama.ptr<std::uint8_t>(row + 1) + column;
-  return (1.0 - b) * ((1.0 - a) * above[0] + a * above[1]) +
-         b * ((1.0 - a) * below[0] + a * below[1]);
 }
 
 /// Moves the marker by whole pixels and returns where its pattern correlates best with the
@@ -108,23 +120,24 @@ struct Fit {
 };
 
 /// Least squares over the displacement, and over grey = black + contrast * white.
-std::optional<Fit> align(const cv::Mat& panorama, const std::vector<Sample>& samples,
-                         const Eigen::Vector2d& start) {
+std::optional<Fit> align(const cv::Mat& panorama, const std::vector<Footprint>& footprints,
+                         const TagPattern& pattern, const Eigen::Vector2d& start) {
   constexpr int kMaxSteps = 10;
   constexpr double kConverged = 0.01;  // pixels
   Fit fit{start, 0.0};
   for (int i = 0; i < kMaxSteps; ++i) {
+    const std::vector<Sample> samples = samplesOf(
+        displaced(footprints, fit.displacement, panorama.size(), pattern.width()), pattern);
     // The unknowns: black, contrast, and contrast times the change of the displacement.
     Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
     Eigen::Vector4d right_side = Eigen::Vector4d::Zero();
     for (const Sample& sample : samples) {
       const Eigen::Vector4d x(1.0, sample.white, -sample.by_pixel.x(), -sample.by_pixel.y());
-      const double grey =
-          greyAt(panorama, sample.column + fit.displacement.x(), sample.row + fit.displacement.y());
-      normal.selfadjointView<Eigen::Lower>().rankUpdate(x);
+      const double grey = panorama.ptr<std::uint8_t>(sample.row)[sample.column];
+      normal += x * x.transpose();
       right_side += grey * x;
     }
-    const Eigen::LDLT<Eigen::Matrix4d> factors(normal.selfadjointView<Eigen::Lower>());
+    const Eigen::LDLT<Eigen::Matrix4d> factors(normal);
     if (factors.info() != Eigen::Success || !(factors.vectorD().minCoeff() > 1e-9)) {
       return std::nullopt;
     }
@@ -149,8 +162,7 @@ struct Comparison {
 /// Compares the data modules with the panorama, whatever the light and the other modules are.
 std::optional<Comparison> compareData(const cv::Mat& panorama,
                                       const std::vector<Footprint>& footprints,
-                                      const TagPattern& pattern,
-                                      const Eigen::Vector2d& displacement) {
+                                      const TagPattern& pattern) {
   const Eigen::Index bits = pattern.dataModules();
   Eigen::VectorXd signs(bits);
   for (int bit = 0; bit < bits; ++bit) signs[bit] = pattern.isDataWhite(bit) ? 1.0 : -1.0;
@@ -164,20 +176,18 @@ std::optional<Comparison> compareData(const cv::Mat& panorama,
   Eigen::Index used = 0;
   for (const Footprint& footprint : footprints) {
     shares.col(used).setZero();
-    pattern.addDataShares(footprint.position, footprint.by_pixel.col(0), footprint.by_pixel.col(1),
+    pattern.addDataShares(footprint.position, footprint.sides.col(0), footprint.sides.col(1),
                           shares.col(used));
     const double data = shares.col(used).sum();
     constexpr double kLeastData = 0.05;
     if (data < kLeastData) continue;
     const double white =
-        pattern
-            .averageOver(footprint.position, footprint.by_pixel.col(0), footprint.by_pixel.col(1))
+        pattern.averageOver(footprint.position, footprint.sides.col(0), footprint.sides.col(1))
             .share;
     const double data_white = 0.5 * (data + shares.col(used).dot(signs));
     const Eigen::Vector2d place = footprint.position / pattern.width();
     nuisances.col(used) << 1.0, place.x(), place.y(), white - data_white, data;
-    greys[used] =
-        greyAt(panorama, footprint.column + displacement.x(), footprint.row + displacement.y());
+    greys[used] = panorama.ptr<std::uint8_t>(footprint.row)[footprint.column];
     ++used;
   }
   if (used <= kNuisances + 2) return std::nullopt;
@@ -239,11 +249,13 @@ std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& mark
   const int steps = static_cast<int>(std::ceil(margin / step));
   const Eigen::Vector2i reach(steps * step, steps * step);
   const Eigen::Vector2i place = bestPlace(panorama, samples, reach, step);
-  const std::optional<Fit> fit = align(panorama, samples, place.cast<double>());
+  const std::optional<Fit> fit = align(panorama, footprints, pattern, place.cast<double>());
   if (!fit || fit->contrast < config.min_contrast) return std::nullopt;
   const double limit = reach.x() + 1.0;
   if (fit->displacement.cwiseAbs().maxCoeff() > limit) return std::nullopt;
-  const auto comparison = compareData(panorama, footprints, pattern, fit->displacement);
+  const auto comparison = compareData(
+      panorama, displaced(footprints, fit->displacement, panorama.size(), pattern.width()),
+      pattern);
   if (!comparison) return std::nullopt;
   const double trials = (2.0 * steps + 1.0) * (2.0 * steps + 1.0);
   return Recognition{

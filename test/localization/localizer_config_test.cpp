@@ -27,6 +27,7 @@ visibility: {max_range: 7}
 view: {oversampling: 2}
 detector: {quad_decimate: 2}
 association: {max_roll: 0.2}
+recognition: {max_margin: 2, false_accept_rate: 1e-3, min_contrast: 5, period: 2}
 estimation: {corner_noise: 0.3, blur: 0.7}
 look_around: {step: 0.5}
 relocalization: {min_lead: 20}
@@ -37,6 +38,10 @@ motion: {acceleration_deviation: 3}
   EXPECT_EQ(config.view.oversampling, 2.0);
   EXPECT_EQ(config.detector.quad_decimate, 2.0);
   EXPECT_EQ(config.association.max_roll, 0.2);
+  EXPECT_EQ(config.recognition.max_margin, 2.0);
+  EXPECT_EQ(config.recognition.false_accept_rate, 1e-3);
+  EXPECT_EQ(config.recognition.min_contrast, 5.0);
+  EXPECT_EQ(config.recognition.period, 2.0);
   EXPECT_EQ(config.estimation.reprojection.corner_noise, 0.3);
   EXPECT_EQ(config.estimation.photometric.blur, 0.7);
   EXPECT_EQ(config.look_around.step, 0.5);
@@ -59,6 +64,13 @@ TEST(LocalizerConfigTest, RefusesWhatIsWrongAndNamesIt) {
       {"view: {max_size: 1.5}", {"view.max_size", "integer", "'1.5'"}},
       {"detector: {refine_edges: perhaps}", {"detector.refine_edges", "true or false", "perhaps"}},
       {"association: {max_scale: 0.5}", {"association.max_scale", ">= 1"}},
+      {"recognition: {max_margin: -1}", {"recognition.max_margin", ">= 0", "'-1'"}},
+      {"recognition: {false_accept_rate: 0}", {"recognition.false_accept_rate", "0.1", "'0'"}},
+      {"recognition: {false_accept_rate: 0.5}", {"recognition.false_accept_rate", "'0.5'"}},
+      {"recognition: {min_contrast: 0}", {"recognition.min_contrast", "> 0", "'0'"}},
+      {"recognition: {period: soon}", {"recognition.period", "'soon'"}},
+      {"recognition: {threshold: 0.5}", {"recognition.threshold", "unknown key"}},
+      {"recognition: 3", {"recognition", "mapping", "'3'"}},
       {"estimation: {corner_noise: [1]}", {"estimation.corner_noise", "a list"}},
       {"look_around: {step: 0}", {"look_around.step", "'0'"}},
       {"relocalization: {max_hamming_of_one: 4}", {"relocalization.max_hamming_of_one", "'4'"}},

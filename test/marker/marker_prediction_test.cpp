@@ -108,6 +108,41 @@ TEST_F(MarkerPredictionTest, MarginsHoldThePosesUncertainty) {
               0.03 * predicted.radial_margin);
 }
 
+TEST_F(MarkerPredictionTest, OneMarkerIsPredictedAsAmongAllOthers) {
+  Marker from_behind = facingOrigin(3.0, 0.5);
+  from_behind.map_from_marker =
+      from_behind.map_from_marker * Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitY());
+  const MarkerMap map{"map", {from_behind, facingOrigin(3.0, 0.9), facingOrigin(2.0, 4.0)}};
+  pose_.covariance.diagonal() << 1e-3, 2e-3, 1e-3;
+  EXPECT_FALSE(predictMarker(map, 0, camera_, pose_, config_));
+  for (const std::size_t entry : {1U, 2U}) {
+    const auto predicted = predictMarker(map, entry, camera_, pose_, config_);
+    ASSERT_TRUE(predicted);
+    EXPECT_EQ(predicted->map_entry, entry);
+    const Marker& marker = map.markers[entry];
+    EXPECT_LT((predicted->center - *camera_.pixelFromMap(pose_.pose, marker.center())).norm(),
+              1e-9);
+    const Corners<Eigen::Vector3d> corners = marker.corners();
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      EXPECT_LT((predicted->corners[k] - *camera_.pixelFromMap(pose_.pose, corners[k])).norm(),
+                1e-9);
+    }
+    EXPECT_GT(predicted->tangential_margin, config_.min_margin_pixels);
+  }
+}
+
+TEST_F(MarkerPredictionTest, TheLongestEdgeDecidesWhetherAMarkerIsLargeEnough) {
+  EXPECT_DOUBLE_EQ(longestEdge({{{0.0, 0.0}, {3.0, 4.0}, {3.0, 5.0}, {0.0, 2.0}}}), 5.0);
+  EXPECT_DOUBLE_EQ(longestEdge({{{0.0, 7.0}, {1.0, 0.0}, {2.0, 0.0}, {0.0, 0.0}}}),
+                   std::sqrt(50.0));
+  const Marker marker = facingOrigin(3.0, 0.5);
+  const double edge = longestEdge(predict({marker}).at(0).corners);
+  config_.min_edge_pixels = edge + 0.01;
+  EXPECT_TRUE(predict({marker}).empty());
+  config_.min_edge_pixels = edge - 0.01;
+  EXPECT_EQ(predict({marker}).size(), 1U);
+}
+
 TEST_F(MarkerPredictionTest, TargetsHoldCornersAndMargins) {
   pose_.covariance.diagonal() << 1e-3, 1e-3, 1e-3;
   for (const PredictedMarker& marker : predict({facingOrigin(2.0, 0.3), facingOrigin(4.0, 3.1)})) {

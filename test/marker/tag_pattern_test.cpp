@@ -1,11 +1,20 @@
 #include "omnitag/marker/tag_pattern.h"
 
+#include <apriltag/tag36h11.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <optional>
 #include <random>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "../support/panorama_renderer.h"
+#include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
 #include "omnitag/marker/tag_family.h"
 
@@ -95,6 +104,253 @@ TEST(TagPatternTest, DerivativesAreThoseOfTheAverage) {
       EXPECT_NEAR(white.by_position[axis], difference / (2.0 * kStep), 1e-5);
     }
   }
+}
+
+/// A parallelogram within a drawing, by its middle and its sides.
+struct Parallelogram {
+  Eigen::Vector2d middle;
+  Eigen::Vector2d side_u;
+  Eigen::Vector2d side_v;
+};
+
+/// What a pixel may see: sides of up to `longest` modules that enclose 30 degrees at least.
+std::vector<Parallelogram> randomParallelograms(int width, int count, double longest) {
+  std::mt19937 generator(3);
+  std::uniform_real_distribution<double> share(0.0, 1.0);
+  std::vector<Parallelogram> parallelograms;
+  for (int i = 0; i < count; ++i) {
+    const double direction = 2.0 * kPi * share(generator);
+    const double angle = radians(30.0 + 120.0 * share(generator));
+    const double length_u = 0.1 + (longest - 0.1) * share(generator);
+    const double length_v = 0.1 + (longest - 0.1) * share(generator);
+    Parallelogram one;
+    one.side_u = length_u * Eigen::Vector2d(std::cos(direction), std::sin(direction));
+    one.side_v =
+        length_v * Eigen::Vector2d(std::cos(direction + angle), std::sin(direction + angle));
+    const Eigen::Vector2d reach = 0.5 * (one.side_u.cwiseAbs() + one.side_v.cwiseAbs());
+    const Eigen::Vector2d room = Eigen::Vector2d::Constant(width) - 2.0 * reach;
+    one.middle = reach + Eigen::Vector2d(share(generator) * room.x(), share(generator) * room.y());
+    parallelograms.push_back(one);
+  }
+  return parallelograms;
+}
+
+/// Calls back with the modules that evenly spread points of a parallelogram lie in, and with the
+/// share of the whole that each point stands for.
+template <typename Visit>
+void sample(const Parallelogram& one, const Visit& visit) {
+  constexpr int kSamples = 200;
+  for (int i = 0; i < kSamples; ++i) {
+    for (int j = 0; j < kSamples; ++j) {
+      const Eigen::Vector2d point = one.middle + ((i + 0.5) / kSamples - 0.5) * one.side_u +
+                                    ((j + 0.5) / kSamples - 0.5) * one.side_v;
+      visit(static_cast<int>(point.x()), static_cast<int>(point.y()), 1.0 / (kSamples * kSamples));
+    }
+  }
+}
+
+TEST(TagPatternTest, AveragesOverParallelogramsAlongTheModulesAreExact) {
+  const test::TagBitmap bitmap = test::tagBitmap("tag36h11", 42);
+  const TagPattern pattern("tag36h11", 42);
+  for (const Parallelogram& one : randomParallelograms(pattern.width(), 40, 2.5)) {
+    const Eigen::Vector2d size(one.side_u.norm(), one.side_v.norm());
+    const Eigen::Vector2d middle = one.middle.cwiseMax(1.3).cwiseMin(pattern.width() - 1.3);
+    const double expected = sampledAverage(bitmap, middle, size);
+    const Eigen::Vector2d along_x(size.x(), 0.0);
+    const Eigen::Vector2d along_y(0.0, size.y());
+    EXPECT_NEAR(pattern.averageOver(middle, along_x, along_y).share, expected, 0.01);
+    EXPECT_NEAR(pattern.averageOver(middle, -along_y, along_x).share, expected, 0.01);
+  }
+}
+
+TEST(TagPatternTest, AveragesOverAnyParallelogram) {
+  const test::TagBitmap bitmap = test::tagBitmap("tag36h11", 42);
+  const TagPattern pattern("tag36h11", 42);
+  double squares = 0.0;
+  double largest = 0.0;
+  constexpr int kCount = 400;
+  for (const Parallelogram& one : randomParallelograms(pattern.width(), kCount, 1.5)) {
+    double expected = 0.0;
+    sample(one, [&](int column, int row, double share) {
+      const auto index = static_cast<std::size_t>(row * bitmap.total_width + column);
+      expected += bitmap.white[index] ? share : 0.0;
+    });
+    const double error = pattern.averageOver(one.middle, one.side_u, one.side_v).share - expected;
+    squares += error * error / kCount;
+    largest = std::max(largest, std::abs(error));
+  }
+  RecordProperty("rms_error", std::to_string(std::sqrt(squares)));
+  RecordProperty("largest_error", std::to_string(largest));
+  EXPECT_LT(std::sqrt(squares), 0.02);
+  EXPECT_LT(largest, 0.1);
+}
+
+TEST(TagPatternTest, DerivativesAreThoseOfTheAverageOverAParallelogram) {
+  const TagPattern pattern("tag36h11", 42);
+  constexpr double kStep = 1e-6;
+  for (const Parallelogram& one : randomParallelograms(pattern.width(), 200, 2.0)) {
+    const Eigen::Vector2d middle = one.middle.cwiseMax(2.1).cwiseMin(pattern.width() - 2.1);
+    const TagPattern::White white = pattern.averageOver(middle, one.side_u, one.side_v);
+    for (int axis = 0; axis < 2; ++axis) {
+      const Eigen::Vector2d step = kStep * Eigen::Vector2d::Unit(axis);
+      const double difference = pattern.averageOver(middle + step, one.side_u, one.side_v).share -
+                                pattern.averageOver(middle - step, one.side_u, one.side_v).share;
+      EXPECT_NEAR(white.by_position[axis], difference / (2.0 * kStep), 1e-5);
+    }
+  }
+}
+
+TEST(TagPatternTest, TellsWhereTheDrawingIsEven) {
+  const test::TagBitmap bitmap = test::tagBitmap("tag36h11", 42);
+  const TagPattern pattern("tag36h11", 42);
+  const int width = bitmap.total_width;
+  std::mt19937 generator(4);
+  std::uniform_real_distribution<double> coordinate(-1.5, width + 0.5);
+  std::uniform_real_distribution<double> edge(0.2, 2.5);
+  int even = 0;
+  constexpr int kCount = 500;
+  for (int i = 0; i < kCount; ++i) {
+    const Eigen::Vector2d low(coordinate(generator), coordinate(generator));
+    const Eigen::Vector2d high = low + Eigen::Vector2d(edge(generator), edge(generator));
+    if (high.minCoeff() <= 0.0 || low.maxCoeff() >= width) continue;
+    bool has_white = false;
+    bool has_black = false;
+    for (int row = 0; row < width; ++row) {
+      for (int column = 0; column < width; ++column) {
+        if (column + 1 <= low.x() || column >= high.x() || row + 1 <= low.y() || row >= high.y()) {
+          continue;
+        }
+        const bool white = bitmap.white[static_cast<std::size_t>(row * width + column)];
+        (white ? has_white : has_black) = true;
+      }
+    }
+    EXPECT_EQ(pattern.isEven(low, high), !(has_white && has_black))
+        << low.transpose() << " to " << high.transpose();
+    even += has_white && has_black ? 0 : 1;
+  }
+  EXPECT_GT(even, kCount / 10);
+}
+
+/// Number of the data module at a place of the grid; nothing where the layout fixes the module.
+std::optional<int> dataModuleAt(const TagPattern& pattern, int column, int row) {
+  Eigen::VectorXd shares = Eigen::VectorXd::Zero(pattern.dataModules());
+  pattern.addDataShares({column + 0.5, row + 0.5}, {0.5, 0.1}, {-0.1, 0.5}, shares);
+  Eigen::Index module = 0;
+  if (shares.maxCoeff(&module) <= 0.0) return std::nullopt;
+  EXPECT_NEAR(shares[module], 1.0, 1e-12);
+  EXPECT_NEAR(shares.sum(), 1.0, 1e-12);
+  return static_cast<int>(module);
+}
+
+TEST(TagPatternTest, DataModulesAreThoseWhichDifferAmongTheTagsOfAFamily) {
+  for (const std::string& family : tagFamilies()) {
+    const int count = tagCount(family);
+    const int tags = std::min(count, 80);
+    std::vector<TagPattern> patterns;
+    for (int i = 0; i < tags; ++i) patterns.emplace_back(family, i * (count / tags));
+    const TagPattern& first = patterns.front();
+    std::vector<int> places(static_cast<std::size_t>(first.dataModules()), 0);
+    for (int row = 0; row < first.width(); ++row) {
+      for (int column = 0; column < first.width(); ++column) {
+        const bool differs =
+            std::any_of(patterns.begin(), patterns.end(), [&](const TagPattern& pattern) {
+              return pattern.isWhite(column, row) != first.isWhite(column, row);
+            });
+        const std::optional<int> module = dataModuleAt(first, column, row);
+        EXPECT_EQ(module.has_value(), differs)
+            << family << ": column " << column << ", row " << row;
+        if (!module) continue;
+        ++places[static_cast<std::size_t>(*module)];
+        for (const TagPattern& pattern : patterns) {
+          EXPECT_EQ(pattern.isDataWhite(*module), pattern.isWhite(column, row)) << family;
+        }
+      }
+    }
+    for (const int number : places) EXPECT_EQ(number, 1) << family;
+  }
+}
+
+TEST(TagPatternTest, DataModulesStandInTheOrderOfTheCodesBits) {
+  const std::unique_ptr<apriltag_family_t, decltype(&tag36h11_destroy)> family(tag36h11_create(),
+                                                                               tag36h11_destroy);
+  for (const int id : {0, 1, 123, 586}) {
+    const TagPattern pattern("tag36h11", id);
+    ASSERT_EQ(pattern.dataModules(), 36);
+    for (int bit = 0; bit < 36; ++bit) {
+      EXPECT_EQ(pattern.isDataWhite(bit), ((family->codes[id] >> (35 - bit)) & 1U) != 0)
+          << id << ", bit " << bit;
+    }
+  }
+}
+
+TEST(TagPatternTest, DataSharesAreThoseOfTheParallelogram) {
+  for (const char* family : {"tag36h11", "tagCircle21h7", "tagStandard41h12"}) {
+    const TagPattern pattern(family, 17);
+    std::map<std::pair<int, int>, int> modules;
+    for (int row = 0; row < pattern.width(); ++row) {
+      for (int column = 0; column < pattern.width(); ++column) {
+        if (const auto module = dataModuleAt(pattern, column, row))
+          modules[{column, row}] = *module;
+      }
+    }
+    double squares = 0.0;
+    constexpr int kCount = 100;
+    for (const Parallelogram& one : randomParallelograms(pattern.width(), kCount, 1.5)) {
+      Eigen::VectorXd expected = Eigen::VectorXd::Zero(pattern.dataModules());
+      sample(one, [&](int column, int row, double share) {
+        const auto module = modules.find({column, row});
+        if (module != modules.end()) expected[module->second] += share;
+      });
+      Eigen::VectorXd shares = Eigen::VectorXd::Constant(pattern.dataModules(), 2.0);
+      pattern.addDataShares(one.middle, one.side_u, one.side_v, shares);
+      shares.array() -= 2.0;
+      EXPECT_LT((shares - expected).cwiseAbs().maxCoeff(), 0.1) << family;
+      EXPECT_NEAR(shares.sum(), expected.sum(), 0.1) << family;
+      squares += (shares - expected).squaredNorm() / kCount;
+    }
+    EXPECT_LT(std::sqrt(squares), 0.04) << family;
+  }
+}
+
+TEST(TagPatternTest, DataSharesAddUpToTheAverageOfWhatTheLayoutLeavesOpen) {
+  // Of two tags, averages over the same part can only differ by their data modules.
+  const TagPattern a("tag36h11", 3);
+  const TagPattern b("tag36h11", 400);
+  for (const Parallelogram& one : randomParallelograms(a.width(), 200, 2.0)) {
+    Eigen::VectorXd shares = Eigen::VectorXd::Zero(a.dataModules());
+    a.addDataShares(one.middle, one.side_u, one.side_v, shares);
+    double expected = 0.0;
+    for (int module = 0; module < a.dataModules(); ++module) {
+      expected += shares[module] * (static_cast<int>(a.isDataWhite(module)) -
+                                    static_cast<int>(b.isDataWhite(module)));
+    }
+    EXPECT_NEAR(a.averageOver(one.middle, one.side_u, one.side_v).share -
+                    b.averageOver(one.middle, one.side_u, one.side_v).share,
+                expected, 1e-9);
+  }
+}
+
+TEST(TagPatternsTest, HoldThePatternOfEveryMarker) {
+  MarkerMap map;
+  for (const auto& [family, id] : {std::pair("tag36h11", 4), std::pair("tag16h5", 4),
+                                   std::pair("tag36h11", 9), std::pair("tag36h11", 4)}) {
+    Marker marker;
+    marker.family = family;
+    marker.id = id;
+    map.markers.push_back(marker);
+  }
+  const TagPatterns patterns(map);
+  for (const Marker& marker : map.markers) {
+    const test::TagBitmap bitmap = test::tagBitmap(marker.family, marker.id);
+    const TagPattern& pattern = patterns.of(marker);
+    ASSERT_EQ(pattern.width(), bitmap.total_width);
+    for (int i = 0; i < bitmap.total_width * bitmap.total_width; ++i) {
+      EXPECT_EQ(pattern.isWhite(i % bitmap.total_width, i / bitmap.total_width),
+                bitmap.white[static_cast<std::size_t>(i)]);
+    }
+  }
+  map.markers[1].id = 30;
+  EXPECT_THROW(TagPatterns{map}, InputError);
 }
 
 TEST(TagPatternTest, EveryFamilyHasPatterns) {

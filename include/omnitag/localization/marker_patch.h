@@ -16,11 +16,12 @@
 namespace omnitag {
 
 /// What a pixel of the panorama sees of a marker's drawing: the parallelogram about `position`
-/// (modules) whose sides are the columns of `by_pixel`.
+/// (modules) whose sides are the columns of `sides`, which the blur makes longer.
 struct Footprint {
   int column = 0;
   int row = 0;
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d sides = Eigen::Matrix2d::Zero();
   /// Derivatives of the position by the pixel, and by the pose (x, y, yaw) where the pixel stays.
   Eigen::Matrix2d by_pixel = Eigen::Matrix2d::Zero();
   Eigen::Matrix<double, 2, 3> by_pose = Eigen::Matrix<double, 2, 3>::Zero();

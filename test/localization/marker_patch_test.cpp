@@ -1,0 +1,319 @@
+#include "omnitag/localization/marker_patch.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "../support/panorama_renderer.h"
+#include "../support/sample_cameras.h"
+#include "../support/sample_markers.h"
+
+namespace omnitag {
+namespace {
+
+/// A marker as a camera sees it from a pose, and what the tests know of that by the camera's
+/// projection alone.
+struct Scene {
+  std::string name;
+  MountedCamera camera;
+  Marker marker;
+  Pose2 pose{0.25, -0.15, 0.6};
+  TagPattern pattern{marker.family, marker.id};
+
+  MarkerPatch patch(const MarkerPatch::Choice& choice = {}, double blur = 0.0) const {
+    return {marker, pattern, camera, pose, blur, choice};
+  }
+
+  double metresPerModule() const { return marker.size / pattern.widthBetweenCorners(); }
+
+  Eigen::Vector3d inMap(const Eigen::Vector2d& position) const {
+    const double half = 0.5 * pattern.width();
+    return marker.map_from_marker *
+           (metresPerModule() * Eigen::Vector3d(position.x() - half, half - position.y(), 0.0));
+  }
+
+  std::optional<Eigen::Vector2d> pixelOf(const Eigen::Vector2d& position, const Pose2& from) const {
+    return camera.pixelFromMap(from, inMap(position));
+  }
+
+  /// Pixels per module.
+  Eigen::Matrix2d pixelByPosition(const Eigen::Vector2d& position) const {
+    constexpr double kStep = 1e-4;
+    Eigen::Matrix2d derivative;
+    for (int axis = 0; axis < 2; ++axis) {
+      const Eigen::Vector2d step = kStep * Eigen::Vector2d::Unit(axis);
+      derivative.col(axis) =
+          (*pixelOf(position + step, pose) - *pixelOf(position - step, pose)) / (2.0 * kStep);
+    }
+    return derivative;
+  }
+
+  Eigen::Matrix<double, 2, 3> pixelByPose(const Eigen::Vector2d& position) const {
+    constexpr double kStep = 1e-6;
+    Eigen::Matrix<double, 2, 3> derivative;
+    const auto moved = [&](int axis, double by) {
+      Pose2 other = pose;
+      (axis == 0 ? other.x : axis == 1 ? other.y : other.yaw) += by;
+      return *pixelOf(position, other);
+    };
+    for (int axis = 0; axis < 3; ++axis) {
+      derivative.col(axis) = (moved(axis, kStep) - moved(axis, -kStep)) / (2.0 * kStep);
+    }
+    return derivative;
+  }
+
+  /// Where a pixel's line of sight meets the marker's plane, by Newton's method on the projection.
+  std::optional<Eigen::Vector2d> positionAt(const Eigen::Vector2d& pixel) const {
+    Eigen::Vector2d position = Eigen::Vector2d::Constant(0.5 * pattern.width());
+    for (int i = 0; i < 20; ++i) {
+      const auto image = pixelOf(position, pose);
+      if (!image) return std::nullopt;
+      const Eigen::Vector2d step = pixelByPosition(position).inverse() * (pixel - *image);
+      position += step;
+      if (position.minCoeff() < -0.5 * pattern.width() ||
+          position.maxCoeff() > 1.5 * pattern.width()) {
+        return std::nullopt;
+      }
+      if (step.norm() < 1e-9) return position;
+    }
+    return std::nullopt;
+  }
+};
+
+/// Far and near, from the front and from the side, upright and rolled, of more than one layout.
+std::vector<Scene> scenes() {
+  const MountedCamera down(test::sphericalCamera(), test::lookingDown());
+  const MountedCamera up(test::hyperbolicCamera(), test::lookingUp());
+  std::vector<Scene> scenes;
+  scenes.push_back({"Far", down, test::wallMarker(42, {3.2, -0.6, 1.2}, kPi)});
+  scenes.push_back({"Rolled", down, test::wallMarker(7, {-2.8, 0.3, 1.4}, 0.1, radians(20.0))});
+  scenes.push_back({"FromTheSide", down, test::wallMarker(1, {0.4, 2.5, 1.3}, -0.6)});
+  scenes.push_back({"Near", down, test::wallMarker(3, {-1.0, -1.3, 1.2}, 0.8)});
+  scenes.push_back({"Up", up, test::wallMarker(5, {2.0, 1.0, 0.2}, -2.6)});
+  scenes.push_back({"UpNear", up, test::wallMarker(9, {0.9, 1.0, 0.2}, -2.2)});
+  Marker round = test::wallMarker(11, {2.6, -0.9, 1.2}, 2.8);
+  round.family = "tagCircle21h7";
+  scenes.push_back({"Circle", down, round});
+  return scenes;
+}
+
+class MarkerPatchTest : public testing::TestWithParam<Scene> {};
+
+TEST_P(MarkerPatchTest, PositionsAreWhatThePixelsSee) {
+  const Scene& scene = GetParam();
+  const std::vector<Footprint> footprints = scene.patch().footprints(scene.pose);
+  ASSERT_GT(footprints.size(), 100U);
+  double largest = 0.0;
+  for (const Footprint& footprint : footprints) {
+    const auto pixel = scene.pixelOf(footprint.position, scene.pose);
+    ASSERT_TRUE(pixel);
+    const Eigen::Vector2d expected(footprint.column, footprint.row);
+    largest = std::max(largest, (*pixel - expected).norm());
+  }
+  EXPECT_LT(largest, 2e-3);
+}
+
+TEST_P(MarkerPatchTest, PositionsFollowThePose) {
+  const Scene& scene = GetParam();
+  const MarkerPatch patch = scene.patch();
+  const Pose2 moved{scene.pose.x + 0.004, scene.pose.y - 0.003, scene.pose.yaw + 0.004};
+  for (const Footprint& footprint : patch.footprints(moved)) {
+    const auto pixel = scene.pixelOf(footprint.position, moved);
+    ASSERT_TRUE(pixel);
+    EXPECT_LT((*pixel - Eigen::Vector2d(footprint.column, footprint.row)).norm(), 2e-3);
+  }
+}
+
+TEST_P(MarkerPatchTest, DerivativesAreThoseOfTheProjection) {
+  const Scene& scene = GetParam();
+  // They are exact about the middle of each of 4 x 4 cells and change little within it.
+  const double cell = 0.25 * scene.pattern.width();
+  double largest = 0.0;
+  double largest_in_middle = 0.0;
+  int in_middle = 0;
+  for (const Footprint& footprint : scene.patch().footprints(scene.pose)) {
+    const Eigen::Matrix2d by_pixel = scene.pixelByPosition(footprint.position).inverse();
+    const Eigen::Matrix<double, 2, 3> by_pose = -by_pixel * scene.pixelByPose(footprint.position);
+    const double error = std::max((footprint.by_pixel - by_pixel).norm() / by_pixel.norm(),
+                                  (footprint.by_pose - by_pose).norm() / by_pose.norm());
+    largest = std::max(largest, error);
+    const Eigen::Vector2d in_cell = footprint.position / cell;
+    const Eigen::Vector2d off = in_cell.array() - in_cell.array().floor() - 0.5;
+    if (off.cwiseAbs().maxCoeff() > 0.1) continue;
+    largest_in_middle = std::max(largest_in_middle, error);
+    ++in_middle;
+  }
+  RecordProperty("largest_error", std::to_string(largest));
+  RecordProperty("largest_error_in_middle", std::to_string(largest_in_middle));
+  EXPECT_GT(in_middle, 0);
+  EXPECT_LT(largest, 0.2);
+  EXPECT_LT(largest_in_middle, 0.04);
+}
+
+TEST_P(MarkerPatchTest, BlurMakesTheFootprintsLarger) {
+  const Scene& scene = GetParam();
+  std::map<std::pair<int, int>, Footprint> sharp;
+  for (const Footprint& footprint : scene.patch().footprints(scene.pose)) {
+    sharp[{footprint.column, footprint.row}] = footprint;
+  }
+  constexpr double kBlur = 0.6;
+  const std::vector<Footprint> blurred = scene.patch({}, kBlur).footprints(scene.pose);
+  ASSERT_GT(blurred.size(), 50U);
+  EXPECT_LT(blurred.size(), sharp.size());
+  for (const Footprint& footprint : blurred) {
+    const Footprint& other = sharp.at({footprint.column, footprint.row});
+    EXPECT_TRUE(other.sides.isApprox(other.by_pixel, 1e-12));
+    EXPECT_TRUE(footprint.by_pixel.isApprox(other.by_pixel, 1e-12));
+    // The variance of a box of width w is w^2 / 12; those of blur and pixel add up.
+    for (int side = 0; side < 2; ++side) {
+      EXPECT_NEAR(footprint.sides.col(side).squaredNorm() / 12.0,
+                  other.by_pixel.col(side).squaredNorm() * (1.0 / 12.0 + kBlur * kBlur), 1e-9);
+    }
+  }
+}
+
+TEST_P(MarkerPatchTest, HoldsEveryPixelThatSeesNothingButTheDrawing) {
+  const Scene& scene = GetParam();
+  std::set<std::pair<int, int>> held;
+  for (const Footprint& footprint : scene.patch().footprints(scene.pose)) {
+    EXPECT_TRUE(held.insert({footprint.column, footprint.row}).second) << "twice";
+  }
+  const double width = scene.pattern.width();
+  int missing = 0;
+  int surplus = 0;
+  int inside = 0;
+  const ImageSize& size = scene.camera.model().imageSize();
+  const Eigen::Vector2d center = *scene.pixelOf(Eigen::Vector2d::Constant(0.5 * width), scene.pose);
+  for (int row = 0; row < size.height; ++row) {
+    for (int column = 0; column < size.width; ++column) {
+      const bool is_held = held.count({column, row}) > 0;
+      const bool is_near = (Eigen::Vector2d(column, row) - center).norm() < 250.0;
+      if (!is_held && !is_near) continue;
+      const auto position = scene.positionAt(Eigen::Vector2d(column, row));
+      if (!position) {
+        surplus += is_held ? 1 : 0;
+        continue;
+      }
+      const Eigen::Vector2d reach =
+          0.5 * scene.pixelByPosition(*position).inverse().cwiseAbs().rowwise().sum();
+      const double room =
+          std::min((*position - reach).minCoeff(), width - (*position + reach).maxCoeff());
+      // Reaches hardly change within a quarter of the drawing.
+      const double tolerance = 0.2 * reach.maxCoeff();
+      if (room > tolerance) {
+        ++inside;
+        missing += is_held ? 0 : 1;
+      } else if (room < -tolerance) {
+        surplus += is_held ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(inside, 100);
+  EXPECT_EQ(missing, 0) << "of " << inside;
+  EXPECT_EQ(surplus, 0);
+}
+
+TEST_P(MarkerPatchTest, StepsLeaveAGridOfPixels) {
+  const Scene& scene = GetParam();
+  std::set<std::pair<int, int>> all;
+  for (const Footprint& footprint : scene.patch().footprints(scene.pose)) {
+    all.insert({footprint.column, footprint.row});
+  }
+  MarkerPatch::Choice choice;
+  choice.step = 3;
+  const std::vector<Footprint> footprints = scene.patch(choice).footprints(scene.pose);
+  ASSERT_FALSE(footprints.empty());
+  std::set<std::pair<int, int>> grid;
+  for (const Footprint& footprint : footprints) {
+    EXPECT_EQ((footprint.column - footprints[0].column) % 3, 0);
+    EXPECT_EQ((footprint.row - footprints[0].row) % 3, 0);
+    EXPECT_EQ(all.count({footprint.column, footprint.row}), 1U);
+    grid.insert({footprint.column, footprint.row});
+  }
+  for (const auto& [column, row] : all) {
+    if ((column - footprints[0].column) % 3 != 0 || (row - footprints[0].row) % 3 != 0) continue;
+    EXPECT_EQ(grid.count({column, row}), 1U) << column << ", " << row;
+  }
+}
+
+/// Whether a pixel and those within two pixels of it see but one colour.
+bool seesOneColour(const Scene& scene, const Footprint& footprint, double reach) {
+  const Eigen::Matrix2d by_pixel = scene.pixelByPosition(footprint.position).inverse();
+  std::set<bool> colours;
+  const int width = scene.pattern.width();
+  constexpr int kSamples = 40;
+  for (int i = 0; i <= kSamples; ++i) {
+    for (int j = 0; j <= kSamples; ++j) {
+      const Eigen::Vector2d offset(2.0 * i / kSamples - 1.0, 2.0 * j / kSamples - 1.0);
+      const Eigen::Vector2d position = footprint.position + reach * by_pixel * offset;
+      if (position.minCoeff() < 0.0 || position.maxCoeff() >= width) continue;
+      colours.insert(
+          scene.pattern.isWhite(static_cast<int>(position.x()), static_cast<int>(position.y())));
+    }
+  }
+  return colours.size() < 2;
+}
+
+TEST_P(MarkerPatchTest, KeepsNoMoreAtEdgesAndOnEvenGroundThanAskedFor) {
+  const Scene& scene = GetParam();
+  const auto count = [&](std::size_t at_edges, std::size_t on_even_ground) {
+    MarkerPatch::Choice choice;
+    choice.max_at_edges = at_edges;
+    choice.max_on_even_ground = on_even_ground;
+    return scene.patch(choice).footprints(scene.pose).size();
+  };
+  constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
+  const std::size_t all = count(kAll, kAll);
+  const std::size_t edges = count(kAll, 0);
+  const std::size_t even = count(0, kAll);
+  EXPECT_EQ(edges + even, all);
+  EXPECT_EQ(count(0, 0), 0U);
+  for (const std::size_t most : {1U, 7U, 60U, 200U}) {
+    EXPECT_LE(count(most, 0), most);
+    EXPECT_LE(count(0, most), most);
+    EXPECT_GE(count(most, 0), std::min(most, edges) / 4) << most;
+  }
+}
+
+TEST_P(MarkerPatchTest, PixelsNearEdgesAreAtEdges) {
+  const Scene& scene = GetParam();
+  MarkerPatch::Choice choice;
+  choice.max_on_even_ground = 0;
+  for (const Footprint& footprint : scene.patch(choice).footprints(scene.pose)) {
+    EXPECT_FALSE(seesOneColour(scene, footprint, 4.5)) << footprint.column << ", " << footprint.row;
+  }
+  choice.max_on_even_ground = std::numeric_limits<std::size_t>::max();
+  choice.max_at_edges = 0;
+  for (const Footprint& footprint : scene.patch(choice).footprints(scene.pose)) {
+    EXPECT_TRUE(seesOneColour(scene, footprint, 1.5)) << footprint.column << ", " << footprint.row;
+  }
+}
+
+TEST_P(MarkerPatchTest, PixelsSeeWhatAPanoramaShows) {
+  const Scene& scene = GetParam();
+  const cv::Mat panorama =
+      test::renderPanorama({"map", {scene.marker}}, scene.camera, scene.pose, 8);
+  double squares = 0.0;
+  const std::vector<MarkerPixel> pixels = scene.patch().pixels(panorama, scene.pose);
+  ASSERT_GT(pixels.size(), 100U);
+  for (const MarkerPixel& pixel : pixels) {
+    const double error = 30.0 + 190.0 * pixel.white - pixel.grey;
+    squares += error * error / static_cast<double>(pixels.size());
+  }
+  EXPECT_LT(std::sqrt(squares), 0.03 * 190.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, MarkerPatchTest, testing::ValuesIn(scenes()),
+                         [](const auto& test) { return test.param.name; });
+
+}  // namespace
+}  // namespace omnitag

@@ -1,0 +1,435 @@
+#include "omnitag/localization/recognition.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "../support/panorama_renderer.h"
+#include "../support/sample_cameras.h"
+#include "../support/sample_markers.h"
+#include "omnitag/common/error.h"
+
+namespace omnitag {
+namespace {
+
+/// The camera of test::sphericalCamera() with its principal point elsewhere: what it sees is the
+/// same, moved across the image.
+MountedCamera movedCamera(const Eigen::Vector2d& shift) {
+  const std::string center =
+      "cx: " + std::to_string(249.5 + shift.x()) + ", cy: " + std::to_string(249.5 + shift.y());
+  return {parseCamera("model: catadioptric\n"
+                      "image: {width: 500, height: 500}\n"
+                      "lens: {fx: 1234, fy: 1234, " +
+                          center +
+                          "}\n"
+                          "mirror: {profile: spherical, radius_of_curvature: 0.04, "
+                          "apex_distance: 0.21, rim_radius: 0.0395}\n",
+                      "sphere"),
+          test::lookingDown()};
+}
+
+Pose2 truth() { return {0.25, -0.15, 0.6}; }
+
+/// A marker 3 m from the origin, turned away from it.
+Marker markerAt(double direction, double incidence, const std::string& family = "tag36h11",
+                int id = 42) {
+  Marker marker = test::wallMarker(id, {3.0 * std::cos(direction), 3.0 * std::sin(direction), 1.25},
+                                   direction + kPi + incidence);
+  marker.family = family;
+  return marker;
+}
+
+/// The same, as large as to image with modules of so many pixels along the tangent.
+Marker withModulesOf(double pixels, Marker marker) {
+  const MountedCamera camera = movedCamera({0.0, 0.0});
+  constexpr double kStep = 0.01;  // m
+  const auto imageOf = [&](double x) {
+    return *camera.pixelFromMap(truth(), marker.map_from_marker * Eigen::Vector3d(x, 0.0, 0.0));
+  };
+  const double pixels_per_metre = (imageOf(kStep) - imageOf(-kStep)).norm() / (2.0 * kStep);
+  marker.size =
+      pixels * test::tagBitmap(marker.family, marker.id).width_at_border / pixels_per_metre;
+  return marker;
+}
+
+cv::Mat imageOf(const Marker& marker, const Eigen::Vector2d& shift = {0.0, 0.0}) {
+  return test::renderPanorama({"map", {marker}}, movedCamera(shift), truth(), 5);
+}
+
+cv::Mat withNoise(const cv::Mat& image, double deviation, unsigned seed) {
+  std::mt19937 generator(seed);
+  std::normal_distribution<double> normal(0.0, deviation);
+  cv::Mat noisy = image.clone();
+  for (int v = 0; v < noisy.rows; ++v) {
+    for (int u = 0; u < noisy.cols; ++u) {
+      auto& grey = noisy.at<std::uint8_t>(v, u);
+      grey = cv::saturate_cast<std::uint8_t>(grey + normal(generator));
+    }
+  }
+  return noisy;
+}
+
+/// Looks for a marker with a margin of so many pixels, with the pattern of any tag.
+std::optional<Recognition> recognizeAs(const TagPattern& pattern, const cv::Mat& image,
+                                       const Marker& marker, double margin = 3.0,
+                                       const RecognitionConfig& config = {}) {
+  const MountedCamera camera = movedCamera({0.0, 0.0});
+  PoseEstimate pose;
+  pose.pose = truth();
+  VisibilityConfig visibility;
+  visibility.min_edge_pixels = 0.0;
+  auto predicted = predictMarker({"map", {marker}}, 0, camera, pose, visibility);
+  if (!predicted) throw InputError("the marker is out of sight");
+  predicted->tangential_margin = margin;
+  predicted->radial_margin = margin;
+  return recognize(image, marker, pattern, camera, truth(), *predicted, 0.0, config);
+}
+
+std::optional<Recognition> recognizeIn(const cv::Mat& image, const Marker& marker,
+                                       double margin = 3.0, const RecognitionConfig& config = {}) {
+  return recognizeAs({marker.family, marker.id}, image, marker, margin, config);
+}
+
+bool isAccepted(const std::optional<Recognition>& recognition) {
+  return recognition && recognition->isAccepted();
+}
+
+std::string describe(const std::optional<Recognition>& recognition) {
+  if (!recognition) return "nothing";
+  return "correlation " + std::to_string(recognition->correlation) + ", threshold " +
+         std::to_string(recognition->threshold);
+}
+
+TEST(RecognitionTest, FindsADisplacedMarkerToATenthOfAPixel) {
+  const std::vector<Eigen::Vector2d> shifts = {{0.3, -0.7}, {2.4, 1.3}, {-1.6, 2.2}};
+  for (const double module : {1.5, 2.0, 3.0, 5.0, 7.0}) {
+    for (const double incidence : {0.0, 30.0, -60.0}) {
+      for (std::size_t i = 0; i < shifts.size(); ++i) {
+        const double direction = 0.4 + 2.0 * static_cast<double>(i);
+        const Marker marker = withModulesOf(module, markerAt(direction, radians(incidence)));
+        const auto recognition = recognizeIn(imageOf(marker, shifts[i]), marker);
+        const std::string name = std::to_string(module) + " pixels per module at " +
+                                 std::to_string(incidence) + " degrees: " + describe(recognition);
+        ASSERT_TRUE(recognition) << name;
+        EXPECT_TRUE(recognition->isAccepted()) << name;
+        const Eigen::Vector2d error = recognition->displacement - shifts[i];
+        EXPECT_LT(error.norm(), 0.1) << name;
+      }
+    }
+  }
+}
+
+TEST(RecognitionTest, NoiseHardlyMatters) {
+  for (const double module : {1.5, 3.0, 7.0}) {
+    const Marker marker = withModulesOf(module, markerAt(1.1, radians(20.0)));
+    const Eigen::Vector2d shift(1.3, -1.8);
+    const cv::Mat image = imageOf(marker, shift);
+    double squares = 0.0;
+    constexpr int kTrials = 20;
+    for (unsigned seed = 0; seed < kTrials; ++seed) {
+      const auto recognition = recognizeIn(withNoise(image, 8.0, seed), marker);
+      ASSERT_TRUE(isAccepted(recognition)) << module << ": " << describe(recognition);
+      squares += (recognition->displacement - shift).squaredNorm() / kTrials;
+    }
+    EXPECT_LT(std::sqrt(squares), 0.1) << module;
+  }
+}
+
+TEST(RecognitionTest, FindsMarkersOfAllLayouts) {
+  const Eigen::Vector2d shift(-1.3, 0.6);
+  for (const char* family : {"tag36h11", "tag16h5", "tagCircle21h7", "tagStandard41h12"}) {
+    const Marker marker = withModulesOf(4.0, markerAt(2.0, radians(20.0), family, 7));
+    const auto recognition = recognizeIn(imageOf(marker, shift), marker);
+    ASSERT_TRUE(isAccepted(recognition)) << family << ": " << describe(recognition);
+    EXPECT_LT((recognition->displacement - shift).norm(), 0.1) << family;
+  }
+}
+
+TEST(RecognitionTest, NoOtherTagOfTheFamilyIsTakenForIt) {
+  for (const double module : {1.5, 4.0}) {
+    for (const int id : {0, 42, 586}) {
+      const Marker marker =
+          withModulesOf(module, markerAt(0.3 + id, radians(id == 42 ? 45.0 : 0.0), "tag36h11", id));
+      const cv::Mat image = imageOf(marker);
+      for (int other = 0; other < 587; ++other) {
+        const auto recognition = recognizeAs({"tag36h11", other}, image, marker);
+        EXPECT_EQ(isAccepted(recognition), other == id)
+            << id << " as " << other << ": " << describe(recognition);
+      }
+    }
+  }
+}
+
+TEST(RecognitionTest, NoOtherTagOfASmallFamilyIsTakenForIt) {
+  for (const int id : {0, 17, 29}) {
+    const Marker marker = withModulesOf(3.0, markerAt(0.3 + id, 0.0, "tag16h5", id));
+    const cv::Mat image = imageOf(marker);
+    for (int other = 0; other < 30; ++other) {
+      const auto recognition = recognizeAs({"tag16h5", other}, image, marker);
+      EXPECT_EQ(isAccepted(recognition), other == id)
+          << id << " as " << other << ": " << describe(recognition);
+    }
+  }
+}
+
+TEST(RecognitionTest, ARolledTagIsAnother) {
+  for (const double module : {1.5, 4.0}) {
+    for (const int id : {0, 42, 123}) {
+      const Marker marker = withModulesOf(module, markerAt(0.9, radians(25.0), "tag36h11", id));
+      for (const double roll : {90.0, 180.0, 270.0}) {
+        Marker rolled = marker;
+        rolled.map_from_marker.rotate(Eigen::AngleAxisd(radians(roll), Eigen::Vector3d::UnitZ()));
+        const cv::Mat image = imageOf(rolled);
+        const auto recognition = recognizeIn(image, marker);
+        EXPECT_FALSE(isAccepted(recognition)) << roll << ": " << describe(recognition);
+        EXPECT_TRUE(isAccepted(recognizeIn(image, rolled)));
+      }
+    }
+  }
+}
+
+TEST(RecognitionTest, AMirroredTagIsAnother) {
+  // Straight ahead of a camera along whose u axis it lies, a marker mirrors onto itself.
+  const MountedCamera camera(test::sphericalCamera(),
+                             Eigen::Isometry3d(Eigen::Translation3d(0.0, 0.0, 1.1) *
+                                               Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitX())));
+  const PoseEstimate estimate;
+  const Pose2 pose = estimate.pose;
+  for (const int id : {0, 42, 123}) {
+    for (const double size : {0.4, 0.8}) {
+      MarkerMap map{"map", {test::wallMarker(id, {3.0, 0.0, 1.25}, kPi)}};
+      map.markers[0].size = size;
+      const cv::Mat image = test::renderPanorama(map, camera, pose, 5);
+      cv::Mat mirrored;
+      cv::flip(image, mirrored, 0);
+      const auto predicted = predictMarker(map, 0, camera, estimate, {});
+      ASSERT_TRUE(predicted);
+      const auto look = [&](const cv::Mat& panorama) {
+        return recognize(panorama, map.markers[0], {"tag36h11", id}, camera, pose, *predicted, 0.0,
+                         {});
+      };
+      ASSERT_TRUE(isAccepted(look(image))) << describe(look(image));
+      EXPECT_FALSE(isAccepted(look(mirrored))) << describe(look(mirrored));
+    }
+  }
+}
+
+TEST(RecognitionTest, WhatIsWhiteMustNotBeBlack) {
+  for (const double module : {1.5, 4.0}) {
+    const Marker marker = withModulesOf(module, markerAt(0.9, radians(25.0)));
+    const cv::Mat negative = 250 - imageOf(marker);
+    const auto recognition = recognizeIn(negative, marker);
+    EXPECT_FALSE(isAccepted(recognition)) << describe(recognition);
+  }
+}
+
+TEST(RecognitionTest, ABlankWallIsNoMarker) {
+  for (const double module : {1.5, 4.0}) {
+    const Marker marker = withModulesOf(module, markerAt(0.9, 0.0));
+    for (const double grey : {0.0, 120.0, 255.0}) {
+      EXPECT_FALSE(isAccepted(recognizeIn(cv::Mat(500, 500, CV_8UC1, cv::Scalar(grey)), marker)));
+    }
+    cv::Mat slope(500, 500, CV_8UC1);
+    for (int v = 0; v < slope.rows; ++v) {
+      for (int u = 0; u < slope.cols; ++u) {
+        slope.at<std::uint8_t>(v, u) = cv::saturate_cast<std::uint8_t>(0.2 * u + 0.3 * v);
+      }
+    }
+    EXPECT_FALSE(isAccepted(recognizeIn(slope, marker)));
+    EXPECT_FALSE(isAccepted(recognizeIn(withNoise(slope, 20.0, 1), marker)));
+  }
+}
+
+/// Random spots of about a module across.
+cv::Mat texture(double spot, unsigned seed) {
+  std::mt19937 generator(seed);
+  std::normal_distribution<float> normal;
+  cv::Mat noise(500, 500, CV_32FC1);
+  for (int v = 0; v < noise.rows; ++v) {
+    for (int u = 0; u < noise.cols; ++u) noise.at<float>(v, u) = normal(generator);
+  }
+  cv::GaussianBlur(noise, noise, cv::Size(), spot, spot);
+  cv::Scalar mean;
+  cv::Scalar deviation;
+  cv::meanStdDev(noise, mean, deviation);
+  cv::Mat image;
+  noise.convertTo(image, CV_8UC1, 60.0 / deviation[0], 125.0);
+  return image;
+}
+
+TEST(RecognitionTest, RandomTexturesAreTakenForAMarkerNoMoreOftenThanConfigured) {
+  RecognitionConfig lax;
+  lax.false_accept_rate = 0.01;
+  for (const double module : {1.5, 3.0}) {
+    for (const double spot : {0.3 * module, 0.6 * module}) {
+      int accepted = 0;
+      for (unsigned seed = 0; seed < 40; ++seed) {
+        const cv::Mat image = texture(spot, seed);
+        for (int i = 0; i < 25; ++i) {
+          const Marker marker = withModulesOf(module, markerAt(0.25 * i, 0.0, "tag36h11", 20 * i));
+          accepted += isAccepted(recognizeIn(image, marker, 3.0, lax)) ? 1 : 0;
+          EXPECT_FALSE(isAccepted(recognizeIn(image, marker)));
+        }
+      }
+      // Four standard deviations more than expected at most.
+      EXPECT_LT(accepted, 10.0 + 4.0 * std::sqrt(10.0)) << module << ", " << spot;
+    }
+  }
+}
+
+/// Paints over the part of a marker that lies between two x of its frame, in half its size.
+void cover(cv::Mat* panorama, const Marker& marker, double left, double right, double grey) {
+  std::vector<cv::Point> outline;
+  for (const auto& [x, y] : {std::pair(left, -1.3), std::pair(right, -1.3), std::pair(right, 1.3),
+                             std::pair(left, 1.3)}) {
+    const Eigen::Vector3d point =
+        marker.map_from_marker * (0.5 * marker.size * Eigen::Vector3d(x, y, 0.0));
+    const Eigen::Vector2d pixel = *movedCamera({0.0, 0.0}).pixelFromMap(truth(), point);
+    outline.emplace_back(cvRound(pixel.x()), cvRound(pixel.y()));
+  }
+  cv::fillConvexPoly(*panorama, outline, cv::Scalar(grey));
+}
+
+TEST(RecognitionTest, AHalfCoveredMarkerIsNotRecognized) {
+  for (const double module : {1.5, 2.0, 4.0}) {
+    for (const int id : {0, 42, 300}) {
+      const Marker marker = withModulesOf(module, markerAt(2.2, 0.0, "tag36h11", id));
+      for (const double grey : {30.0, 120.0, 220.0}) {
+        cv::Mat image = imageOf(marker);
+        cover(&image, marker, -1.3, 0.0, grey);
+        const auto recognition = recognizeIn(image, marker);
+        EXPECT_FALSE(isAccepted(recognition))
+            << module << ", " << id << ", " << grey << ": " << describe(recognition);
+      }
+    }
+  }
+}
+
+TEST(RecognitionTest, AMarkerWithACoveredEdgeIsRecognized) {
+  const Marker marker = withModulesOf(4.0, markerAt(2.2, 0.0));
+  cv::Mat image = imageOf(marker);
+  cover(&image, marker, -1.3, -0.7, 120.0);
+  const auto recognition = recognizeIn(image, marker);
+  ASSERT_TRUE(isAccepted(recognition)) << describe(recognition);
+  EXPECT_LT(recognition->displacement.norm(), 0.3);
+}
+
+TEST(RecognitionTest, APaleMarkerIsNone) {
+  const Marker marker = withModulesOf(4.0, markerAt(2.2, 0.0));
+  const cv::Mat image = imageOf(marker);
+  const auto withContrast = [&](double contrast) {
+    cv::Mat pale;
+    image.convertTo(pale, CV_8UC1, contrast / 190.0, 100.0 - 30.0 * contrast / 190.0);
+    return pale;
+  };
+  const RecognitionConfig config;
+  EXPECT_TRUE(isAccepted(recognizeIn(withContrast(config.min_contrast + 2.0), marker)));
+  EXPECT_FALSE(recognizeIn(withContrast(config.min_contrast - 2.0), marker));
+}
+
+/// Pixels, the mean length of a module.
+double moduleOf(const Marker& marker) {
+  const MountedCamera camera = movedCamera({0.0, 0.0});
+  Corners<Eigen::Vector2d> corners;
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    corners[k] = *camera.pixelFromMap(truth(), marker.corners()[k]);
+  }
+  return meanEdge(corners) / test::tagBitmap(marker.family, marker.id).width_at_border;
+}
+
+TEST(RecognitionTest, AVaguePredictionGivesNothing) {
+  const Marker marker = withModulesOf(4.0, markerAt(2.2, 0.0));
+  const cv::Mat image = imageOf(marker);
+  RecognitionConfig config;
+  const double limit = config.max_margin * moduleOf(marker);
+  ASSERT_GT(limit, 7.0);
+  EXPECT_TRUE(isAccepted(recognizeIn(image, marker, 0.99 * limit)));
+  EXPECT_FALSE(recognizeIn(image, marker, 1.01 * limit));
+  config.max_margin *= 1.02;
+  EXPECT_TRUE(isAccepted(recognizeIn(image, marker, 1.01 * limit, config)));
+}
+
+TEST(RecognitionTest, FindsAMarkerAnywhereWithinItsMargin) {
+  const Marker marker = withModulesOf(4.0, markerAt(2.2, radians(30.0)));
+  for (const auto& shift :
+       {Eigen::Vector2d(7.0, -7.0), Eigen::Vector2d(-6.4, 3.2), Eigen::Vector2d(0.4, 6.7)}) {
+    const auto recognition = recognizeIn(imageOf(marker, shift), marker, 7.0);
+    ASSERT_TRUE(isAccepted(recognition)) << shift.transpose() << ": " << describe(recognition);
+    EXPECT_LT((recognition->displacement - shift).norm(), 0.1) << shift.transpose();
+  }
+}
+
+TEST(RecognitionTest, AMarkerBeyondItsMarginIsNotFound) {
+  const Marker marker = withModulesOf(4.0, markerAt(2.2, 0.0));
+  EXPECT_FALSE(isAccepted(recognizeIn(imageOf(marker, {9.0, 9.0}), marker, 3.0)));
+}
+
+/// Share of the sphere in n dimensions that is within acos(t) of a given direction, by Simpson's
+/// rule over the angle: slices have areas in proportion to sin^(n - 2).
+double capShare(int n, double t) {
+  const auto integral = [n](double until) {
+    constexpr int kSteps = 20000;
+    double sum = 0.0;
+    for (int i = 0; i <= kSteps; ++i) {
+      const int weight = i == 0 || i == kSteps ? 1 : (i % 2 == 1 ? 4 : 2);
+      sum += weight * std::pow(std::sin(until * i / kSteps), n - 2);
+    }
+    return sum * until / (3.0 * kSteps);
+  };
+  return integral(std::acos(t)) / integral(kPi);
+}
+
+TEST(CorrelationThresholdTest, TheCapHasNoMoreOfTheSphereThanTheRate) {
+  for (const int n : {2, 3, 4, 8, 16, 36, 60}) {
+    for (const double rate : {0.3, 0.1, 1e-2, 1e-4, 1e-6, 1e-8}) {
+      const double threshold = correlationThreshold(n, rate);
+      ASSERT_GE(threshold, 0.0);
+      ASSERT_LE(threshold, 1.0);
+      const double share = capShare(n, threshold);
+      EXPECT_LE(share, rate * (1.0 + 1e-6)) << n << ", " << rate;
+      // The bound gives away no more than a factor of sqrt(pi n / 2).
+      EXPECT_GE(share * std::sqrt(0.5 * kPi * n), rate * (1.0 - 1e-6)) << n << ", " << rate;
+    }
+  }
+}
+
+TEST(CorrelationThresholdTest, RandomPatternsReachItNoMoreOftenThanTheRate) {
+  std::mt19937 generator(1);
+  std::normal_distribution<double> normal;
+  for (const int n : {2, 5, 20, 36}) {
+    constexpr double kRate = 0.01;
+    const double threshold = correlationThreshold(n, kRate);
+    constexpr int kTrials = 100000;
+    int reached = 0;
+    for (int i = 0; i < kTrials; ++i) {
+      Eigen::VectorXd pattern(n);
+      for (int k = 0; k < n; ++k) pattern[k] = normal(generator);
+      reached += pattern[0] >= threshold * pattern.norm() ? 1 : 0;
+    }
+    const double expected = kRate * kTrials;
+    EXPECT_LT(reached, expected + 4.0 * std::sqrt(expected)) << n;
+    EXPECT_GT(reached, expected / 20.0) << n;
+  }
+}
+
+TEST(CorrelationThresholdTest, WithoutASecondDimensionNothingIsEnough) {
+  EXPECT_EQ(correlationThreshold(1.0, 0.01), 1.0);
+  EXPECT_EQ(correlationThreshold(0.3, 0.01), 1.0);
+  EXPECT_EQ(correlationThreshold(20.0, 0.5), 0.0);
+  EXPECT_EQ(correlationThreshold(20.0, 1.0), 0.0);
+  double last = 1.0;
+  for (const double dimensions : {2.0, 3.0, 7.5, 20.0, 50.0}) {
+    const double threshold = correlationThreshold(dimensions, 1e-5);
+    EXPECT_LT(threshold, last);
+    last = threshold;
+  }
+}
+
+}  // namespace
+}  // namespace omnitag
