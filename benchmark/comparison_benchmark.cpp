@@ -44,6 +44,7 @@ namespace {
 
 const std::string kPackage = PACKAGE_DIR;
 const double kMaxIncidence = radians(60.0);
+constexpr double kFrameInterval = 1.0 / 30.0;  // s
 
 /// What finds markers in the frame of an index.
 using Method = std::function<std::vector<FoundMarker>(std::size_t)>;
@@ -72,7 +73,7 @@ class Localization {
  private:
   std::vector<FoundMarker> process(std::size_t frame) {
     Frame next = sequence_.frames[frame];
-    next.stamp = ++stamp_;
+    next.stamp = stamp_ += kFrameInterval;
     return foundMarkers(localizer_.process(next));
   }
 

@@ -25,6 +25,8 @@
 namespace omnitag {
 namespace {
 
+constexpr double kFrameInterval = 1.0 / 30.0;  // s
+
 /// The map and, 60 m away and farther, halls of 16 markers each: `count` markers in all.
 MarkerMap extended(const MarkerMap& map, std::size_t count) {
   constexpr std::size_t kPerHall = 16;
@@ -69,13 +71,13 @@ FrameTimes frameTimes(const RecordedSequence& sequence, const MarkerMap& map) {
   while (tracking.size() < kLeastSamples) {
     for (std::size_t i = 0; i < sequence.frames.size(); ++i) {
       Frame frame = sequence.frames[i];
-      frame.stamp = ++stamp;
+      frame.stamp = stamp += kFrameInterval;
       localizer.setPose({sequence.truth[i], 1e-4 * Eigen::Matrix3d::Identity()});
       double start = processorTime();
       localizer.process(frame);
       tracking.push_back(1e3 * (processorTime() - start));
 
-      frame.stamp = ++stamp;
+      frame.stamp = stamp += kFrameInterval;
       localizer.forgetPose();
       start = processorTime();
       localizer.process(frame);
@@ -116,7 +118,7 @@ void printMemory(RecordedSequence sequence, const std::string& camera_file,
   forgetPeakMemory();
   Localizer localizer(loadCamera(camera_file), loadMarkerMap(map_file), {});
   for (int i = 0; i < 20; ++i) {
-    frame.stamp += 1.0;
+    frame.stamp += kFrameInterval;
     if (i % 2 == 0) {
       localizer.setPose(truth);
     } else {

@@ -166,11 +166,16 @@ TEST_P(FrameTrackerTest, FindsAllMarkersFromAPoorPrediction) {
 
 TEST_P(FrameTrackerTest, TheSharperThePredictionTheFewerViewsAreDecoded) {
   const MarkerMap map = ring();
+  // One view is looked at for what is not expected.
+  const auto forExpected = [](const FrameResult& result) {
+    return std::count_if(result.views.begin(), result.views.end(),
+                         [](const View& view) { return !view.targets.empty(); });
+  };
   const FrameResult sharp = track(map, map, nearby(0.005, radians(0.2)));
-  EXPECT_TRUE(sharp.views.empty());
+  EXPECT_EQ(forExpected(sharp), 0);
   EXPECT_EQ(sharp.acceptedMarkers(), 7);
   const FrameResult vague = track(map, map, nearby(0.15, radians(5.0)));
-  EXPECT_FALSE(vague.views.empty());
+  EXPECT_GT(forExpected(vague), 0);
   EXPECT_EQ(vague.acceptedMarkers(), 7);
 }
 
