@@ -106,7 +106,7 @@ std::string describe(const std::optional<Recognition>& recognition) {
          std::to_string(recognition->threshold);
 }
 
-TEST(RecognitionTest, FindsADisplacedMarkerToATenthOfAPixel) {
+TEST(RecognitionTest, FindsADisplacedMarkerToATwentiethOfAPixel) {
   const std::vector<Eigen::Vector2d> shifts = {{0.3, -0.7}, {2.4, 1.3}, {-1.6, 2.2}};
   for (const double module : {1.5, 2.0, 3.0, 5.0, 7.0}) {
     for (const double incidence : {0.0, 30.0, -60.0}) {
@@ -119,7 +119,7 @@ TEST(RecognitionTest, FindsADisplacedMarkerToATenthOfAPixel) {
         ASSERT_TRUE(recognition) << name;
         EXPECT_TRUE(recognition->isAccepted()) << name;
         const Eigen::Vector2d error = recognition->displacement - shifts[i];
-        EXPECT_LT(error.norm(), 0.1) << name;
+        EXPECT_LT(error.norm(), 0.05) << name;
       }
     }
   }
