@@ -123,7 +123,7 @@ struct Fit {
 std::optional<Fit> align(const cv::Mat& panorama, const std::vector<Footprint>& footprints,
                          const TagPattern& pattern, const Eigen::Vector2d& start) {
   constexpr int kMaxSteps = 10;
-  constexpr double kConverged = 0.01;  // pixels
+  constexpr double kConverged = 0.1;  // pixels; the last step leaves far less
   Fit fit{start, 0.0};
   for (int i = 0; i < kMaxSteps; ++i) {
     const std::vector<Sample> samples = samplesOf(

@@ -70,8 +70,8 @@ class MarkerPatch {
 
  private:
   struct Pixel {
-    int column;
-    int row;
+    int column = 0;
+    int row = 0;
   };
   struct LineOfSight {
     Pixel pixel;
