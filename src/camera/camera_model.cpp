@@ -73,7 +73,7 @@ std::optional<Eigen::Vector2d> CameraModel::idealFromPixel(const Eigen::Vector2d
 }
 
 void CameraModel::tabulateRays() {
-  constexpr double kPixels = 0.5;
+  constexpr double kPixels = 0.25;
   const double span = maxRadius() - minRadius();
   const int steps =
       1 + static_cast<int>(std::min(1e5, std::ceil(span * image_plane_.scale() / kPixels)));

@@ -61,18 +61,17 @@ TagPattern::TagPattern(const apriltag_family& family, int id) {
   }
 
   data_modules_ = static_cast<int>(family.nbits);
-  data_module_.assign(static_cast<std::size_t>(width_ * width_), -1);
+  data_module_.assign(is_white_.size(), -1);
   const int border = (width_ - width_between_corners_) / 2;
   for (int bit = 0; bit < data_modules_; ++bit) {
     const int column = border + static_cast<int>(family.bit_x[bit]);
     const int row = border + static_cast<int>(family.bit_y[bit]);
-    data_module_[static_cast<std::size_t>(row * width_ + column)] = bit;
+    data_module_[moduleIndex(column, row)] = bit;
   }
 }
 
 bool TagPattern::isWhite(int column, int row) const {
-  return is_white_[static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +
-                   static_cast<std::size_t>(column)] != 0;
+  return is_white_[moduleIndex(column, row)] != 0;
 }
 
 bool TagPattern::isWhiteAt(const Eigen::Vector2d& position) const {
@@ -143,7 +142,7 @@ void TagPattern::addDataShares(const Eigen::Vector2d& position, const Eigen::Vec
          ++row) {
       for (int column = std::max(0, static_cast<int>(low.x()));
            column < std::min<double>(width_, high.x()); ++column) {
-        const int module = data_module_[static_cast<std::size_t>(row * width_ + column)];
+        const int module = data_module_[moduleIndex(column, row)];
         if (module < 0) continue;
         shares[module] += overlap(column, 0) * overlap(row, 1) / (4.0 * size.prod());
       }

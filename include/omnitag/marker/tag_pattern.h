@@ -72,6 +72,10 @@ class TagPattern {
   Area whiteAbove(double x, double y) const;
   bool isWhiteAt(const Eigen::Vector2d& position) const;
   double sumAt(int column, int row) const { return sums_[indexOf(column, row)]; }
+  std::size_t moduleIndex(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +
+           static_cast<std::size_t>(column);
+  }
   std::size_t indexOf(int column, int row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(width_ + 1) +
            static_cast<std::size_t>(column);
