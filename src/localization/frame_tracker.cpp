@@ -280,8 +280,13 @@ void FrameTracker::align() {
   }
   std::vector<double> residuals =
       reprojectionResiduals(tools_.map, camera_, observations, aligned->pose);
+  // A marker that was recognized from a worse belief is tilted and scaled a little: that may be
+  // some pixels where it is large, about half a module.
+  constexpr double kHalfModule = 1.0 / 16.0;  // of the edge
   for (std::size_t k = 0; k < residuals.size(); ++k) {
-    if (solution_->used[k] && residuals[k] > tools_.config.estimation.max_residual) return;
+    const double limit = std::max(tools_.config.estimation.max_residual,
+                                  kHalfModule * meanEdge(observations[k].corners));
+    if (solution_->used[k] && residuals[k] > limit) return;
   }
   solution_->map_from_base = *aligned;
   solution_->residuals = std::move(residuals);

@@ -220,7 +220,7 @@ std::optional<PhotometricFit> refinePhotometrically(
   Eigen::Matrix3d prior_information = Eigen::Matrix3d::Zero();
   if (prior) prior_information = prior->covariance.inverse();
 
-  constexpr int kMaxSteps = 8;
+  constexpr int kMaxSteps = 25;
   // Standard deviations. The averages over pixels are not smooth enough to come much closer, nor
   // would it gain anything.
   constexpr double kConverged = 0.3;
