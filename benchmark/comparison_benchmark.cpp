@@ -22,6 +22,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 #include <functional>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -122,7 +123,7 @@ void compare(const std::string& name, const RecordedSequence& sequence,
   };
   std::vector<Tally> tallies(methods.size());
   double seen = 0.0;
-  const std::size_t rounds = (kLeastSamples + frames - 1) / frames;
+  const std::size_t rounds = (kLeastSamples + frames - 1) / std::max<std::size_t>(frames, 1);
   for (std::size_t sample = 0; sample < rounds * frames; ++sample) {
     const std::size_t frame = sample % frames;
     seen += static_cast<double>(visible[frame].size());
@@ -185,12 +186,6 @@ void study(const std::string& directory, const std::string& name) {
   std::fflush(stdout);
 }
 
-bool exists(const std::string& path) {
-  std::FILE* const file = std::fopen(path.c_str(), "rb");
-  if (file != nullptr) std::fclose(file);
-  return file != nullptr;
-}
-
 int run(int argc, char** argv) {
   if (argc < 2) throw InputError("expected DIRECTORY [SIZE_MARKERS]...");
   const std::string directory = argv[1];
@@ -198,8 +193,9 @@ int run(int argc, char** argv) {
   if (names.empty()) {
     for (const char* size : {"500", "1000", "1500", "2000"}) {
       for (const char* markers : {"2", "8", "20", "8_small"}) {
-        const std::string name = std::string(size) + "_" + markers;
-        if (exists(directory + "/" + name + ".bag")) names.push_back(name);
+        std::string name = size;
+        name.append("_").append(markers);
+        if (std::ifstream(directory + "/" + name + ".bag")) names.push_back(name);
       }
     }
   }

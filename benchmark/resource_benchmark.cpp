@@ -39,14 +39,16 @@ MarkerMap extended(const MarkerMap& map, std::size_t count) {
   MarkerMap all = map;
   for (std::size_t i = 0; all.markers.size() < count; ++i) {
     const std::size_t hall = i / kPerHall;
-    const double wall = 0.5 * kPi * static_cast<double>(i % kPerHall / 4);
+    const std::size_t hall_row = hall / kHallsPerRow;
+    const std::size_t wall_of_hall = i % kPerHall / 4;
+    const double wall = 0.5 * kPi * static_cast<double>(wall_of_hall);
     const double along = 2.0 * static_cast<double>(i % 4) - 3.0;
     const double away = 0.45 * kHall;
-    const Eigen::Vector3d center(kAway + kHall * static_cast<double>(hall % kHallsPerRow) +
-                                     away * std::cos(wall) - along * std::sin(wall),
-                                 kHall * static_cast<double>(hall / kHallsPerRow) +
-                                     away * std::sin(wall) + along * std::cos(wall),
-                                 1.3);
+    const Eigen::Vector3d center(
+        kAway + kHall * static_cast<double>(hall % kHallsPerRow) + away * std::cos(wall) -
+            along * std::sin(wall),
+        kHall * static_cast<double>(hall_row) + away * std::sin(wall) + along * std::cos(wall),
+        1.3);
     Marker marker = model;
     marker.name.clear();
     marker.id = static_cast<int>(random() % static_cast<unsigned>(ids));
