@@ -8,6 +8,7 @@
 #include <map>
 #include <opencv2/core/mat.hpp>
 #include <optional>
+#include <ostream>
 #include <set>
 #include <string>
 #include <utility>
@@ -88,6 +89,9 @@ struct Scene {
     return std::nullopt;
   }
 };
+
+/// How gtest names a scene.
+void PrintTo(const Scene& scene, std::ostream* out) { *out << scene.name; }
 
 /// Far and near, from the front and from the side, upright and rolled, of more than one layout.
 std::vector<Scene> scenes() {
@@ -220,7 +224,7 @@ TEST_P(MarkerPatchTest, HoldsEveryPixelThatSeesNothingButTheDrawing) {
          ++column) {
       if (roomOf(scene, column, row).value_or(-1.0) < kTolerance) continue;
       ++inside;
-      missing += held.count({column, row}) > 0 ? 0 : 1;
+      missing += static_cast<int>(held.count({column, row}) == 0);
     }
   }
   EXPECT_GT(inside, 100);
