@@ -214,18 +214,8 @@ std::size_t FrameTracker::found() const {
 
 void FrameTracker::decode(const std::vector<std::size_t>& targets) {
   Stopwatch step;
-  std::vector<ViewTarget> view_targets;
-  view_targets.reserve(targets.size());
-  for (const std::size_t target : targets) {
-    sightings_[target].was_decoded = true;
-    view_targets.push_back(viewTarget(result_->predicted[target], camera_.model()));
-  }
-  std::vector<View> views =
-      planViews(view_targets, tools_.reader.warper().table(), camera_.model().imagePlane().scale(),
-                camera_.axisUp(), tools_.config.view);
-  for (View& view : views) {
-    for (std::size_t& target : view.targets) target = targets[target];
-  }
+  for (const std::size_t target : targets) sightings_[target].was_decoded = true;
+  std::vector<View> views = viewsOf(targets);
   result_->timings.predict += step.lap();
   // Views overlap: what one of them shows may have been expected in another.
   std::vector<std::size_t> all(result_->predicted.size());
@@ -314,20 +304,29 @@ void FrameTracker::report() {
 }
 
 void FrameTracker::addViews() {
-  std::vector<ViewTarget> targets;
-  std::vector<std::size_t> indices;
+  std::vector<std::size_t> targets;
   for (std::size_t i = 0; i < sightings_.size(); ++i) {
-    if (sightings_[i].was_decoded) continue;
-    targets.push_back(viewTarget(result_->predicted[i], camera_.model()));
-    indices.push_back(i);
+    if (!sightings_[i].was_decoded) targets.push_back(i);
   }
-  for (View& view :
-       planViews(targets, tools_.reader.warper().table(), camera_.model().imagePlane().scale(),
-                 camera_.axisUp(), tools_.config.view)) {
-    for (std::size_t& target : view.targets) target = indices[target];
+  for (View& view : viewsOf(targets)) {
     result_->view_images.push_back(tools_.reader.warper().warp(frame_.image, view));
     result_->views.push_back(std::move(view));
   }
+}
+
+std::vector<View> FrameTracker::viewsOf(const std::vector<std::size_t>& targets) const {
+  std::vector<ViewTarget> view_targets;
+  view_targets.reserve(targets.size());
+  for (const std::size_t target : targets) {
+    view_targets.push_back(viewTarget(result_->predicted[target], camera_.model()));
+  }
+  std::vector<View> views =
+      planViews(view_targets, tools_.reader.warper().table(), camera_.model().imagePlane().scale(),
+                camera_.axisUp(), tools_.config.view);
+  for (View& view : views) {
+    for (std::size_t& target : view.targets) target = targets[target];
+  }
+  return views;
 }
 
 }  // namespace omnitag

@@ -62,6 +62,8 @@ class FrameTracker {
   void align();
   void report();
   void addViews();
+  /// Views around these predicted markers, which their targets name.
+  std::vector<View> viewsOf(const std::vector<std::size_t>& targets) const;
 
   const TrackingTools& tools_;
   const Frame& frame_;

@@ -66,8 +66,6 @@ class MarkerPatch {
   /// The same pixels with their grey levels in the panorama (CV_8UC1).
   std::vector<MarkerPixel> pixels(const cv::Mat& panorama, const Pose2& map_from_base) const;
 
-  const TagPattern& pattern() const { return pattern_; }
-
  private:
   struct Pixel {
     int column = 0;
