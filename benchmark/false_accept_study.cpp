@@ -17,6 +17,7 @@
 #include "omnitag/marker/tag_family.h"
 #include "program.h"
 #include "recorded_sequence.h"
+#include "visible_markers.h"
 
 namespace omnitag {
 namespace {
@@ -43,20 +44,6 @@ struct Count {
                 untested, accepted, nearest);
   }
 };
-
-/// Pixels along the tangent of the panorama that a module of the marker is wide.
-double moduleWidth(const PredictedMarker& marker, const CameraModel& camera, int modules) {
-  const Eigen::Vector2d radial =
-      (marker.center - camera.imagePlane().principalPoint()).normalized();
-  const Eigen::Vector2d tangential(-radial.y(), radial.x());
-  double width = 0.0;
-  for (std::size_t i = 0; i < marker.corners.size(); ++i) {
-    const Eigen::Vector2d edge =
-        marker.corners[(i + 1) % marker.corners.size()] - marker.corners[i];
-    width = std::max(width, std::abs(edge.dot(tangential)));
-  }
-  return width / modules;
-}
 
 constexpr std::array<double, 10> kWidths = {0.0, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 4.0};
 
@@ -94,7 +81,7 @@ void run(const RecordedSequence& sequence) {
     for (const PredictedMarker& marker : predictMarkers(sequence.map, camera, belief, visibility)) {
       const int true_id = sequence.map.markers[marker.map_entry].id;
       const TagPattern& pattern = patterns[static_cast<std::size_t>(true_id)];
-      const double width = moduleWidth(marker, *sequence.camera, pattern.widthBetweenCorners());
+      const double width = tangentialWidth(marker, sequence);
       const auto bin = std::upper_bound(kWidths.begin(), kWidths.end(), width) - kWidths.begin();
       right[static_cast<std::size_t>(bin - 1)].add(lookFor(belief, marker, pattern));
       for (int id = 0; id < static_cast<int>(patterns.size()); ++id) {

@@ -41,18 +41,6 @@ std::size_t binOf(double value, const std::array<double, kCount>& upper_ends) {
   return static_cast<std::size_t>(bin - upper_ends.begin());
 }
 
-/// Pixels along the tangent of that edge of a module that runs along it.
-double tangentialWidth(const PredictedMarker& marker, const RecordedSequence& sequence) {
-  const Eigen::Vector2d from_axis = marker.center - sequence.camera->imagePlane().principalPoint();
-  const Eigen::Vector2d tangent = Eigen::Vector2d(-from_axis.y(), from_axis.x()).normalized();
-  const auto& corners = marker.corners;
-  const Eigen::Vector2d right = 0.5 * (corners[1] - corners[0] + corners[2] - corners[3]);
-  const Eigen::Vector2d up = 0.5 * (corners[3] - corners[0] + corners[2] - corners[1]);
-  const Marker& mapped = sequence.map.markers[marker.map_entry];
-  return std::max(std::abs(right.dot(tangent)), std::abs(up.dot(tangent))) /
-         TagPattern(mapped.family, mapped.id).widthBetweenCorners();
-}
-
 void print(const Share& share) {
   if (share.seen == 0) {
     std::printf("  %15s", "-");

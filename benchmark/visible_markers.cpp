@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "omnitag/marker/marker_reader.h"
+#include "omnitag/marker/tag_pattern.h"
 
 namespace omnitag {
 namespace {
@@ -23,6 +24,17 @@ std::vector<PredictedMarker> visibleMarkers(const RecordedSequence& sequence, st
   const MountedCamera camera(sequence.camera, sequence.frames[frame].base_from_camera);
   return predictMarkers(sequence.map, camera, {sequence.truth[frame], Eigen::Matrix3d::Zero()},
                         all);
+}
+
+double tangentialWidth(const PredictedMarker& marker, const RecordedSequence& sequence) {
+  const Eigen::Vector2d from_axis = marker.center - sequence.camera->imagePlane().principalPoint();
+  const Eigen::Vector2d tangent = Eigen::Vector2d(-from_axis.y(), from_axis.x()).normalized();
+  const auto& corners = marker.corners;
+  const Eigen::Vector2d right = 0.5 * (corners[1] - corners[0] + corners[2] - corners[3]);
+  const Eigen::Vector2d up = 0.5 * (corners[3] - corners[0] + corners[2] - corners[1]);
+  const Marker& mapped = sequence.map.markers[marker.map_entry];
+  return std::max(std::abs(right.dot(tangent)), std::abs(up.dot(tangent))) /
+         TagPattern(mapped.family, mapped.id).widthBetweenCorners();
 }
 
 std::vector<FoundMarker> foundMarkers(const FrameResult& result) {

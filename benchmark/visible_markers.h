@@ -17,6 +17,9 @@ namespace omnitag {
 std::vector<PredictedMarker> visibleMarkers(const RecordedSequence& sequence, std::size_t frame,
                                             double max_incidence);
 
+/// Pixels along the tangent of that edge of a module that runs along it.
+double tangentialWidth(const PredictedMarker& marker, const RecordedSequence& sequence);
+
 /// What a method says hangs at a pixel of the panorama, its centre.
 struct FoundMarker {
   std::string family;
