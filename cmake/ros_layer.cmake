@@ -33,15 +33,21 @@ target_link_libraries(omnitag_nodelet PRIVATE omnitag_ros)
 add_executable(localizer_node src/ros/localizer_node.cpp)
 target_link_libraries(localizer_node PRIVATE omnitag_ros)
 
+# What the tools that read a bag share: its images and transforms, their options, their progress.
+add_library(omnitag_bag_tools STATIC
+  src/ros/bag_tools/bag_input.cpp
+  src/ros/bag_tools/command_line.cpp
+  src/ros/bag_tools/progress.cpp
+)
+target_link_libraries(omnitag_bag_tools PUBLIC omnitag_ros Boost::program_options)
+
 add_executable(localize_bag
-  src/ros/localize_bag/bag_input.cpp
   src/ros/localize_bag/main.cpp
   src/ros/localize_bag/options.cpp
-  src/ros/localize_bag/progress.cpp
   src/ros/localize_bag/result_bag.cpp
   src/ros/localize_bag/result_files.cpp
 )
-target_link_libraries(localize_bag PRIVATE omnitag_ros Boost::program_options)
+target_link_libraries(localize_bag PRIVATE omnitag_bag_tools)
 
 install(TARGETS omnitag_core omnitag_ros omnitag_nodelet
   ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}

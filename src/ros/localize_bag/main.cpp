@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "bag_input.h"
+#include "../bag_tools/bag_input.h"
+#include "../bag_tools/progress.h"
 #include "omnitag/common/error.h"
 #include "omnitag/ros/image_localizer.h"
 #include "options.h"
-#include "progress.h"
 #include "result_bag.h"
 #include "result_files.h"
 

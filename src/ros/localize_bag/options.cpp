@@ -2,11 +2,9 @@
 
 #include <boost/program_options.hpp>
 #include <cmath>
-#include <filesystem>
-#include <iostream>
 #include <sstream>
-#include <vector>
 
+#include "../bag_tools/command_line.h"
 #include "omnitag/common/error.h"
 
 namespace omnitag {
@@ -36,89 +34,39 @@ Pose2 parsePose(const std::string& text) {
   return pose;
 }
 
-bool isSameFile(const std::string& a, const std::string& b) {
-  std::error_code ignored;
-  return std::filesystem::equivalent(a, b, ignored);
-}
-
-[[noreturn]] void refuseOutput(const std::string& option, const std::string& path,
-                               const std::string& why) {
-  throw InputError(option + ": " + path + " " + why);
-}
-
-/// Results are written over what was there, but never over an input or another result.
-void checkOutputs(const BagOptions& options) {
-  const std::vector<std::string> inputs = {options.camera, options.map, options.bag,
-                                           options.params};
-  const std::vector<std::pair<std::string, std::string>> outputs = {
-      {"--trajectory", options.trajectory},
-      {"--poses", options.poses},
-      {"--detections", options.detections},
-      {"--output", options.output}};
-  for (std::size_t i = 0; i < outputs.size(); ++i) {
-    const auto& [option, path] = outputs[i];
-    if (path.empty()) continue;
-    for (const std::string& input : inputs) {
-      if (isSameFile(path, input)) {
-        refuseOutput(option, path, "is an input and would be overwritten");
-      }
-    }
-    for (std::size_t j = 0; j < i; ++j) {
-      if (path == outputs[j].second) {
-        refuseOutput(option, path, "is given twice");
-      }
-    }
-  }
-}
-
 }  // namespace
 
 std::optional<BagOptions> parseOptions(int argc, char** argv) {
   BagOptions options;
-  std::string initial_pose;
-  std::string odom_frame;
   po::options_description description("options");
-  const auto text = [](std::string* value, const char* name) {
-    return po::value<std::string>(value)->value_name(name);
-  };
   description.add_options()("help,h", "print this")(
-      "camera", text(&options.camera, "C.yaml"),
+      "camera", textOption(&options.camera, "C.yaml"),
       "camera file; default: the bag's camera_info beside the images, of a fisheye")(
-      "map", text(&options.map, "M.yaml")->required(), "marker map")(
-      "bag", text(&options.bag, "IN.bag")->required(), "bag with images and transforms")(
-      "trajectory", text(&options.trajectory, "OUT.tum")->required(),
+      "map", textOption(&options.map, "M.yaml")->required(), "marker map")(
+      "bag", textOption(&options.bag, "IN.bag")->required(), "bag with images and transforms")(
+      "trajectory", textOption(&options.trajectory, "OUT.tum")->required(),
       "poses of base_link in the map: stamp x y z qx qy qz qw")(
-      "image-topic", text(&options.image_topic, "T"),
+      "image-topic", textOption(&options.image_topic, "T"),
       "with or without /compressed; default: the bag's only image topic")(
-      "initial-pose", text(&initial_pose, "X,Y,YAW"),
+      "initial-pose",
+      po::value<std::string>()->value_name("X,Y,YAW")->notifier(
+          [&options](const std::string& text) { options.initial_pose = parsePose(text); }),
       "base_link in the map at the first image (m, rad); default: search")(
-      "odom-frame", text(&odom_frame, "F"), "odometry frame of the bag's tf; default: none")(
-      "params", text(&options.params, "P.yaml"), "parameters, as in config/localizer.yaml")(
-      "poses", text(&options.poses, "OUT.csv"), "every frame with its covariance and mode")(
-      "detections", text(&options.detections, "OUT.csv"), "every marker that was read")(
-      "output", text(&options.output, "OUT.bag"),
+      "odom-frame",
+      po::value<std::string>()->value_name("F")->notifier(
+          [&options](const std::string& frame) { options.odom_frame = frame; }),
+      "odometry frame of the bag's tf; default: none")(
+      "params", textOption(&options.params, "P.yaml"), "parameters, as in config/localizer.yaml")(
+      "poses", textOption(&options.poses, "OUT.csv"), "every frame with its covariance and mode")(
+      "detections", textOption(&options.detections, "OUT.csv"), "every marker that was read")(
+      "output", textOption(&options.output, "OUT.bag"),
       "the bag's messages and, with them, what the localizer publishes");
-  try {
-    const auto style = static_cast<int>(po::command_line_style::default_style) &
-                       ~static_cast<int>(po::command_line_style::allow_guessing);
-    po::variables_map values;
-    po::store(po::command_line_parser(argc, argv)
-                  .options(description)
-                  .positional(po::positional_options_description())
-                  .style(style)
-                  .run(),
-              values);
-    if (values.count("help") > 0) {
-      std::cout << kUsage << '\n' << description;
-      return std::nullopt;
-    }
-    po::notify(values);
-    if (values.count("initial-pose") > 0) options.initial_pose = parsePose(initial_pose);
-    if (values.count("odom-frame") > 0) options.odom_frame = odom_frame;
-  } catch (const po::error& error) {
-    throw InputError(error.what());
-  }
-  checkOutputs(options);
+  if (!parseCommandLine(argc, argv, kUsage, description)) return std::nullopt;
+  checkOutputs({options.camera, options.map, options.bag, options.params},
+               {{"--trajectory", options.trajectory},
+                {"--poses", options.poses},
+                {"--detections", options.detections},
+                {"--output", options.output}});
   return options;
 }
 

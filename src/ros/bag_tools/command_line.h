@@ -1,0 +1,26 @@
+#pragma once
+
+#include <boost/program_options/options_description.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace omnitag {
+
+/// What an option was given: its name, and a path or nothing.
+using PathOption = std::pair<std::string, std::string>;
+
+/// A tool's option of one text, which goes to `*value`. `name` stands for it in the help.
+boost::program_options::typed_value<std::string>* textOption(std::string* value, const char* name);
+
+/// Reads a command line of long options. False where help was asked for, which is then printed:
+/// `usage` and the options. Throws InputError for an option that is missing, unknown or has a bad
+/// value.
+bool parseCommandLine(int argc, char** argv, const std::string& usage,
+                      const boost::program_options::options_description& description);
+
+/// Results are written over what was there, but never over an input or another result: throws
+/// InputError.
+void checkOutputs(const std::vector<std::string>& inputs, const std::vector<PathOption>& outputs);
+
+}  // namespace omnitag
