@@ -135,6 +135,8 @@ std::vector<MarkerPixel> MarkerPatch::pixels(const cv::Mat& panorama,
     const TagPattern::White white =
         pattern_.averageOver(footprint.position, footprint.sides.col(0), footprint.sides.col(1));
     MarkerPixel pixel;
+    pixel.column = footprint.column;
+    pixel.row = footprint.row;
     pixel.grey = panorama.at<std::uint8_t>(footprint.row, footprint.column);
     pixel.white = white.share;
     pixel.gradient = (white.by_position.transpose() * footprint.by_pixel).norm();

@@ -150,7 +150,8 @@ std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera&
 
 EstimatorConfig readEstimatorConfig(const YamlReader& reader) {
   reader.allowOnly({"corner_noise", "robust_width", "max_residual", "blur", "min_noise",
-                    "placement_deviation", "alignment_deviation", "max_pixels"});
+                    "placement_deviation", "alignment_deviation", "max_pixels",
+                    "max_final_pixels"});
   EstimatorConfig config;
   reader.read("corner_noise", &config.reprojection.corner_noise, kPositive);
   reader.read("robust_width", &config.reprojection.robust_width, kPositive);
@@ -160,6 +161,7 @@ EstimatorConfig readEstimatorConfig(const YamlReader& reader) {
   reader.read("placement_deviation", &config.photometric.placement_deviation, kNonNegative);
   reader.read("alignment_deviation", &config.photometric.alignment_deviation, kNonNegative);
   reader.read("max_pixels", &config.photometric.max_pixels, {50, 1000000});
+  reader.read("max_final_pixels", &config.photometric.max_final_pixels, {50, 1000000});
   return config;
 }
 

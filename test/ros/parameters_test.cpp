@@ -120,6 +120,8 @@ TEST(Parameters, ManualHasTheDefaults) {
   EXPECT_EQ(estimation.photometric.alignment_deviation,
             estimation_default.photometric.alignment_deviation);
   EXPECT_EQ(estimation.photometric.max_pixels, estimation_default.photometric.max_pixels);
+  EXPECT_EQ(estimation.photometric.max_final_pixels,
+            estimation_default.photometric.max_final_pixels);
 
   const RecognitionConfig& recognition = manual.localizer.recognition;
   const RecognitionConfig& recognition_default = defaults.localizer.recognition;

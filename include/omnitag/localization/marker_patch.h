@@ -29,6 +29,8 @@ struct Footprint {
 
 /// A pixel of a marker as it is and as the pattern would have it.
 struct MarkerPixel {
+  int column = 0;
+  int row = 0;
   double grey = 0.0;
   /// Share of white in what the pixel sees of the pattern.
   double white = 0.0;

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <vector>
+
+namespace omnitag {
+
+/// How far grey levels are off: noise on even ground, and at edges as much more as if these were
+/// displaced by chance from pixel to pixel. No sensor and no print has an edge just as a pixel's
+/// average over an ideal pattern has it.
+struct PixelNoise {
+  double flat = 10.0;  // grey levels
+  double edge = 0.05;  // pixels
+
+  double variance(double grey_gradient) const {
+    return flat * flat + edge * edge * grey_gradient * grey_gradient;
+  }
+};
+
+/// A pixel's difference from the pattern.
+struct PixelResidual {
+  double grey = 0.0;
+  /// From pixel to pixel: of the share of white, and of the grey levels.
+  double gradient = 0.0;
+  double grey_gradient = 0.0;
+};
+
+/// 1 / variance, and less for pixels that are off by more than 3.5 deviations.
+double weightOf(const PixelResidual& residual, const PixelNoise& noise);
+
+/// Tells both kinds of noise apart by the pixels on even ground and those on edges. There must be
+/// at least one residual. `least_flat`: grey levels, the least that the noise is taken for.
+PixelNoise noiseOf(std::vector<PixelResidual> residuals, double least_flat);
+
+}  // namespace omnitag
