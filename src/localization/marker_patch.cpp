@@ -149,22 +149,32 @@ std::vector<MarkerPixel> MarkerPatch::pixels(const cv::Mat& panorama,
 
 MarkerPatch::Cells MarkerPatch::cellsAt(const Pose2& map_from_base) const {
   const double cell_width = static_cast<double>(pattern_.width()) / kCells;
+  std::vector<std::optional<Eigen::Vector2d>> nodes;
+  for (int i = 0; i <= kCells; ++i) {
+    for (int j = 0; j <= kCells; ++j) {
+      nodes.push_back(
+          camera_.pixelFromMap(map_from_base, inMap(cell_width * Eigen::Vector2d(i, j))));
+    }
+  }
+  const auto nodeAt = [&nodes](int i, int j) -> const std::optional<Eigen::Vector2d>& {
+    return nodes[static_cast<std::size_t>(i * (kCells + 1) + j)];
+  };
   Cells cells;
   for (int i = 0; i < kCells; ++i) {
     for (int j = 0; j < kCells; ++j) {
-      const Eigen::Vector2d middle(cell_width * (i + 0.5), cell_width * (j + 0.5));
+      const auto& upper_left = nodeAt(i, j);
+      const auto& upper_right = nodeAt(i + 1, j);
+      const auto& lower_left = nodeAt(i, j + 1);
+      const auto& lower_right = nodeAt(i + 1, j + 1);
+      if (!upper_left || !upper_right || !lower_left || !lower_right) continue;
+      Eigen::Matrix2d pixel_by_position;
+      pixel_by_position << *upper_right + *lower_right - *upper_left - *lower_left,
+          *lower_left + *lower_right - *upper_left - *upper_right;
+      pixel_by_position /= 2.0 * cell_width;
+      if (std::abs(pixel_by_position.determinant()) < 1e-6) continue;
+      const Eigen::Vector2d middle = cell_width * Eigen::Vector2d(i + 0.5, j + 0.5);
       Eigen::Matrix<double, 2, 3> pixel_by_pose;
       if (!camera_.pixelFromMap(map_from_base, inMap(middle), &pixel_by_pose)) continue;
-      Eigen::Matrix2d pixel_by_position;
-      bool is_visible = true;
-      for (int axis = 0; axis < 2; ++axis) {
-        const Eigen::Vector2d step = 0.5 * cell_width * Eigen::Vector2d::Unit(axis);
-        const auto before = camera_.pixelFromMap(map_from_base, inMap(middle - step));
-        const auto after = camera_.pixelFromMap(map_from_base, inMap(middle + step));
-        is_visible = is_visible && before && after;
-        if (is_visible) pixel_by_position.col(axis) = (*after - *before) / cell_width;
-      }
-      if (!is_visible || std::abs(pixel_by_position.determinant()) < 1e-6) continue;
       Cell& cell = cells[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
       cell.is_visible = true;
       cell.by_pixel = pixel_by_position.inverse();
