@@ -21,6 +21,12 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// since positions go back to the panorama through the same table.
 constexpr double kWorkingDistance = 3.0;
 
+/// s until a rejected marker is measured again, which takes a millisecond or two.
+constexpr double kMeasuringPeriod = 1.0;
+
+/// s for which the same view is patrolled where it shows a marker elsewhere than the map says.
+constexpr double kOddViewTime = 2.5 * kMeasuringPeriod;
+
 std::set<std::string> familiesOf(const MarkerMap& map) {
   std::set<std::string> families;
   for (const Marker& marker : map.markers) families.insert(marker.family);
@@ -156,9 +162,9 @@ void Localizer::patrol(const Frame& frame, const MountedCamera& camera, const Po
   std::vector<View> all = viewsAllAround(map_, camera, reader_.warper().table(),
                                          config_.visibility.max_range, config_.look_around);
   if (all.empty()) return;
-  const std::size_t next = patrolled_views_++ % all.size();
+  bool is_odd = false;
   for (const MarkerReading& reading :
-       readViews(reader_, frame.image, {std::move(all[next])}, result)) {
+       readViews(reader_, frame.image, {std::move(all[patrolled_view_ % all.size()])}, result)) {
     const bool is_known =
         std::any_of(result->detections.begin(), result->detections.end(),
                     [&reading](const MarkerDetection& detection) {
@@ -175,8 +181,14 @@ void Localizer::patrol(const Frame& frame, const MountedCamera& camera, const Po
     if (is_in_place) continue;
     MarkerDetection detection = toDetection(reading);
     detection.reason = entries.empty() ? "not in the map" : "hangs elsewhere than the map says";
+    is_odd = is_odd || !entries.empty();
     result->detections.push_back(std::move(detection));
   }
+  // Where a marker hangs elsewhere, the next looks go there, too, until it was measured repeatedly.
+  if (is_odd && !odd_since_) odd_since_ = frame.stamp;
+  if (is_odd && frame.stamp < *odd_since_ + kOddViewTime) return;
+  odd_since_.reset();
+  ++patrolled_view_;
 }
 
 void Localizer::search(const Frame& frame, const MountedCamera& camera,
@@ -251,7 +263,7 @@ std::vector<MarkerReading> Localizer::lookAround(const Frame& frame, const Mount
   return withoutRepetitions(readings, result->views, reader_.warper());
 }
 
-void Localizer::measure(const MountedCamera& camera, FrameResult* result) const {
+void Localizer::measure(const MountedCamera& camera, FrameResult* result) {
   const bool is_measured = result->acceptedMarkers() > 0;
   for (MarkerDetection& detection : result->detections) {
     const std::optional<Ray> ray = camera.rayInBase(detection.center);
@@ -263,12 +275,20 @@ void Localizer::measure(const MountedCamera& camera, FrameResult* result) const 
       const Eigen::Vector3d viewpoint = camera.mapFromCamera(pose).translation();
       detection.range = (map_.markers[*detection.map_entry].center() - viewpoint).head<2>().norm();
     }
-    if (detection.accepted || !is_measured) continue;
+    if (detection.accepted || !is_measured || !isDue(detection, result->stamp)) continue;
     const auto displaced =
         displacement(map_, camera, detection.family, detection.id,
                      {0, detection.corners, detection.center}, pose, config_.estimation);
     if (displaced) result->displaced.push_back(*displaced);
   }
+}
+
+bool Localizer::isDue(const MarkerDetection& rejected, double stamp) {
+  if (entriesOf(map_, rejected.family, rejected.id).empty()) return false;
+  const auto [last, is_first] = measured_.try_emplace({rejected.family, rejected.id}, stamp);
+  if (!is_first && stamp < last->second + kMeasuringPeriod) return false;
+  last->second = stamp;
+  return true;
 }
 
 }  // namespace omnitag

@@ -2,9 +2,12 @@
 
 #include <cstddef>
 #include <limits>
+#include <map>
 #include <memory>
 #include <opencv2/core/mat.hpp>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "omnitag/camera/mounted_camera.h"
@@ -64,7 +67,10 @@ class Localizer {
   std::vector<MarkerReading> lookAround(const Frame& frame, const MountedCamera& camera,
                                         FrameResult* result) const;
   TrackingTools trackingTools() const;
-  void measure(const MountedCamera& camera, FrameResult* result) const;
+  /// Fills in what the frame's pose says about its detections.
+  void measure(const MountedCamera& camera, FrameResult* result);
+  /// Whether it is time to see how far a marker hangs from its place; if so, it is then done.
+  bool isDue(const MarkerDetection& rejected, double stamp);
 
   std::shared_ptr<const CameraModel> camera_;
   MarkerMap map_;
@@ -77,9 +83,13 @@ class Localizer {
   bool has_pose_ = false;
   std::optional<double> last_stamp_;
   std::size_t frames_ = 0;
-  /// Stamp from which the next view is patrolled, and how many have been.
+  /// Stamp from which a view is patrolled next, which of them, and since when it has shown a marker
+  /// that hangs elsewhere.
   double next_patrol_ = -std::numeric_limits<double>::infinity();
-  std::size_t patrolled_views_ = 0;
+  std::size_t patrolled_view_ = 0;
+  std::optional<double> odd_since_;
+  /// By family and id: when it was last seen how far a marker hangs from its place.
+  std::map<std::pair<std::string, int>, double> measured_;
 };
 
 }  // namespace omnitag
