@@ -54,16 +54,21 @@ class Localizer {
   void check(const Frame& frame) const;
   std::optional<PoseEstimate> predict(const Frame& frame);
   /// Looks where the prediction has markers; leaves the result without a pose where none agrees.
-  void track(const Frame& frame, const MountedCamera& camera, const PoseEstimate& predicted,
+  /// Whether what was found there leaves the prediction possible.
+  bool track(const Frame& frame, const MountedCamera& camera, const PoseEstimate& predicted,
              FrameResult* result);
+  /// Whether the accepted markers alone, without the prediction, lead to where it has the robot. A
+  /// prediction that is too sure of itself may hold a pose against all of them.
+  bool markersAgree(const MountedCamera& camera, const PoseEstimate& predicted,
+                    const Pose2& solution, const FrameResult& result) const;
   /// Looks, with one of the views all around, for what is not expected from a pose.
   void patrol(const Frame& frame, const MountedCamera& camera, const Pose2& map_from_base,
               FrameResult* result);
   /// Looks all around, and decides between what it finds and the prediction.
   void search(const Frame& frame, const MountedCamera& camera,
-              const std::optional<PoseEstimate>& predicted, FrameResult* result);
+              const std::optional<PoseEstimate>& predicted, bool is_refuted, FrameResult* result);
   /// Without a marker that agrees: the prediction, unless what was read contradicts it.
-  void carryOn(const PoseEstimate& predicted, FrameResult* result) const;
+  void carryOn(const PoseEstimate& predicted, bool is_refuted, FrameResult* result) const;
   std::vector<MarkerReading> lookAround(const Frame& frame, const MountedCamera& camera,
                                         FrameResult* result) const;
   TrackingTools trackingTools() const;
