@@ -30,6 +30,13 @@ constexpr double kWorkingDistance = 3.0;
 /// accelerate and slip more than the motion model says, but not that much.
 constexpr double kMaxDeviations = 6.0;
 
+/// Markers that may be nearly where they were though the robot was carried toward them or away.
+constexpr int kFew = 2;
+
+/// m and rad, standard deviation by which a robot that sways seems to move, whatever its odometry
+/// says.
+constexpr double kSway = 2e-3;
+
 /// s until a rejected marker is measured again, which takes a millisecond or two.
 constexpr double kMeasuringPeriod = 1.0;
 
@@ -166,6 +173,7 @@ bool Localizer::track(const Frame& frame, const MountedCamera& camera,
   // Where most of what is read contradicts, the prediction itself is in doubt.
   if (!pose || contradictions(*result, map_) > result->acceptedMarkers()) return true;
   if (!markersAgree(camera, predicted, pose->pose, *result)) return false;
+  if (isElsewhere(frame, camera, *pose, *result)) return false;
   motion_.correct(*pose);
   result->mode = Mode::kTracking;
   result->map_from_base = pose;
@@ -195,9 +203,25 @@ bool Localizer::markersAgree(const MountedCamera& camera, const PoseEstimate& pr
   const auto fit = refineFromAfar(map_, camera, observations, solution, std::nullopt, reprojection);
   if (!fit) return true;
   const Eigen::Vector3d apart = difference(fit->map_from_base.pose, predicted.pose);
-  const Eigen::Matrix3d covariance =
-      predicted.covariance + varianceFactor(*fit) * fit->map_from_base.covariance;
+  const Eigen::Matrix3d covariance = predicted.covariance +
+                                     varianceFactor(*fit) * fit->map_from_base.covariance +
+                                     kSway * kSway * Eigen::Matrix3d::Identity();
   return apart.dot(covariance.ldlt().solve(apart)) <= kMaxDeviations * kMaxDeviations;
+}
+
+bool Localizer::isElsewhere(const Frame& frame, const MountedCamera& camera,
+                            const PoseEstimate& tracked, const FrameResult& result) {
+  const int accepted = result.acceptedMarkers();
+  const bool is_weak = accepted <= kFew && accepted < static_cast<int>(result.predicted.size());
+  if (!is_weak || frame.stamp < next_doubt_) return false;
+  next_doubt_ = frame.stamp + config_.recognition.period;
+  FrameResult around;
+  const Relocalization found =
+      relocalize(map_, camera, lookAround(frame, camera, &around), config_.estimation.reprojection,
+                 config_.estimation.max_residual, config_.relocalization);
+  const auto explained = std::count_if(found.entries.begin(), found.entries.end(),
+                                       [](const auto& entry) { return entry.has_value(); });
+  return found.map_from_base && explained >= 2 && !agree(*found.map_from_base, tracked);
 }
 
 void Localizer::patrol(const Frame& frame, const MountedCamera& camera, const Pose2& map_from_base,

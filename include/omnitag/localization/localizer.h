@@ -61,6 +61,10 @@ class Localizer {
   /// prediction that is too sure of itself may hold a pose against all of them.
   bool markersAgree(const MountedCamera& camera, const PoseEstimate& predicted,
                     const Pose2& solution, const FrameResult& result) const;
+  /// Whether a look all around, now and then where a marker or two are all that was found of those
+  /// predicted, finds the robot elsewhere.
+  bool isElsewhere(const Frame& frame, const MountedCamera& camera, const PoseEstimate& tracked,
+                   const FrameResult& result);
   /// Looks, with one of the views all around, for what is not expected from a pose.
   void patrol(const Frame& frame, const MountedCamera& camera, const Pose2& map_from_base,
               FrameResult* result);
@@ -93,6 +97,8 @@ class Localizer {
   double next_patrol_ = -std::numeric_limits<double>::infinity();
   std::size_t patrolled_view_ = 0;
   std::optional<double> odd_since_;
+  /// Stamp from which a pose that stands on few markers is doubted next.
+  double next_doubt_ = -std::numeric_limits<double>::infinity();
   /// By family and id: when it was last seen how far a marker hangs from its place.
   std::map<std::pair<std::string, int>, double> measured_;
 };
