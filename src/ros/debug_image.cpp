@@ -183,8 +183,14 @@ void DebugImagePainter::paintView(const FrameResult& result, std::size_t view_in
   cv::rectangle(*canvas, cv::Rect(corner, size), frame_color, 1);
 
   constexpr double kTextSize = 0.5;
-  cv::Point pen(corner.x, is_below ? corner.y + size.height + kTextLine
-                                   : corner.y - words_height + kTextLine - kMargin / 2);
+  // A narrow view's words must not leave the canvas.
+  const auto startOf = [&](int width) { return std::min(corner.x, cell.x + kCell - width); };
+  int ids_width = 0;
+  for (const Sighting& sighting : sightings) {
+    ids_width += kMargin + widthOf(std::to_string(map_.markers[sighting.map_entry].id), kTextSize);
+  }
+  cv::Point pen(startOf(ids_width), is_below ? corner.y + size.height + kTextLine
+                                             : corner.y - words_height + kTextLine - kMargin / 2);
   for (const Sighting& sighting : sightings) {
     const Marker& marker = map_.markers[sighting.map_entry];
     pen.x = write(std::to_string(marker.id), pen, colorOf(sighting.detected), kTextSize, canvas) +
@@ -198,9 +204,7 @@ void DebugImagePainter::paintView(const FrameResult& result, std::size_t view_in
   if (used == 0 && !rejected.empty()) {
     verdict = std::to_string(rejected.front()->id) + ": " + shortened(rejected.front()->reason, 18);
   }
-  // A narrow view's words must not leave the canvas.
-  const int last_start = cell.x + kCell - widthOf(verdict, kTextSize);
-  write(verdict, {std::min(corner.x, last_start), pen.y + kTextLine}, frame_color, kTextSize,
+  write(verdict, {startOf(widthOf(verdict, kTextSize)), pen.y + kTextLine}, frame_color, kTextSize,
         canvas);
 }
 
