@@ -38,7 +38,8 @@ void DisplacementLog::add(const FrameResult& result) {
 }
 
 std::vector<DisplacedMarker> DisplacementLog::persistent() const {
-  constexpr int kFewestSightings = 5;
+  // A localizer measures once per second and marker: these are seconds apart.
+  constexpr int kFewestSightings = 3;
   std::vector<DisplacedMarker> persistent;
   for (const auto& [entry, sightings] : sightings_) {
     if (sightings.count >= kFewestSightings) persistent.push_back({entry, sightings.mean_distance});

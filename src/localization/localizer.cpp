@@ -1,16 +1,21 @@
 #include "omnitag/localization/localizer.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <set>
 #include <string>
 #include <utility>
 
 #include "frame_tracker.h"
+#include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
 #include "omnitag/common/stopwatch.h"
 #include "omnitag/localization/displacement.h"
+#include "omnitag/localization/reprojection.h"
 
 namespace omnitag {
 namespace {
@@ -20,6 +25,23 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// m. The contours of horizontal lines hardly change beyond; nearer ones only bend a view a little,
 /// since positions go back to the panorama through the same table.
 constexpr double kWorkingDistance = 3.0;
+
+/// Standard deviations by which the pose of the markers alone may be off the prediction: robots
+/// accelerate and slip more than the motion model says, but not that much.
+constexpr double kMaxDeviations = 6.0;
+
+/// Markers that may be nearly where they were though the robot was carried toward them or away.
+constexpr int kFew = 2;
+
+/// m and rad, standard deviation by which a robot that sways seems to move, whatever its odometry
+/// says.
+constexpr double kSway = 2e-3;
+
+/// s until a rejected marker is measured again, which takes a millisecond or two.
+constexpr double kMeasuringPeriod = 1.0;
+
+/// s for which the same view is patrolled where it shows a marker elsewhere than the map says.
+constexpr double kOddViewTime = 2.5 * kMeasuringPeriod;
 
 std::set<std::string> familiesOf(const MarkerMap& map) {
   std::set<std::string> families;
@@ -38,6 +60,14 @@ int contradictions(const FrameResult& result, const MarkerMap& map) {
       result.detections.begin(), result.detections.end(), [&map](const MarkerDetection& d) {
         return !d.accepted && !entriesOf(map, d.family, d.id).empty();
       }));
+}
+
+std::string howFarOff(const Pose2& found, const Pose2& expected) {
+  const Eigen::Vector3d off = difference(found, expected);
+  std::array<char, 100> text{};
+  std::snprintf(text.data(), text.size(), "found %.2f m and %.1f degrees off where it was expected",
+                off.head<2>().norm(), degrees(std::abs(off.z())));
+  return text.data();
 }
 
 /// Adds what a search read, and returns the entries that its pose stands on.
@@ -97,8 +127,8 @@ FrameResult Localizer::process(const Frame& frame) {
   result.stamp = frame.stamp;
   const MountedCamera camera(camera_, frame.base_from_camera);
   const std::optional<PoseEstimate> predicted = predict(frame);
-  if (predicted) track(frame, camera, *predicted, &result);
-  if (!result.map_from_base) search(frame, camera, predicted, &result);
+  const bool is_refuted = predicted && !track(frame, camera, *predicted, &result);
+  if (!result.map_from_base) search(frame, camera, predicted, is_refuted, &result);
   measure(camera, &result);
   result.timings.total = total.lap();
   return result;
@@ -132,7 +162,7 @@ std::optional<PoseEstimate> Localizer::predict(const Frame& frame) {
   return has_pose_ ? std::optional(predicted) : std::nullopt;
 }
 
-void Localizer::track(const Frame& frame, const MountedCamera& camera,
+bool Localizer::track(const Frame& frame, const MountedCamera& camera,
                       const PoseEstimate& predicted, FrameResult* result) {
   Stopwatch step;
   result->predicted = predictMarkers(map_, camera, predicted, config_.visibility);
@@ -141,7 +171,9 @@ void Localizer::track(const Frame& frame, const MountedCamera& camera,
   FrameTracker tracker(tools, frame, camera, predicted, result);
   const std::optional<PoseEstimate> pose = tracker.track(frames_++);
   // Where most of what is read contradicts, the prediction itself is in doubt.
-  if (!pose || contradictions(*result, map_) > result->acceptedMarkers()) return;
+  if (!pose || contradictions(*result, map_) > result->acceptedMarkers()) return true;
+  if (!markersAgree(camera, predicted, pose->pose, *result)) return false;
+  if (isElsewhere(frame, camera, *pose, *result)) return false;
   motion_.correct(*pose);
   result->mode = Mode::kTracking;
   result->map_from_base = pose;
@@ -149,6 +181,47 @@ void Localizer::track(const Frame& frame, const MountedCamera& camera,
     next_patrol_ = frame.stamp + config_.recognition.period;
     patrol(frame, camera, pose->pose, result);
   }
+  return true;
+}
+
+bool Localizer::markersAgree(const MountedCamera& camera, const PoseEstimate& predicted,
+                             const Pose2& solution, const FrameResult& result) const {
+  std::vector<MarkerObservation> observations;
+  double worst_residual = 0.0;
+  for (const MarkerDetection& detection : result.detections) {
+    if (!detection.accepted) continue;
+    observations.push_back({*detection.map_entry, detection.corners, detection.center});
+    worst_residual = std::max(worst_residual, detection.residual);
+  }
+  // One or two that the robot was carried toward or away from are nearly where they were.
+  constexpr std::size_t kFew = 2;
+  if (observations.size() <= kFew && worst_residual > config_.relocalization.max_residual_of_one) {
+    return false;
+  }
+  if (observations.size() == 1) return true;
+  const ReprojectionConfig& reprojection = config_.estimation.reprojection;
+  const auto fit = refineFromAfar(map_, camera, observations, solution, std::nullopt, reprojection);
+  if (!fit) return true;
+  const Eigen::Vector3d apart = difference(fit->map_from_base.pose, predicted.pose);
+  const Eigen::Matrix3d covariance = predicted.covariance +
+                                     varianceFactor(*fit) * fit->map_from_base.covariance +
+                                     kSway * kSway * Eigen::Matrix3d::Identity();
+  return apart.dot(covariance.ldlt().solve(apart)) <= kMaxDeviations * kMaxDeviations;
+}
+
+bool Localizer::isElsewhere(const Frame& frame, const MountedCamera& camera,
+                            const PoseEstimate& tracked, const FrameResult& result) {
+  const int accepted = result.acceptedMarkers();
+  const bool is_weak = accepted <= kFew && accepted < static_cast<int>(result.predicted.size());
+  if (!is_weak || frame.stamp < next_doubt_) return false;
+  next_doubt_ = frame.stamp + config_.recognition.period;
+  FrameResult around;
+  const Relocalization found =
+      relocalize(map_, camera, lookAround(frame, camera, &around), config_.estimation.reprojection,
+                 config_.estimation.max_residual, config_.relocalization);
+  const auto explained = std::count_if(found.entries.begin(), found.entries.end(),
+                                       [](const auto& entry) { return entry.has_value(); });
+  return found.map_from_base && explained >= 2 && !agree(*found.map_from_base, tracked);
 }
 
 void Localizer::patrol(const Frame& frame, const MountedCamera& camera, const Pose2& map_from_base,
@@ -156,9 +229,10 @@ void Localizer::patrol(const Frame& frame, const MountedCamera& camera, const Po
   std::vector<View> all = viewsAllAround(map_, camera, reader_.warper().table(),
                                          config_.visibility.max_range, config_.look_around);
   if (all.empty()) return;
-  const std::size_t next = patrolled_views_++ % all.size();
+  constexpr double kModule = 1.0 / 8.0;  // of the edge
+  bool is_odd = false;
   for (const MarkerReading& reading :
-       readViews(reader_, frame.image, {std::move(all[next])}, result)) {
+       readViews(reader_, frame.image, {std::move(all[patrolled_view_ % all.size()])}, result)) {
     const bool is_known =
         std::any_of(result->detections.begin(), result->detections.end(),
                     [&reading](const MarkerDetection& detection) {
@@ -168,19 +242,28 @@ void Localizer::patrol(const Frame& frame, const MountedCamera& camera, const Po
     if (is_known) continue;
     const std::vector<std::size_t> entries = entriesOf(map_, reading.family, reading.id);
     // One that was not expected, since it is far or seen from the side, may well be in its place.
+    const double limit =
+        std::max(config_.estimation.max_residual, kModule * meanEdge(reading.corners));
     const bool is_in_place = std::any_of(entries.begin(), entries.end(), [&](std::size_t entry) {
       const auto place = camera.pixelFromMap(map_from_base, map_.markers[entry].center());
-      return place && (*place - reading.center).norm() < meanEdge(reading.corners);
+      return place && (*place - reading.center).norm() < limit;
     });
     if (is_in_place) continue;
     MarkerDetection detection = toDetection(reading);
     detection.reason = entries.empty() ? "not in the map" : "hangs elsewhere than the map says";
+    is_odd = is_odd || !entries.empty();
     result->detections.push_back(std::move(detection));
   }
+  // Where a marker hangs elsewhere, the next looks go there, too, until it was measured repeatedly.
+  if (is_odd && !odd_since_) odd_since_ = frame.stamp;
+  if (is_odd && frame.stamp < *odd_since_ + kOddViewTime) return;
+  odd_since_.reset();
+  ++patrolled_view_;
 }
 
 void Localizer::search(const Frame& frame, const MountedCamera& camera,
-                       const std::optional<PoseEstimate>& predicted, FrameResult* result) {
+                       const std::optional<PoseEstimate>& predicted, bool is_refuted,
+                       FrameResult* result) {
   const std::vector<MarkerReading> readings = lookAround(frame, camera, result);
   Stopwatch step;
   const Relocalization found = relocalize(map_, camera, readings, config_.estimation.reprojection,
@@ -211,25 +294,25 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
       result->mode = Mode::kTracking;
     } else {
       motion_.reset(pose, frame.stamp, frame.odom_from_base);
-      if (predicted) result->remark = "found far from where it was expected";
+      if (predicted) result->remark = howFarOff(pose.pose, predicted->pose);
     }
     result->map_from_base = pose;
     has_pose_ = true;
   } else if (predicted) {
-    carryOn(*predicted, result);
+    carryOn(*predicted, is_refuted, result);
   } else {
     result->remark = found.reason;
   }
   result->timings.solve += step.lap();
 }
 
-void Localizer::carryOn(const PoseEstimate& predicted, FrameResult* result) const {
+void Localizer::carryOn(const PoseEstimate& predicted, bool is_refuted, FrameResult* result) const {
   for (MarkerDetection& detection : result->detections) {
     if (!detection.accepted) continue;
     detection.accepted = false;
     detection.reason = "contradicts the predicted pose";
   }
-  if (contradictions(*result, map_) > 0) {
+  if (is_refuted || contradictions(*result, map_) > 0) {
     result->remark = "the markers that were read contradict the predicted pose";
     return;
   }
@@ -251,7 +334,7 @@ std::vector<MarkerReading> Localizer::lookAround(const Frame& frame, const Mount
   return withoutRepetitions(readings, result->views, reader_.warper());
 }
 
-void Localizer::measure(const MountedCamera& camera, FrameResult* result) const {
+void Localizer::measure(const MountedCamera& camera, FrameResult* result) {
   const bool is_measured = result->acceptedMarkers() > 0;
   for (MarkerDetection& detection : result->detections) {
     const std::optional<Ray> ray = camera.rayInBase(detection.center);
@@ -263,12 +346,20 @@ void Localizer::measure(const MountedCamera& camera, FrameResult* result) const 
       const Eigen::Vector3d viewpoint = camera.mapFromCamera(pose).translation();
       detection.range = (map_.markers[*detection.map_entry].center() - viewpoint).head<2>().norm();
     }
-    if (detection.accepted || !is_measured) continue;
+    if (detection.accepted || !is_measured || !isDue(detection, result->stamp)) continue;
     const auto displaced =
         displacement(map_, camera, detection.family, detection.id,
                      {0, detection.corners, detection.center}, pose, config_.estimation);
     if (displaced) result->displaced.push_back(*displaced);
   }
+}
+
+bool Localizer::isDue(const MarkerDetection& rejected, double stamp) {
+  if (entriesOf(map_, rejected.family, rejected.id).empty()) return false;
+  const auto [last, is_first] = measured_.try_emplace({rejected.family, rejected.id}, stamp);
+  if (!is_first && stamp < last->second + kMeasuringPeriod) return false;
+  last->second = stamp;
+  return true;
 }
 
 }  // namespace omnitag

@@ -49,12 +49,16 @@ void drawLine(const cv::Point2d& a, const cv::Point2d& b, const cv::Scalar& colo
   cv::line(*canvas, fixedPoint(a), fixedPoint(b), color, 1, cv::LINE_AA, kFractionalBits);
 }
 
+int widthOf(const std::string& text, double size) {
+  int below = 0;
+  return cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, size, 1, &below).width;
+}
+
 /// Writes from the left and returns where the text ends.
 int write(const std::string& text, const cv::Point& baseline, const cv::Scalar& color, double size,
           cv::Mat* canvas) {
   cv::putText(*canvas, text, baseline, cv::FONT_HERSHEY_SIMPLEX, size, color, 1, cv::LINE_AA);
-  int below = 0;
-  return baseline.x + cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, size, 1, &below).width;
+  return baseline.x + widthOf(text, size);
 }
 
 std::string shortened(std::string text, std::size_t length) {
@@ -179,14 +183,20 @@ void DebugImagePainter::paintView(const FrameResult& result, std::size_t view_in
   cv::rectangle(*canvas, cv::Rect(corner, size), frame_color, 1);
 
   constexpr double kTextSize = 0.5;
-  cv::Point pen(corner.x, is_below ? corner.y + size.height + kTextLine
-                                   : corner.y - words_height + kTextLine - kMargin / 2);
+  // A narrow view's words must not leave the canvas.
+  const auto startOf = [&](int width) { return std::min(corner.x, cell.x + kCell - width); };
+  int ids_width = 0;
+  for (const Sighting& sighting : sightings) {
+    ids_width += kMargin + widthOf(std::to_string(map_.markers[sighting.map_entry].id), kTextSize);
+  }
+  cv::Point pen(startOf(ids_width), is_below ? corner.y + size.height + kTextLine
+                                             : corner.y - words_height + kTextLine - kMargin / 2);
   for (const Sighting& sighting : sightings) {
     const Marker& marker = map_.markers[sighting.map_entry];
     pen.x = write(std::to_string(marker.id), pen, colorOf(sighting.detected), kTextSize, canvas) +
             kMargin;
   }
-  std::string verdict = "not detected";
+  std::string verdict = sightings.empty() ? "no marker" : "not detected";
   if (used > 0) verdict = "DETECTED";
   if (used > 0 && used < sightings.size()) {
     verdict = std::to_string(used) + " of " + std::to_string(sightings.size()) + " DETECTED";
@@ -194,7 +204,8 @@ void DebugImagePainter::paintView(const FrameResult& result, std::size_t view_in
   if (used == 0 && !rejected.empty()) {
     verdict = std::to_string(rejected.front()->id) + ": " + shortened(rejected.front()->reason, 18);
   }
-  write(verdict, {corner.x, pen.y + kTextLine}, frame_color, kTextSize, canvas);
+  write(verdict, {startOf(widthOf(verdict, kTextSize)), pen.y + kTextLine}, frame_color, kTextSize,
+        canvas);
 }
 
 void DebugImagePainter::paintTitle(const FrameResult& result, cv::Mat* canvas) {
@@ -210,7 +221,10 @@ void DebugImagePainter::paintTitle(const FrameResult& result, cv::Mat* canvas) {
   std::snprintf(words.data(), words.size(), "%d%s markers   %.0f ms", result.acceptedMarkers(),
                 of.c_str(), 1e3 * result.timings.total);
   pen.x = write(words.data(), pen, kWhite, kTextSize, canvas) + 2 * kMargin;
-  if (!has_pose) return;
+  if (!has_pose) {
+    write(result.remark, pen, color, kTextSize, canvas);
+    return;
+  }
   const Pose2& pose = result.map_from_base->pose;
   const Eigen::Matrix3d& covariance = result.map_from_base->covariance;
   std::snprintf(words.data(), words.size(),

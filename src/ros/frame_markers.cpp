@@ -143,6 +143,17 @@ void addCovariance(const std::string& frame, const PoseEstimate& estimate, doubl
   markers->push_back(label);
 }
 
+/// Over the middle of the map, why there is no robot to be seen.
+RvizMarker whyLost(const std::string& frame, const std::string& remark, const MarkerMap& map) {
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const Marker& marker : map.markers) {
+    middle += marker.center() / static_cast<double>(map.markers.size());
+  }
+  RvizMarker label = text(frame, "remark", middle, "searching: " + remark, color(1.0, 0.45, 0.1));
+  label.scale.z = 2.0 * kTextHeight;
+  return label;
+}
+
 }  // namespace
 
 FrameMarkers::FrameMarkers(std::string map_frame, double robot_radius)
@@ -159,6 +170,8 @@ visualization_msgs::MarkerArray FrameMarkers::draw(const LocalizedImage& localiz
     addRobot(map_frame_, estimate.pose, robot_radius_, camera, &array.markers);
     addBearings(map_frame_, localized.result, map, camera, &array.markers);
     addCovariance(map_frame_, estimate, robot_radius_, &array.markers);
+  } else {
+    array.markers.push_back(whyLost(map_frame_, localized.result.remark, map));
   }
 
   std::set<std::pair<std::string, int>> shown;

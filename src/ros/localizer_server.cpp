@@ -178,8 +178,11 @@ void LocalizerServer::repeatTransform() {
   const std::lock_guard<std::mutex> lock(transform_mutex_);
   if (!correction_) return;
   // The images' clock may be another one than this machine's, as when a bag is played without
-  // /clock: only the time that went by is taken from the latter.
-  const ros::Duration since_sent = ros::Time::now() - correction_->sent;
+  // /clock: only the time that went by is taken from the latter. Before the first /clock it stands
+  // at zero.
+  const ros::Time now = ros::Time::now();
+  if (correction_->sent.isZero()) correction_->sent = now;
+  const ros::Duration since_sent = now - correction_->sent;
   if (since_sent < ros::Duration(parameters_.transform_period)) return;
   geometry_msgs::TransformStamped transform = correction_->transform;
   transform.header.stamp += since_sent;

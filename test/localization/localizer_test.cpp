@@ -4,8 +4,10 @@
 
 #include <Eigen/LU>
 #include <cmath>
+#include <future>
 #include <opencv2/core.hpp>
 #include <string>
+#include <vector>
 
 #include "../support/panorama_renderer.h"
 #include "../support/sample_cameras.h"
@@ -105,6 +107,35 @@ TEST_P(LocalizerTest, TheSameInputGivesTheSameResult) {
     EXPECT_EQ(first[i].x, second[i].x);
     EXPECT_EQ(first[i].y, second[i].y);
     EXPECT_EQ(first[i].yaw, second[i].yaw);
+  }
+}
+
+TEST_P(LocalizerTest, SeveralMayWorkAtOnce) {
+  // As two nodelets of one manager do.
+  constexpr int kFrames = 3;
+  std::vector<Frame> frames;
+  for (int i = 0; i < kFrames; ++i) frames.push_back(frameAt(i));
+  const auto poses = [this, &frames] {
+    Localizer localizer = this->localizer();
+    std::vector<Pose2> poses;
+    for (const Frame& frame : frames) {
+      const FrameResult result = localizer.process(frame);
+      poses.push_back(result.map_from_base ? result.map_from_base->pose : Pose2{});
+    }
+    return poses;
+  };
+  std::vector<std::future<std::vector<Pose2>>> threads;
+  for (int i = 0; i < 3; ++i) threads.push_back(std::async(std::launch::async, poses));
+  const std::vector<Pose2> alone = poses();
+  for (auto& thread : threads) {
+    const std::vector<Pose2> together = thread.get();
+    for (int i = 0; i < kFrames; ++i) {
+      const auto index = static_cast<std::size_t>(i);
+      EXPECT_LT(positionError(together[index], routeAt(i)), 2e-3);
+      EXPECT_EQ(together[index].x, alone[index].x);
+      EXPECT_EQ(together[index].y, alone[index].y);
+      EXPECT_EQ(together[index].yaw, alone[index].yaw);
+    }
   }
 }
 

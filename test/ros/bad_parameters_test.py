@@ -10,7 +10,7 @@ import unittest
 
 import rospy
 import rostest
-from harness import PACKAGE, wait_until
+from harness import PACKAGE, TIMEOUT, wait_until
 
 CAMERA = os.path.join(PACKAGE, "config", "cameras", "paper.yaml")
 MAP = os.path.join(PACKAGE, "maps", "paper.yaml")
@@ -19,7 +19,7 @@ GOOD = {"camera_file": CAMERA, "map_file": MAP}
 
 def run(*command):
     """Runs to its end; what it wrote comes with it."""
-    return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=60,
+    return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=TIMEOUT,
                           universal_newlines=True, check=False)
 
 
@@ -86,7 +86,7 @@ class BadParametersTest(unittest.TestCase):
                                    stdout=log, stderr=subprocess.STDOUT)
         self.addCleanup(manager.wait)
         self.addCleanup(manager.terminate)
-        rospy.wait_for_service("/manager/load_nodelet", 30.0)
+        rospy.wait_for_service("/manager/load_nodelet", TIMEOUT)
 
         for parameters, line in self.cases()[:3]:
             self.set_parameters(parameters)
@@ -102,7 +102,7 @@ class BadParametersTest(unittest.TestCase):
             loader = subprocess.Popen(["rosrun", "nodelet", "nodelet", "load",
                                        "omnitag/LocalizerNodelet", "manager", "__name:=bad"],
                                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-            self.assertTrue(wait_until(lambda: self.is_loaded()))
+            self.assertTrue(wait_until(self.is_loaded))
             result = run("rosrun", "nodelet", "nodelet", "unload", "/bad", "manager")
             self.assertEqual(result.returncode, 0, result.stdout)
             loader.terminate()

@@ -7,8 +7,8 @@ import unittest
 import rospy
 import rosservice
 import rostest
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from harness import Topic, wait_until
+from diagnostic_msgs.msg import DiagnosticStatus
+from harness import Diagnostics, Topic, is_connected, wait_until
 from omnitag.msg import LocalizationStatus
 from sensor_msgs.msg import CameraInfo, Image
 from tf2_msgs.msg import TFMessage
@@ -26,47 +26,44 @@ def fisheye_info():
 
 class CameraInfoTest(unittest.TestCase):
     def setUp(self):
-        self.diagnostics = Topic("/diagnostics", DiagnosticArray)
+        self.diagnostics = Diagnostics()
         self.status = Topic("status", LocalizationStatus)
         self.infos = rospy.Publisher(INFO_TOPIC, CameraInfo, queue_size=10)
         self.images = rospy.Publisher("/camera/image", Image, queue_size=10)
 
     def wait_for_camera(self, level, part):
-        """Whether /diagnostics says this of the camera."""
-        return self.diagnostics.wait_for(lambda array: any(
-            status.name.endswith("camera") and status.level == level and part in status.message
-            for status in array.status))
+        """Until /diagnostics says this of the camera."""
+        self.diagnostics.wait_for_report(": camera", level, part)
 
     def test_waits_checks_and_starts(self):
-        self.assertTrue(self.wait_for_camera(
-            DiagnosticStatus.ERROR, "waiting for the first camera_info on " + INFO_TOPIC))
-        self.assertTrue(wait_until(lambda: self.infos.get_num_connections() > 0))
+        self.wait_for_camera(DiagnosticStatus.ERROR,
+                             "waiting for the first camera_info on " + INFO_TOPIC)
+        self.assertTrue(wait_until(lambda: is_connected(self.infos)))
 
         self.infos.publish(CameraInfo())
-        self.assertTrue(self.wait_for_camera(DiagnosticStatus.ERROR, "width, height: expected"))
+        self.wait_for_camera(DiagnosticStatus.ERROR, "width, height: expected")
         uncalibrated = fisheye_info()
         uncalibrated.K = [0.0] * 9
         self.infos.publish(uncalibrated)
-        self.assertTrue(self.wait_for_camera(DiagnosticStatus.ERROR, "K: expected"))
+        self.wait_for_camera(DiagnosticStatus.ERROR, "K: expected")
         pinhole = fisheye_info()
         pinhole.distortion_model = "plumb_bob"
         self.infos.publish(pinhole)
-        self.assertTrue(self.wait_for_camera(DiagnosticStatus.ERROR, "found 'plumb_bob'"))
+        self.wait_for_camera(DiagnosticStatus.ERROR, "found 'plumb_bob'")
         self.assertNotIn("/save_map", rosservice.get_service_list())
         self.assertEqual(self.images.get_num_connections(), 0)
 
         self.infos.publish(fisheye_info())
-        self.assertTrue(self.wait_for_camera(DiagnosticStatus.OK, "described by camera_info"))
-        self.assertTrue(wait_until(lambda: self.images.get_num_connections() > 0 and
-                                   self.status.subscriber.get_num_connections() > 0))
-        self.assertIn("/save_map", rosservice.get_service_list())
+        self.wait_for_camera(DiagnosticStatus.OK, "described by camera_info")
+        self.assertTrue(wait_until(lambda: "/save_map" in rosservice.get_service_list()))
+        self.assertTrue(wait_until(lambda: is_connected(self.images, self.status.subscriber)))
 
         mounting = TransformStamped()
         mounting.header.frame_id, mounting.child_frame_id = "base_link", "eye"
         mounting.transform.rotation.w = 1.0
         static = rospy.Publisher("/tf_static", TFMessage, latch=True, queue_size=1)
         static.publish([mounting])
-        self.assertTrue(wait_until(lambda: static.get_num_connections() > 0))
+        self.assertTrue(wait_until(lambda: is_connected(static)))
         image = Image(height=500, width=500, encoding="mono8", step=500, data=bytes(250000))
         image.header.frame_id = "eye"
 

@@ -11,14 +11,16 @@ import numpy as np
 import rosgraph
 import rospy
 import rostest
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, TransformStamped
-from harness import Harness, Topic, angle_between, raw_image, wait_until, yaw_of
+from harness import (Diagnostics, Harness, LogTopic, Topic, angle_between, is_connected, raw_image,
+                     wait_until, yaw_of)
 from omnitag.msg import LocalizationStatus
 from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import Image
 
 HALF_PERIOD = rospy.Duration(0.125)  # half the time between two images of the bag
+MOST_IMAGES = 20  # of the bag, that a test takes
 
 
 def with_pixels(image, encoding, pixels, padding=0):
@@ -36,28 +38,28 @@ class FaultsTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.harness = Harness("raw")
-        cls.diagnostics = Topic("/diagnostics", DiagnosticArray)
-        cls.log = Topic("/rosout", Log)
+        cls.diagnostics = Diagnostics()
+        cls.log = LogTopic()
         cls.initial_pose = rospy.Publisher("initialpose", PoseWithCovarianceStamped, queue_size=1)
-        assert wait_until(lambda: cls.initial_pose.get_num_connections() > 0 and
-                          cls.diagnostics.subscriber.get_num_connections() > 0 and
-                          cls.log.subscriber.get_num_connections() > 0)
+        assert wait_until(lambda: is_connected(cls.initial_pose, cls.diagnostics.subscriber,
+                                               cls.log.subscriber))
         cls.manager = ServerProxy(rosgraph.Master("/faults").lookupNode("/manager"))
         cls.pid = cls.manager.getPid("/faults")[2]
         cls.index = 0
         cls.later = rospy.Duration(0)
 
     def setUp(self):
+        # After the last image come the first ones again, which are later, and elsewhere.
+        if self.index + MOST_IMAGES > len(self.harness.images):
+            type(self).later = self.later + 2 * HALF_PERIOD * len(self.harness.images)
+            type(self).index = 0
         self.expect_right_pose(self.next_image())
 
     def tearDown(self):
         self.assertEqual(self.manager.getPid("/faults")[2], self.pid, "the manager was restarted")
 
     def next_image(self):
-        """The next image of the bag, decoded; after the last the first again, which is later."""
-        if self.index == len(self.harness.images):
-            type(self).index = 0
-            type(self).later = self.later + 2 * HALF_PERIOD * len(self.harness.images)
+        """The next image of the bag, decoded."""
         type(self).index = self.index + 1
         return self.image_of_bag(self.index - 1, self.later)
 
@@ -111,17 +113,17 @@ class FaultsTest(unittest.TestCase):
             self.assertIsNone(topic.at(stamp, timeout=0.0))
 
     def wait_for_diagnostics(self, task, level, *parts):
-        """Until a task reports a line with these parts from now on."""
-        start = len(self.diagnostics.messages)
+        """Until a task of the first localizer reports a line with these parts from now on."""
+        self.diagnostics.wait_for_report("first/localizer: " + task, level, *parts)
 
-        def reports():
-            return [status for message in self.diagnostics.messages[start:]
-                    for status in message.status
-                    if status.name.endswith("first/localizer: " + task)]
-
-        self.assertTrue(wait_until(lambda: any(
-            report.level == level and all(part in report.message for part in parts)
-            for report in reports())), [report.message for report in reports()[-3:]])
+    def second(self):
+        """The camera of the second localizer, and the topics of its poses and status."""
+        camera = rospy.Publisher("/second_camera/image", Image, queue_size=100)
+        poses = Topic("/second/pose", PoseStamped)
+        status = Topic("/second/status", LocalizationStatus)
+        self.assertTrue(wait_until(
+            lambda: is_connected(camera, poses.subscriber, status.subscriber)))
+        return camera, poses, status
 
     def test_01_images_without_a_marker(self):
         noise = np.random.RandomState(1).randint(0, 256, (500, 500)).astype(np.uint8)
@@ -135,15 +137,14 @@ class FaultsTest(unittest.TestCase):
             self.expect_tracking()
 
     def test_02_torn_images(self):
-        good = self.pixels(self.between_images())
         elsewhere = self.pixels(self.image_of_bag(-1))
         for lower in (np.zeros((250, 500), np.uint8), elsewhere[250:]):
-            torn = np.vstack([good[:250], lower])
-            status, pose = self.localize(with_pixels(self.between_images(), "mono8", torn))
+            image = self.next_image()
+            torn = np.vstack([self.pixels(image)[:250], lower])
+            status, pose = self.localize(with_pixels(image, "mono8", torn))
             if status.markers_used:
                 self.assertLess(self.errors(pose, self.index - 1)[0], 0.03)
             self.expect_tracking()
-            good = self.pixels(self.between_images())
 
     def test_03_images_of_another_size(self):
         for height, width in ((400, 500), (500, 640), (1000, 1000), (1, 1)):
@@ -220,9 +221,8 @@ class FaultsTest(unittest.TestCase):
         for message in bad:
             start = len(self.log.messages)
             self.initial_pose.publish(message)
-            self.assertTrue(wait_until(lambda: any(
-                line.level == Log.ERROR and "/first/localizer: initialpose refused: " in line.msg
-                for line in self.log.messages[start:])), message)
+            self.assertTrue(self.log.wait_for_line(
+                Log.ERROR, "/first/localizer: initialpose refused: ", start), message)
             self.expect_tracking()
 
     def test_09_initial_pose_in_another_frame(self):
@@ -246,9 +246,9 @@ class FaultsTest(unittest.TestCase):
             # Until tf has the frame, the pose is refused.
             self.harness.publish_transform(door)
             self.initial_pose.publish(message)
-            return wait_until(lambda: any("/first/localizer: initial pose" in line.msg
-                                          for line in self.log.messages), 0.5)
+            return self.log.wait_for_line(Log.INFO, "/first/localizer: initial pose", start, 0.5)
 
+        start = len(self.log.messages)
         self.assertTrue(wait_until(is_taken))
         self.expect_tracking()
 
@@ -283,10 +283,7 @@ class FaultsTest(unittest.TestCase):
         self.expect_no_pose_at(image.header.stamp)
 
     def test_12_two_localizers_in_one_manager(self):
-        poses = Topic("/second/pose", PoseStamped)
-        camera = rospy.Publisher("/second_camera/image", Image, queue_size=100)
-        self.assertTrue(wait_until(lambda: camera.get_num_connections() > 0 and
-                                   poses.subscriber.get_num_connections() > 0))
+        camera, poses, _ = self.second()
         first_poses = len(self.harness.poses.messages)
         for index in range(30, 34):  # elsewhere than the first
             image = self.image_of_bag(index)
@@ -317,11 +314,9 @@ class FaultsTest(unittest.TestCase):
         for gap in (2.0, 5.0, 3600.0):
             type(self).later = self.later + rospy.Duration(gap)
             self.expect_right_pose(self.image_of_bag(self.index - 1, self.later))
+
     def test_15_a_slow_machine_drops_old_images(self):
-        status = Topic("/second/status", LocalizationStatus)
-        camera = rospy.Publisher("/second_camera/image", Image, queue_size=100)
-        self.assertTrue(wait_until(lambda: camera.get_num_connections() > 0 and
-                                   status.subscriber.get_num_connections() > 0))
+        camera, _, status = self.second()
         camera.publish(self.image_of_bag(40))
         before = status.at(self.image_of_bag(40).header.stamp)
         self.assertIsNotNone(before)
@@ -329,7 +324,7 @@ class FaultsTest(unittest.TestCase):
         slow = self.image_of_bag(41)
         slow.header.frame_id = "no_such_camera"
         camera.publish(slow)
-        rospy.sleep(0.5)
+        self.wait_for_second_to_receive(before.images_received + 1)
         others = [self.image_of_bag(index) for index in range(42, 47)]
         for image in others:
             camera.publish(image)
@@ -339,6 +334,13 @@ class FaultsTest(unittest.TestCase):
         self.assertEqual(after.images_dropped, before.images_dropped + 4)
         self.assertEqual([message.header.stamp for message in status.messages],
                          [before.header.stamp, after.header.stamp])
+
+    def wait_for_second_to_receive(self, count):
+        """Until /diagnostics says that the second localizer received so many images; it has then
+        taken up the last one, unless others wait before it."""
+        self.assertIsNotNone(self.diagnostics.wait_for(lambda message: any(
+            status.name.endswith("second/localizer: images") and
+            KeyValue("received", str(count)) in status.values for status in message.status)))
 
 
 if __name__ == "__main__":

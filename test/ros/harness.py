@@ -2,22 +2,29 @@
 
 import os
 import threading
+import time
 from typing import Dict, List, Optional, Tuple
 
 import cv2
 import numpy as np
 import rosbag
+import rosgraph
 import rospy
 import tf2_msgs.msg
-from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, TransformStamped
 from omnitag.msg import LocalizationStatus, MarkerDetectionArray
+from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import CompressedImage, Image
 
 PACKAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
 BAG = os.path.join(PACKAGE, "bags", "paper.bag")
 TRUTH = os.path.join(PACKAGE, "bags", "paper.tum")
 IMAGE_TOPIC = "/camera/image"
-TIMEOUT = 30.0  # s, for what must come; a test that passes does not wait for it
+TIMEOUT = 60.0  # s, for what must come; a test that passes does not wait for it
+
+# odom in the map: the odometry of the tests has no error, but another origin.
+ODOM_X, ODOM_Y, ODOM_YAW = 1.5, -0.7, 0.6
 
 
 def read_truth() -> Dict[rospy.Time, Tuple[float, float, float]]:
@@ -42,6 +49,21 @@ def yaw_of(orientation) -> float:
 def angle_between(a: float, b: float) -> float:
     """rad, absolute."""
     return abs((a - b + np.pi) % (2.0 * np.pi) - np.pi)
+
+
+def odometry(stamp: rospy.Time, pose: Tuple[float, float, float]) -> TransformStamped:
+    """odom -> base_link of a true pose."""
+    x, y, yaw = pose
+    dx, dy = x - ODOM_X, y - ODOM_Y
+    transform = TransformStamped()
+    transform.header.stamp = stamp
+    transform.header.frame_id = "odom"
+    transform.child_frame_id = "base_link"
+    transform.transform.translation.x = np.cos(ODOM_YAW) * dx + np.sin(ODOM_YAW) * dy
+    transform.transform.translation.y = -np.sin(ODOM_YAW) * dx + np.cos(ODOM_YAW) * dy
+    transform.transform.rotation.z = np.sin((yaw - ODOM_YAW) / 2.0)
+    transform.transform.rotation.w = np.cos((yaw - ODOM_YAW) / 2.0)
+    return transform
 
 
 def raw_image(compressed: CompressedImage, encoding: str = "mono8") -> Image:
@@ -82,6 +104,37 @@ class Topic:
         return self.wait_for(lambda message: message.header.stamp == stamp, timeout)
 
 
+class Diagnostics(Topic):
+    """What all nodes report of their health."""
+
+    def __init__(self) -> None:
+        super().__init__("/diagnostics", DiagnosticArray)
+
+    def wait_for_report(self, task: str, level: int, *parts: str) -> None:
+        """Until a task, given by the end of its name, reports a line with these parts from now on."""
+        start = len(self.messages)
+
+        def reports() -> List[DiagnosticStatus]:
+            return [status for message in self.messages[start:] for status in message.status
+                    if status.name.endswith(task)]
+
+        assert wait_until(lambda: any(
+            report.level == level and all(part in report.message for part in parts)
+            for report in reports())), (task, parts, [report.message for report in reports()[-3:]])
+
+
+class LogTopic(Topic):
+    """What all nodes log."""
+
+    def __init__(self) -> None:
+        super().__init__("/rosout", Log)
+
+    def wait_for_line(self, level: int, part: str, start: int, timeout: float = TIMEOUT) -> bool:
+        """Whether a line with this part came, or comes in time, after the first `start` ones."""
+        return wait_until(lambda: any(line.level == level and part in line.msg
+                                      for line in self.messages[start:]), timeout)
+
+
 def read_bag() -> Tuple[List[CompressedImage], List]:
     """The images and the static transforms of the shipped bag."""
     images: List[CompressedImage] = []
@@ -117,12 +170,10 @@ class Harness:
                                  rospy.Publisher(IMAGE_TOPIC + "/compressed", CompressedImage,
                                                  queue_size=100))
         self._static_publisher.publish(self.static_transforms)
-        wait_until(lambda: self._image_publisher.get_num_connections() > 0 and
-                   self._static_publisher.get_num_connections() > 0 and
-                   self.status.subscriber.get_num_connections() > 0 and
-                   self.poses.subscriber.get_num_connections() > 0 and
-                   self.covariances.subscriber.get_num_connections() > 0 and
-                   self.detections.subscriber.get_num_connections() > 0)
+        assert wait_until(lambda: is_connected(
+            self.poses.subscriber, self.covariances.subscriber, self.status.subscriber,
+            self.detections.subscriber, self.transforms.subscriber, self._static_publisher,
+            self._tf_publisher, self._image_publisher)), "the localizer did not start"
 
     def publish(self, image: CompressedImage) -> None:
         """Sends an image as the camera would."""
@@ -154,9 +205,21 @@ class Harness:
                 if transform.header.frame_id == "map"]
 
 
+def is_connected(*ends) -> bool:
+    """Whether publishers and subscribers of this process are connected with every node that the
+    master knows at the other end of their topic, and that there is one."""
+    publishers, subscribers, _ = rosgraph.Master(rospy.get_name()).getSystemState()
+    for end in ends:
+        nodes = dict(subscribers if isinstance(end, rospy.Publisher) else publishers)
+        peers = nodes.get(end.resolved_name, [])
+        if not peers or end.get_num_connections() < len(peers):
+            return False
+    return True
+
+
 def wait_until(condition, timeout: float = TIMEOUT) -> bool:
-    """Whether the condition came true in time."""
-    deadline = rospy.get_time() + timeout
-    while not condition() and rospy.get_time() < deadline and not rospy.is_shutdown():
-        rospy.sleep(0.05)
+    """Whether the condition came true in time: wall time, whatever /clock says."""
+    deadline = time.monotonic() + timeout
+    while not condition() and time.monotonic() < deadline and not rospy.is_shutdown():
+        time.sleep(0.05)
     return condition()

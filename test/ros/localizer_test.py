@@ -9,11 +9,13 @@ import cv2
 import numpy as np
 import rospy
 import rostest
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PoseWithCovarianceStamped
-from harness import BAG, Harness, Topic, angle_between, raw_image, wait_until, yaw_of
+from harness import (Diagnostics, Harness, LogTopic, Topic, angle_between, is_connected, raw_image,
+                     wait_until, yaw_of)
 from nav_msgs.msg import Path
 from omnitag.msg import LocalizationStatus
+from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import CompressedImage, Image
 from std_srvs.srv import Empty, Trigger
 from visualization_msgs.msg import Marker, MarkerArray
@@ -28,28 +30,16 @@ class LocalizerTest(unittest.TestCase):
         cls.path = Topic("path", Path)
         cls.markers = Topic("markers", MarkerArray)
         cls.debug_images = Topic("debug_image", Image)
-        cls.diagnostics = Topic("/diagnostics", DiagnosticArray)
+        cls.diagnostics = Diagnostics()
+        cls.log = LogTopic()
         cls.initial_pose = rospy.Publisher("initialpose", PoseWithCovarianceStamped, queue_size=1)
-        assert wait_until(lambda: cls.initial_pose.get_num_connections() > 0 and
-                          cls.markers.subscriber.get_num_connections() > 0 and
-                          cls.debug_images.subscriber.get_num_connections() > 0), BAG
+        assert wait_until(lambda: is_connected(
+            cls.initial_pose, cls.path.subscriber, cls.markers.subscriber,
+            cls.debug_images.subscriber, cls.diagnostics.subscriber, cls.log.subscriber))
 
     def wait_for_diagnostics(self, task, level, *parts):
-        """Whether a task of the localizer reports a line with these parts from now on."""
-        start = len(self.diagnostics.messages)
-        seen = []
-
-        def matches(message):
-            if message in self.diagnostics.messages[:start]:
-                return False
-            for status in message.status:
-                if status.name.endswith(": " + task):
-                    seen.append((status.level, status.message))
-                    if status.level == level and all(part in status.message for part in parts):
-                        return True
-            return False
-
-        self.assertIsNotNone(self.diagnostics.wait_for(matches), (task, parts, seen[-3:]))
+        """Until a task of the localizer reports a line with these parts from now on."""
+        self.diagnostics.wait_for_report(": " + task, level, *parts)
 
     def test_1_says_what_it_waits_for(self):
         self.wait_for_diagnostics("images", DiagnosticStatus.ERROR, "waiting for the first image",
@@ -132,9 +122,12 @@ class LocalizerTest(unittest.TestCase):
         self.wait_for_diagnostics("transforms", DiagnosticStatus.OK)
 
     def test_6_starts_anew_when_time_goes_back(self):
+        start = len(self.log.messages)
         status = self.harness.localize(self.shifted(0, -100.0))
         self.assertEqual(status.mode, LocalizationStatus.TRACKING)
         self.assertEqual(status.images_dropped, 0)
+        self.assertTrue(self.log.wait_for_line(Log.WARN, "stamps went back", start))
+        self.assertEqual(len(self.path.at(status.header.stamp).poses), 1)
         pose = self.harness.poses.at(status.header.stamp)
         self.assertLess(self.distance(pose, 0), 0.02)
 
@@ -181,17 +174,19 @@ class LocalizerTest(unittest.TestCase):
 
         for frame_id, quaternion in (("map", (0.0, 0.0)), ("map", (np.nan, 1.0)),
                                      ("", (0.0, 1.0)), ("no_such_frame", (0.0, 1.0))):
+            start = len(self.log.messages)
             self.initial_pose.publish(initial_pose(frame_id, 40.0, 40.0, quaternion))
-            rospy.sleep(0.5)
+            self.assertTrue(self.log.wait_for_line(Log.ERROR, "initialpose refused", start))
         status = harness.localize(self.shifted(5, -100.0))
         self.assertEqual(status.mode, LocalizationStatus.TRACKING)
         self.assertEqual(status.remark, "")
         self.assertLess(self.distance(harness.poses.at(status.header.stamp), 5), 0.02)
 
         x, y, yaw = self.true_pose(6)
+        start = len(self.log.messages)
         self.initial_pose.publish(
             initial_pose("map", x + 0.03, y - 0.02, (np.sin(yaw / 2.0), np.cos(yaw / 2.0))))
-        rospy.sleep(1.0)
+        self.assertTrue(self.log.wait_for_line(Log.INFO, "initial pose x", start))
         status = harness.localize(self.shifted(6, -100.0))
         self.assertEqual(status.mode, LocalizationStatus.TRACKING)
         self.assertLess(self.distance(harness.poses.at(status.header.stamp), 6), 0.02)

@@ -11,7 +11,7 @@ import rosgraph
 import rospy
 import rostest
 from geometry_msgs.msg import PoseStamped
-from harness import IMAGE_TOPIC, Topic, raw_image, read_bag, wait_until
+from harness import IMAGE_TOPIC, TIMEOUT, Topic, raw_image, read_bag
 from nodelet.srv import NodeletList, NodeletLoad, NodeletUnload
 from sensor_msgs.msg import Image
 from tf2_msgs.msg import TFMessage
@@ -33,12 +33,14 @@ class Camera(threading.Thread):
                                                     queue_size=1)
         self._transform_publisher.publish(transforms)
         self._stopped = threading.Event()
+        self.stamp = rospy.Time(1000.0)  # of the last image
 
     def run(self):
         count = 0
         while not self._stopped.wait(0.03):
             image = self._images[count % len(self._images)]
-            image.header.stamp = rospy.Time(1000.0 + 0.25 * count)
+            self.stamp += rospy.Duration(0.25)
+            image.header.stamp = self.stamp
             self._image_publisher.publish(image)
             count += 1
 
@@ -50,7 +52,7 @@ class Camera(threading.Thread):
 
 class ReloadingTest(unittest.TestCase):
     def setUp(self):
-        rospy.wait_for_service("/manager/load_nodelet", 30.0)
+        rospy.wait_for_service("/manager/load_nodelet", TIMEOUT)
         self.load = rospy.ServiceProxy("/manager/load_nodelet", NodeletLoad)
         self.unload = rospy.ServiceProxy("/manager/unload_nodelet", NodeletUnload)
         self.list = rospy.ServiceProxy("/manager/list", NodeletList)
@@ -69,11 +71,12 @@ class ReloadingTest(unittest.TestCase):
         self.addCleanup(camera.stop)
         after_warm_up = 0.0
         for count in range(TIMES):
-            poses.messages.clear()
+            before = camera.stamp
             self.assertTrue(self.load(name="/localizer", type="omnitag/LocalizerNodelet",
                                       remap_source_args=["/image"],
                                       remap_target_args=[IMAGE_TOPIC]).success)
-            self.assertTrue(wait_until(lambda: poses.messages), f"no pose after load {count}")
+            self.assertIsNotNone(poses.wait_for(lambda pose: pose.header.stamp > before),
+                                 f"no pose after load {count}")
             self.assertTrue(self.unload(name="/localizer").success)
             self.assertEqual(self.list().nodelets, [])
             if count + 1 == WARM_UP:

@@ -103,11 +103,25 @@ TEST(FrameMarkers, RemovesWhatIsGone) {
   }
   localized.result.map_from_base.reset();
   for (const auto& marker : frame_markers.draw(localized, twoMarkers()).markers) {
+    if (marker.ns == "remark") continue;
     EXPECT_EQ(marker.action, visualization_msgs::Marker::DELETE);
     shown.erase({marker.ns, marker.id});
   }
   EXPECT_TRUE(shown.empty());
-  EXPECT_TRUE(frame_markers.draw(localized, twoMarkers()).markers.empty());
+  EXPECT_EQ(frame_markers.draw(localized, twoMarkers()).markers.size(), 1U) << "the remark";
+}
+
+TEST(FrameMarkers, SayWhyThereIsNoPose) {
+  FrameMarkers frame_markers("map", 0.2);
+  LocalizedImage localized = localizedImage();
+  localized.result.map_from_base.reset();
+  localized.result.remark = "no marker of the map was read";
+  const auto lost = byNamespace(frame_markers.draw(localized, twoMarkers()));
+  ASSERT_EQ(lost.count("remark"), 1U);
+  EXPECT_EQ(lost.at("remark").text, "searching: no marker of the map was read");
+  EXPECT_NEAR(lost.at("remark").pose.position.x, 2.5, 1e-12) << "in the middle of the map";
+  const auto found = byNamespace(frame_markers.draw(localizedImage(), twoMarkers()));
+  EXPECT_EQ(found.at("remark").action, visualization_msgs::Marker::DELETE);
 }
 
 TEST(MapMarkers, TagsAreWhereTheMapHasThem) {

@@ -29,7 +29,7 @@ class DisplacementLog {
  public:
   void add(const FrameResult& result);
 
-  /// Entries that were read displaced in several frames and, since then, never where the map has
+  /// Entries that were measured displaced three times and, since then, never seen where the map has
   /// them; each with the mean distance.
   std::vector<DisplacedMarker> persistent() const;
 

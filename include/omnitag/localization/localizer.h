@@ -2,9 +2,12 @@
 
 #include <cstddef>
 #include <limits>
+#include <map>
 #include <memory>
 #include <opencv2/core/mat.hpp>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "omnitag/camera/mounted_camera.h"
@@ -51,20 +54,32 @@ class Localizer {
   void check(const Frame& frame) const;
   std::optional<PoseEstimate> predict(const Frame& frame);
   /// Looks where the prediction has markers; leaves the result without a pose where none agrees.
-  void track(const Frame& frame, const MountedCamera& camera, const PoseEstimate& predicted,
+  /// Whether what was found there leaves the prediction possible.
+  bool track(const Frame& frame, const MountedCamera& camera, const PoseEstimate& predicted,
              FrameResult* result);
+  /// Whether the accepted markers alone, without the prediction, lead to where it has the robot. A
+  /// prediction that is too sure of itself may hold a pose against all of them.
+  bool markersAgree(const MountedCamera& camera, const PoseEstimate& predicted,
+                    const Pose2& solution, const FrameResult& result) const;
+  /// Whether a look all around, now and then where a marker or two are all that was found of those
+  /// predicted, finds the robot elsewhere.
+  bool isElsewhere(const Frame& frame, const MountedCamera& camera, const PoseEstimate& tracked,
+                   const FrameResult& result);
   /// Looks, with one of the views all around, for what is not expected from a pose.
   void patrol(const Frame& frame, const MountedCamera& camera, const Pose2& map_from_base,
               FrameResult* result);
   /// Looks all around, and decides between what it finds and the prediction.
   void search(const Frame& frame, const MountedCamera& camera,
-              const std::optional<PoseEstimate>& predicted, FrameResult* result);
+              const std::optional<PoseEstimate>& predicted, bool is_refuted, FrameResult* result);
   /// Without a marker that agrees: the prediction, unless what was read contradicts it.
-  void carryOn(const PoseEstimate& predicted, FrameResult* result) const;
+  void carryOn(const PoseEstimate& predicted, bool is_refuted, FrameResult* result) const;
   std::vector<MarkerReading> lookAround(const Frame& frame, const MountedCamera& camera,
                                         FrameResult* result) const;
   TrackingTools trackingTools() const;
-  void measure(const MountedCamera& camera, FrameResult* result) const;
+  /// Fills in what the frame's pose says about its detections.
+  void measure(const MountedCamera& camera, FrameResult* result);
+  /// Whether it is time to see how far a marker hangs from its place; if so, it is then done.
+  bool isDue(const MarkerDetection& rejected, double stamp);
 
   std::shared_ptr<const CameraModel> camera_;
   MarkerMap map_;
@@ -77,9 +92,15 @@ class Localizer {
   bool has_pose_ = false;
   std::optional<double> last_stamp_;
   std::size_t frames_ = 0;
-  /// Stamp from which the next view is patrolled, and how many have been.
+  /// Stamp from which a view is patrolled next, which of them, and since when it has shown a marker
+  /// that hangs elsewhere.
   double next_patrol_ = -std::numeric_limits<double>::infinity();
-  std::size_t patrolled_views_ = 0;
+  std::size_t patrolled_view_ = 0;
+  std::optional<double> odd_since_;
+  /// Stamp from which a pose that stands on few markers is doubted next.
+  double next_doubt_ = -std::numeric_limits<double>::infinity();
+  /// By family and id: when it was last seen how far a marker hangs from its place.
+  std::map<std::pair<std::string, int>, double> measured_;
 };
 
 }  // namespace omnitag

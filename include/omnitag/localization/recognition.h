@@ -23,7 +23,7 @@ struct RecognitionConfig {
   double min_contrast = 8.0;
   /// s: this often, one of the views all around is looked at with the decoder for what is not
   /// expected there.
-  double period = 0.5;
+  double period = 0.25;
 };
 
 /// Reads the keys above; absent ones keep their defaults. Throws InputError.
