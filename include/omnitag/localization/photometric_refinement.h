@@ -29,7 +29,7 @@ struct PhotometricConfig {
   /// Pixels at the edges of a marker's modules that are used, at most: from step to step until the
   /// pose stays, and for the last step from there. More of the latter make the pose more exact.
   int max_pixels = 400;
-  int max_final_pixels = 3000;
+  int max_final_pixels = 1500;
 };
 
 /// A pose that was aligned with the panorama.
