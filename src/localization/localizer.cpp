@@ -24,6 +24,8 @@ constexpr double kWorkingDistance = 3.0;
 std::set<std::string> familiesOf(const MarkerMap& map) {
   std::set<std::string> families;
   for (const Marker& marker : map.markers) families.insert(marker.family);
+  // Of unknown markers.
+  if (!map.default_family.empty()) families.insert(map.default_family);
   return families;
 }
 
@@ -73,6 +75,11 @@ Localizer::Localizer(std::shared_ptr<const CameraModel> camera, MarkerMap map,
       motion_(config.motion) {}
 
 TrackingTools Localizer::trackingTools() const { return {map_, config_, reader_, patterns_}; }
+
+void Localizer::setMap(MarkerMap map) {
+  patterns_ = TagPatterns(map);
+  map_ = std::move(map);
+}
 
 void Localizer::setPose(const PoseEstimate& map_from_base) { given_pose_ = map_from_base; }
 
@@ -145,7 +152,7 @@ void Localizer::track(const Frame& frame, const MountedCamera& camera,
   motion_.correct(*pose);
   result->mode = Mode::kTracking;
   result->map_from_base = pose;
-  if (frame.stamp >= next_patrol_) {
+  if (config_.exploring_views > 0 || frame.stamp >= next_patrol_) {
     next_patrol_ = frame.stamp + config_.recognition.period;
     patrol(frame, camera, pose->pose, result);
   }
@@ -153,12 +160,17 @@ void Localizer::track(const Frame& frame, const MountedCamera& camera,
 
 void Localizer::patrol(const Frame& frame, const MountedCamera& camera, const Pose2& map_from_base,
                        FrameResult* result) {
-  std::vector<View> all = viewsAllAround(map_, camera, reader_.warper().table(),
-                                         config_.visibility.max_range, config_.look_around);
-  if (all.empty()) return;
-  const std::size_t next = patrolled_views_++ % all.size();
-  for (const MarkerReading& reading :
-       readViews(reader_, frame.image, {std::move(all[next])}, result)) {
+  const std::vector<View> all = viewsToSearch(camera);
+  const auto count = static_cast<std::size_t>(std::max(1, config_.exploring_views));
+  std::vector<View> due;
+  while (due.size() < std::min(count, all.size())) {
+    due.push_back(all[patrolled_views_++ % all.size()]);
+  }
+  const std::vector<MarkerReading> readings =
+      withoutRepetitions(readViews(reader_, frame.image, std::move(due), result), result->views,
+                         reader_.warper());
+  if (config_.exploring_views > 0) result->explored = readings;
+  for (const MarkerReading& reading : readings) {
     const bool is_known =
         std::any_of(result->detections.begin(), result->detections.end(),
                     [&reading](const MarkerDetection& detection) {
@@ -243,12 +255,19 @@ std::vector<MarkerReading> Localizer::lookAround(const Frame& frame, const Mount
   result->views.clear();
   result->view_images.clear();
   result->detections.clear();
-  std::vector<View> views = viewsAllAround(map_, camera, reader_.warper().table(),
-                                           config_.visibility.max_range, config_.look_around);
+  std::vector<View> views = viewsToSearch(camera);
   result->timings.predict += step.lap();
   const std::vector<MarkerReading> readings =
-      readViews(reader_, frame.image, std::move(views), result);
-  return withoutRepetitions(readings, result->views, reader_.warper());
+      withoutRepetitions(readViews(reader_, frame.image, std::move(views), result), result->views,
+                         reader_.warper());
+  if (config_.exploring_views > 0) result->explored = readings;
+  return readings;
+}
+
+std::vector<View> Localizer::viewsToSearch(const MountedCamera& camera) const {
+  const ContourTable& table = reader_.warper().table();
+  if (config_.exploring_views > 0) return viewsOfEverything(camera, table, config_.look_around);
+  return viewsAllAround(map_, camera, table, config_.visibility.max_range, config_.look_around);
 }
 
 void Localizer::measure(const MountedCamera& camera, FrameResult* result) const {

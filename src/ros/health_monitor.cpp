@@ -3,6 +3,7 @@
 #include <cmath>
 #include <iomanip>
 #include <sstream>
+#include <utility>
 
 #include "omnitag/common/angle.h"
 #include "omnitag/localization/localizer.h"
@@ -34,10 +35,10 @@ const char* modeName(const LocalizationStatus& status) {
 }  // namespace
 
 HealthMonitor::HealthMonitor(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
-                             const ImageInput& input, const MarkerMap& map)
+                             const ImageInput& input, MarkerMap map)
     : input_(input),
-      map_(map),
       name_(private_node.getNamespace()),
+      map_(std::move(map)),
       last_report_(Clock::now()),
       updater_(node, private_node, name_) {
   updater_.setHardwareID("none");
@@ -47,6 +48,12 @@ HealthMonitor::HealthMonitor(const ros::NodeHandle& node, const ros::NodeHandle&
   updater_.add("marker map", this, &HealthMonitor::reportMap);
   timer_ = node.createWallTimer(ros::WallDuration(kReportPeriod),
                                 [this](const ros::WallTimerEvent&) { updater_.force_update(); });
+}
+
+void HealthMonitor::mapChanged(const MarkerMap& map) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  mapped_ += map.markers.size() - map_.markers.size();
+  map_ = map;
 }
 
 void HealthMonitor::imageRefused(const std::string& why) {
@@ -188,6 +195,7 @@ void HealthMonitor::reportMap(Report& report) {
     report.summary(Report::WARN, marker_map_.problem);
   }
   report.add("markers", map_.markers.size());
+  report.add("markers that mapping has added", mapped_);
 }
 
 void HealthMonitor::complain(Subject* subject, const std::string& problem) {

@@ -10,11 +10,18 @@ ImageLocalizer::ImageLocalizer(const LocalizerParameters& parameters, const Desc
       map_(loadMarkerMap(parameters.map_file)),
       assembler_(camera.origin, camera_->imageSize(), parameters.frames) {
   if (parameters_.frames.map.empty()) parameters_.frames.map = map_.frame_id;
+  if (parameters_.mapping) {
+    try {
+      mapper_.emplace(camera_, map_, parameters_.mapper);
+    } catch (const InputError& error) {
+      throw InputError(parameters_.map_file + ": " + error.what());
+    }
+  }
   start();
 }
 
 void ImageLocalizer::start() {
-  localizer_ = std::make_unique<Localizer>(camera_, map_, parameters_.localizer);
+  localizer_ = std::make_unique<Localizer>(camera_, map(), parameters_.localizer);
   if (parameters_.initial_pose) localizer_->setPose(*parameters_.initial_pose);
   last_stamp_ = ros::Time();
 }
@@ -36,7 +43,19 @@ std::optional<LocalizedImage> ImageLocalizer::localize(const cv_bridge::CvImageC
   last_stamp_ = stamp;
   localized.input.frame.wants_views = wants_views;
   localized.result = localizer_->process(localized.input.frame);
+  localized.map_changed = mapper_ && mapper_->add(localized.input.frame, localized.result);
+  if (localized.map_changed) localizer_->setMap(mapper_->map());
   return localized;
+}
+
+std::vector<ProvisionalMarker> ImageLocalizer::provisional() const {
+  return mapper_ ? mapper_->provisional() : std::vector<ProvisionalMarker>();
+}
+
+void ImageLocalizer::adopt(const std::vector<Marker>& saved) {
+  if (!mapper_) return;
+  mapper_->adopt(saved);
+  localizer_->setMap(mapper_->map());
 }
 
 }  // namespace omnitag

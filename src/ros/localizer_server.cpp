@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "omnitag/mapping/mapped_entries.h"
 #include "omnitag/ros/conversions.h"
 #include "omnitag/ros/map_markers.h"
 #include "omnitag/ros/result_messages.h"
@@ -37,7 +38,7 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
       localizer_(parameters_, camera),
       transforms_(ros::Duration(kTransformCache)),
       transform_listener_(transforms_, node),
-      map_markers_(mapMarkers(localizer_.map(), localizer_.frames().map)),
+      map_markers_(mapMarkers(localizer_.map(), {}, localizer_.frames().map)),
       frame_markers_(localizer_.frames().map, parameters_.robot_radius),
       debug_image_painter_(localizer_.camera(), localizer_.map()),
       path_(parameters_.path_min_step, parameters_.path_max_poses),
@@ -53,6 +54,7 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
   path_publisher_ = node_.advertise<nav_msgs::Path>("path", 1, kLatched);
   markers_publisher_ = node_.advertise<visualization_msgs::MarkerArray>(
       "markers", 10, [this](const ros::SingleSubscriberPublisher& subscriber) {
+        const std::lock_guard<std::mutex> lock(map_mutex_);
         subscriber.publish(map_markers_);
       });
   debug_image_publisher_ = image_transport_.advertise("debug_image", 1);
@@ -67,7 +69,7 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
   save_map_server_ =
       node_.advertiseService<std_srvs::Trigger::Request, std_srvs::Trigger::Response>(
           "save_map", [this](auto& /*request*/, auto& response) {
-            response.message = "mapping is off: the map is as " + parameters_.map_file + " has it";
+            saveMap(&response);
             return true;
           });
 
@@ -107,7 +109,7 @@ void LocalizerServer::run() {
 void LocalizerServer::onImage(const ReceivedImage& received) {
   {
     const std::lock_guard<std::mutex> lock(request_mutex_);
-    if (const Request request = std::exchange(request_, nullptr)) request(&localizer_.localizer());
+    for (const Request& request : std::exchange(requests_, {})) request(&localizer_);
   }
   const cv_bridge::CvImageConstPtr image = received.decode();
   waitForTransforms(received.header);
@@ -135,8 +137,10 @@ void LocalizerServer::publish(const LocalizedImage& localized) {
   if (localized.started_anew) {
     ROS_WARN_STREAM(name_ << ": stamps went back, as when a bag is played again: started anew");
     path_.clear();
+    const std::lock_guard<std::mutex> lock(map_mutex_);
     markers_publisher_.publish(map_markers_);
   }
+  if (localizer_.isMapping()) publishMap(localized.map_changed);
   ResultMessages messages =
       toMessages(localized, localizer_.map(), localizer_.frames(), parameters_.transform_tolerance);
   messages.status.images_received = input_.received();
@@ -200,9 +204,9 @@ void LocalizerServer::takePose(const geometry_msgs::PoseWithCovarianceStamped& m
   const std::optional<Eigen::Matrix3d> covariance = planarCovariance(message.pose);
   if (covariance) {
     const PoseEstimate estimate{pose, rotated(*covariance, map_from_frame)};
-    request([estimate](Localizer* localizer) { localizer->setPose(estimate); });
+    request([estimate](ImageLocalizer* it) { it->localizer().setPose(estimate); });
   } else {
-    request([pose](Localizer* localizer) { localizer->setPose(pose); });
+    request([pose](ImageLocalizer* it) { it->localizer().setPose(pose); });
   }
   ROS_INFO_STREAM(name_ << ": initial pose x " << pose.x << " m, y " << pose.y << " m, yaw "
                         << pose.yaw << " rad, from the next image on");
@@ -220,13 +224,60 @@ Eigen::Isometry3d LocalizerServer::mapFrom(const std::string& frame) const {
 }
 
 void LocalizerServer::forgetPose() {
-  request([](Localizer* localizer) { localizer->forgetPose(); });
+  request([](ImageLocalizer* it) { it->localizer().forgetPose(); });
   ROS_INFO_STREAM(name_ << ": pose forgotten, searching from the next image on");
+}
+
+void LocalizerServer::publishMap(bool is_changed) {
+  std::vector<ProvisionalMarker> provisional = localizer_.provisional();
+  if (is_changed) {
+    debug_image_painter_ = DebugImagePainter(localizer_.camera(), localizer_.map());
+    health_.mapChanged(localizer_.map());
+  }
+  const std::lock_guard<std::mutex> lock(map_mutex_);
+  const bool is_to_draw = is_changed || provisional.size() != provisional_.size();
+  provisional_ = std::move(provisional);
+  if (!is_to_draw) return;
+  map_markers_ = mapMarkers(localizer_.map(), provisional_, localizer_.frames().map);
+  markers_publisher_.publish(map_markers_);
+}
+
+void LocalizerServer::saveMap(std_srvs::Trigger::Response* response) {
+  if (!parameters_.mapping) {
+    response->message = "mapping is off: the map is as " + parameters_.map_file + " has it";
+    return;
+  }
+  std::vector<ProvisionalMarker> provisional;
+  {
+    const std::lock_guard<std::mutex> lock(map_mutex_);
+    provisional = provisional_;
+  }
+  std::vector<MapEntry> entries;
+  for (const ProvisionalMarker& each : provisional) {
+    if (each.is_used) {
+      entries.push_back(mappedEntry(each.estimate.marker, each.estimate.covariance));
+    }
+  }
+  const std::string waiting =
+      std::to_string(provisional.size() - entries.size()) + " more are not known well enough yet";
+  try {
+    const SavedMap saved = addToMapFile(parameters_.map_file, entries);
+    response->success = 1;
+    response->message = saved.is_written ? std::to_string(saved.added.size()) +
+                                               " markers added to " + parameters_.map_file +
+                                               ", the old file is beside it with a ~; " + waiting
+                                         : parameters_.map_file + " has all already; " + waiting;
+    request([saved](ImageLocalizer* it) { it->adopt(saved.added); });
+    ROS_INFO_STREAM(name_ << ": " << response->message);
+  } catch (const std::exception& error) {
+    response->message = error.what();
+    ROS_ERROR_STREAM(name_ << ": map not saved: " << error.what());
+  }
 }
 
 void LocalizerServer::request(Request request) {
   const std::lock_guard<std::mutex> lock(request_mutex_);
-  request_ = std::move(request);
+  requests_.push_back(std::move(request));
 }
 
 }  // namespace omnitag

@@ -111,7 +111,7 @@ TEST(FrameMarkers, RemovesWhatIsGone) {
 }
 
 TEST(MapMarkers, TagsAreWhereTheMapHasThem) {
-  const visualization_msgs::MarkerArray array = mapMarkers(twoMarkers(), "map");
+  const visualization_msgs::MarkerArray array = mapMarkers(twoMarkers(), {}, "map");
   const auto markers = byNamespace(array);
   const visualization_msgs::Marker& tags = markers.at("tags");
   ASSERT_EQ(tags.points.size(), tags.colors.size());

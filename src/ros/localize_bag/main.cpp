@@ -12,6 +12,7 @@
 #include "../bag_tools/bag_input.h"
 #include "../bag_tools/progress.h"
 #include "omnitag/common/error.h"
+#include "omnitag/mapping/mapped_entries.h"
 #include "omnitag/ros/image_localizer.h"
 #include "options.h"
 #include "result_bag.h"
@@ -74,6 +75,19 @@ DescribedCamera cameraOf(const BagOptions& options, const BagInput& input) {
   return options.camera.empty() ? input.describedCamera() : cameraFromFile(options.camera);
 }
 
+/// The map file's text with the markers that mapping has added.
+void saveMap(const BagOptions& options, const ImageLocalizer& localizer) {
+  std::vector<MapEntry> entries;
+  const std::vector<ProvisionalMarker> provisional = localizer.provisional();
+  for (const ProvisionalMarker& each : provisional) {
+    if (!each.is_used) continue;
+    entries.push_back(mappedEntry(each.estimate.marker, each.estimate.covariance));
+  }
+  std::printf("markers mapped:    %zu, %zu more are not known well enough\n", entries.size(),
+              provisional.size() - entries.size());
+  replaceFile(options.mapped, withEntries(readTextFile(options.map), entries, options.map));
+}
+
 void run(const BagOptions& options) {
   const LocalizerParameters parameters = parametersOf(options);
   const BagInput input(options.bag, options.image_topic);
@@ -81,7 +95,7 @@ void run(const BagOptions& options) {
   ResultFiles files(options.trajectory, options.poses, options.detections);
   std::optional<ResultBag> output;
   if (!options.output.empty()) {
-    output.emplace(options.output, localizer.map(), localizer.frames(), parameters);
+    output.emplace(options.output, localizer.frames(), parameters);
   }
 
   const rosbag::TopicQuery images(input.imageTopic());
@@ -104,7 +118,7 @@ void run(const BagOptions& options) {
         }
         summary.add(*localized);
         files.add(stamp, localized->result, localizer.map());
-        if (output) output->add(message.getTime(), *localized);
+        if (output) output->add(message.getTime(), *localized, localizer);
       }
     } catch (const InputError& error) {
       const std::string problem =
@@ -134,6 +148,7 @@ void run(const BagOptions& options) {
     throw InputError(options.bag + ": no image could be used: " + summary.first_problem);
   }
   print(summary, localizer.lateImages());
+  if (!options.mapped.empty()) saveMap(options, localizer);
 }
 
 }  // namespace
