@@ -44,12 +44,28 @@ Marker markerAt(const Marker& initial, const MarkerIncrement& increment, double 
   return marker;
 }
 
-/// What an observation's corners are off, in corner noises, by pose, on_floor, off_floor and size.
+/// Squares up to what is expected, and from there on Cauchy's function.
+class ExpectedLoss : public ceres::LossFunction {
+ public:
+  void Evaluate(double square, double* out) const override {
+    if (square <= kExpected) {
+      out[0] = square;
+      out[1] = 1.0;
+      out[2] = 0.0;
+    } else {
+      out[0] = kExpected * (1.0 + std::log(square / kExpected));
+      out[1] = kExpected / square;
+      out[2] = -kExpected / (square * square);
+    }
+  }
+};
+
+/// What an observation's corners are off, whitened, by pose, on_floor, off_floor and size.
 class CornersCost : public ceres::SizedCostFunction<8, 3, 3, 3, 1> {
  public:
-  CornersCost(const MountedCamera& camera, const Marker& initial, CornerPixels measured,
-              double noise)
-      : camera_(camera), initial_(initial), measured_(std::move(measured)), noise_(noise) {}
+  CornersCost(const MountedCamera& camera, const Marker& initial,
+              const Bundle::Observation& observation)
+      : camera_(camera), initial_(initial), observation_(observation) {}
 
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override {
@@ -59,16 +75,17 @@ class CornersCost : public ceres::SizedCostFunction<8, 3, 3, 3, 1> {
     if (!(size > 0.0)) return false;
     const auto projection = projectMarker(markerAt(initial_, increment, size), camera_, pose);
     if (!projection) return false;
+    const Eigen::Matrix<double, 8, 8>& whitening = observation_.whitening;
     Eigen::Map<CornerPixels> residual(residuals);
-    residual = (projection->pixels - measured_) / noise_;
+    residual = whitening * (projection->pixels - observation_.pixels);
     if (jacobians == nullptr) return true;
 
-    Eigen::Matrix<double, 8, 6> by_increment = projection->by_marker / noise_;
+    Eigen::Matrix<double, 8, 6> by_increment = whitening * projection->by_marker;
     by_increment.rightCols<3>() = by_increment.rightCols<3>() * leftJacobian(increment.tail<3>());
     using By3 = Eigen::Matrix<double, 8, 3, Eigen::RowMajor>;
     if (jacobians[0] != nullptr) {
       Eigen::Map<By3> by_pose(jacobians[0]);
-      by_pose = projection->by_pose / noise_;
+      by_pose = whitening * projection->by_pose;
     }
     const auto pick = [&](double* jacobian, const std::array<int, 3>& columns) {
       if (jacobian == nullptr) return;
@@ -81,7 +98,7 @@ class CornersCost : public ceres::SizedCostFunction<8, 3, 3, 3, 1> {
     pick(jacobians[2], kOffFloor);
     if (jacobians[3] != nullptr) {
       Eigen::Map<CornerPixels> by_size(jacobians[3]);
-      by_size = projection->by_size / noise_;
+      by_size = whitening * projection->by_size;
     }
     return true;
   }
@@ -89,8 +106,7 @@ class CornersCost : public ceres::SizedCostFunction<8, 3, 3, 3, 1> {
  private:
   const MountedCamera& camera_;
   Marker initial_;
-  CornerPixels measured_;
-  double noise_;
+  const Bundle::Observation& observation_;
 };
 
 /// What a motion is off from odometry, in its deviations.
@@ -142,7 +158,7 @@ class Adjustment {
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
       blocks_[i].size = bundle.landmarks[i].marker.size;
     }
-    addObservations(config.corner_noise);
+    addObservations();
     for (const Bundle::Motion& motion : bundle.motions) {
       costs_.push_back(std::make_unique<MotionCost>(motion));
       problem_.AddResidualBlock(costs_.back().get(), nullptr, poses_[motion.from].data(),
@@ -184,14 +200,13 @@ class Adjustment {
     return options;
   }
 
-  void addObservations(double noise) {
+  void addObservations() {
     for (const Bundle::Observation& observation : bundle_.observations) {
       const Bundle::Frame& frame = bundle_.frames[observation.frame];
       const Marker& marker = bundle_.landmarks[observation.landmark].marker;
       if (!projectMarker(marker, frame.camera, frame.map_from_base)) continue;
       MarkerBlocks& blocks = blocks_[observation.landmark];
-      costs_.push_back(
-          std::make_unique<CornersCost>(frame.camera, marker, observation.pixels, noise));
+      costs_.push_back(std::make_unique<CornersCost>(frame.camera, marker, observation));
       problem_.AddResidualBlock(costs_.back().get(), &loss_, poses_[observation.frame].data(),
                                 blocks.on_floor.data(), blocks.off_floor.data(), &blocks.size);
     }
@@ -216,7 +231,7 @@ class Adjustment {
   std::vector<std::array<double, 3>> poses_;
   std::vector<MarkerBlocks> blocks_;
   std::vector<std::unique_ptr<ceres::CostFunction>> costs_;
-  ceres::CauchyLoss loss_{std::sqrt(kExpected)};
+  ExpectedLoss loss_;
   ceres::Problem problem_{notOwning()};
 };
 
@@ -283,15 +298,20 @@ std::optional<BundleCovariances> covariances(const Bundle& bundle, const BundleC
   return result;
 }
 
-std::vector<double> residuals(const Bundle& bundle) {
-  std::vector<double> result;
+std::vector<Misfit> misfits(const Bundle& bundle) {
+  std::vector<Misfit> result;
   for (const Bundle::Observation& observation : bundle.observations) {
     const Bundle::Frame& frame = bundle.frames[observation.frame];
     const auto projection = projectMarker(bundle.landmarks[observation.landmark].marker,
                                           frame.camera, frame.map_from_base);
-    result.push_back(projection
-                         ? std::sqrt((projection->pixels - observation.pixels).squaredNorm() / 4.0)
-                         : std::numeric_limits<double>::infinity());
+    if (projection) {
+      const CornerPixels off = projection->pixels - observation.pixels;
+      result.push_back(
+          {std::sqrt(off.squaredNorm() / 4.0), (observation.whitening * off).squaredNorm()});
+    } else {
+      constexpr double kInfinity = std::numeric_limits<double>::infinity();
+      result.push_back({kInfinity, kInfinity});
+    }
   }
   return result;
 }

@@ -11,7 +11,9 @@
 
 #include "map_growth.h"
 #include "marker_places.h"
+#include "omnitag/mapping/corner_alignment.h"
 #include "omnitag/marker/marker_reader.h"
+#include "omnitag/marker/tag_pattern.h"
 #include "recording.h"
 #include "recording_checks.h"
 
@@ -68,8 +70,8 @@ void transformTo(std::size_t reference, Recording* recording) {
 
 class MapBuilder {
  public:
-  MapBuilder(Recording* recording, const MapBuilderConfig& config)
-      : recording_(recording), config_(config) {}
+  MapBuilder(Recording* recording, const MapBuilderConfig& config, const PanoramaSource& panoramas)
+      : recording_(recording), config_(config), panoramas_(panoramas) {}
 
   BuiltMap build() {
     checkReadings(*recording_);
@@ -84,6 +86,10 @@ class MapBuilder {
       transformTo(*reference_, recording_);
     }
     refine();
+    if (panoramas_) {
+      alignReadings();
+      refine();
+    }
     return result();
   }
 
@@ -180,20 +186,37 @@ class MapBuilder {
 
   /// Where readings are off by more than their noise, all is less certain.
   void scaleCovariances() {
-    const std::vector<double> off = residuals(indexed_.bundle);
-    // Robustly, as those that moved have no say: the median of chi-square with 8 degrees is 7.34.
+    // Robustly, as those that moved have no say.
     std::vector<double> squares;
-    for (const double each : off) {
-      if (std::isfinite(each)) squares.push_back(4.0 * each * each);
+    for (const Misfit& each : misfits(indexed_.bundle)) {
+      if (std::isfinite(each.square)) squares.push_back(each.square);
     }
     if (squares.empty()) return;
     const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
     std::nth_element(squares.begin(), middle, squares.end());
-    constexpr double kMedian = 7.34;
-    const double expected = kMedian * config_.corner_noise * config_.corner_noise;
-    const double factor = std::max(1.0, *middle / expected);
+    constexpr double kMedian = 7.34;  // of chi-square with 8 degrees of freedom
+    const double factor = std::max(1.0, *middle / kMedian);
     for (MarkerCovariance& covariance : covariances_->landmarks) covariance *= factor;
     for (double& variance : covariances_->sizes) variance *= factor;
+  }
+
+  /// Places the corners of all readings of the map's markers by these markers' pixels.
+  void alignReadings() {
+    std::vector<std::size_t> ignored;
+    const TagPatterns patterns(recording_->placedMap(&ignored));
+    for (std::size_t f = 0; f < recording_->frames.size(); ++f) {
+      RecordedFrame& frame = recording_->frames[f];
+      if (!frame.map_from_base) continue;
+      const cv::Mat panorama = panoramas_(f);
+      frame.aligned.resize(frame.markers.size());
+      for (std::size_t r = 0; r < frame.markers.size(); ++r) {
+        if (!frame.markers[r] || !recording_->markers[*frame.markers[r]].is_placed) continue;
+        const Marker& marker = recording_->markers[*frame.markers[r]].marker;
+        if (residual({f, r}, marker) > limit()) continue;
+        frame.aligned[r] = alignCorners(panorama, marker, patterns.of(marker), frame.camera,
+                                        frame.map_from_base->pose, config_.blur);
+      }
+    }
   }
 
   bool dropUncertain() {
@@ -235,17 +258,17 @@ class MapBuilder {
 
   BuiltMap result() {
     BuiltMap built;
-    const std::vector<double> off = residuals(indexed_.bundle);
+    const std::vector<Misfit> off = misfits(indexed_.bundle);
     std::vector<std::size_t> counts(recording_->markers.size());
     std::vector<double> squares(recording_->markers.size());
     for (std::size_t i = 0; i < off.size(); ++i) {
       const ReadingPlace& place = indexed_.readings[i];
       const std::size_t m = *recording_->frames[place.frame].markers[place.reading];
       built.worst.push_back({recording_->frames[place.frame].input.stamp,
-                             nameOf(recording_->markers[m].marker), off[i]});
-      if (off[i] > limit()) continue;
+                             nameOf(recording_->markers[m].marker), off[i].pixels});
+      if (off[i].pixels > limit()) continue;
       ++counts[m];
-      squares[m] += off[i] * off[i];
+      squares[m] += off[i].pixels * off[i].pixels;
     }
     std::sort(built.worst.begin(), built.worst.end(),
               [](const WorstReading& a, const WorstReading& b) { return a.residual > b.residual; });
@@ -299,6 +322,7 @@ class MapBuilder {
 
   Recording* recording_;
   const MapBuilderConfig& config_;
+  const PanoramaSource& panoramas_;
   /// Without a seed, the marker that the map's frame stands on.
   std::optional<std::size_t> reference_;
   IndexedBundle indexed_;
@@ -319,10 +343,10 @@ MarkerMap BuiltMap::map(const std::string& frame_id) const {
 
 BuiltMap buildMap(const std::shared_ptr<const CameraModel>& camera,
                   const std::vector<FrameReadings>& frames, const MarkerMap& seed,
-                  const MapBuilderConfig& config) {
+                  const MapBuilderConfig& config, const PanoramaSource& panoramas) {
   Recording recording(camera, frames, seed, config.size);
   if (recording.markers.empty()) checkReadings(recording);
-  return MapBuilder(&recording, config).build();
+  return MapBuilder(&recording, config, panoramas).build();
 }
 
 }  // namespace omnitag

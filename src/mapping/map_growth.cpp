@@ -1,5 +1,6 @@
 #include "map_growth.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -150,9 +151,7 @@ std::size_t placeMarkers(Recording* recording, const MapBuilderConfig& config) {
 
 }  // namespace
 
-BundleConfig bundleConfig(const MapBuilderConfig& config) {
-  return {config.corner_noise, config.estimates_sizes};
-}
+BundleConfig bundleConfig(const MapBuilderConfig& config) { return {config.estimates_sizes}; }
 
 IndexedBundle bundleOf(const Recording& recording, std::optional<std::size_t> held_frame,
                        const MapBuilderConfig& config) {
@@ -188,7 +187,15 @@ IndexedBundle bundleOf(const Recording& recording, std::optional<std::size_t> he
           projectMarker(recording.markers[*marker].marker, frame.camera, frame.map_from_base->pose);
       const CornerPixels pixels = stacked(frame.input.readings[r].corners);
       if (!projection || (projection->pixels - pixels).norm() > 2.0 * kMaxOff) continue;
-      indexed.bundle.observations.push_back({index, landmark_of[*marker], pixels});
+      Bundle::Observation observation{
+          index, landmark_of[*marker], pixels,
+          Eigen::Matrix<double, 8, 8>::Identity() / config.corner_noise};
+      if (!frame.aligned.empty() && frame.aligned[r]) {
+        observation.pixels = frame.aligned[r]->pixels;
+        const Eigen::LLT<Eigen::Matrix<double, 8, 8>> factors(frame.aligned[r]->covariance);
+        observation.whitening = factors.matrixL().solve(Eigen::Matrix<double, 8, 8>::Identity());
+      }
+      indexed.bundle.observations.push_back(observation);
       indexed.readings.push_back({f, r});
     }
   }

@@ -15,8 +15,15 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Chi-square with 8 degrees of freedom, which 99 of 100 sightings stay below.
+/// Chi-square with 8 degrees of freedom, which 99 of 100 sightings stay below. From there on a
+/// sighting's squares count by Cauchy's function.
 constexpr double kExpected = 20.1;
+
+double robustCost(double square) {
+  return square <= kExpected ? square : kExpected * (1.0 + std::log(square / kExpected));
+}
+
+double robustWeight(double square) { return square <= kExpected ? 1.0 : kExpected / square; }
 
 /// An increment and the change of the size.
 using Step = Eigen::Matrix<double, 7, 1>;
@@ -64,19 +71,19 @@ class Problem {
     }
   }
 
-  /// Robust, by Cauchy's function; `plain` takes the squares as they are.
+  /// Robust; `plain` takes the squares as they are.
   Linearization linearize(const Marker& marker, bool plain) const {
     Linearization linear;
     for (std::size_t i = 0; i < sightings_.size(); ++i) {
       const auto projection = projectMarker(marker, cameras_[i], sightings_[i].map_from_base.pose);
       if (!projection) {
-        linear.cost += plain ? 1e12 : kExpected * std::log1p(1e12);
+        linear.cost += plain ? 1e12 : robustCost(1e12);
         continue;
       }
       const CornerPixels residual = projection->pixels - measured_[i];
       const double square = residual.dot(weights_[i] * residual);
-      const double factor = plain ? 1.0 : 1.0 / (1.0 + square / kExpected);
-      linear.cost += plain ? square : kExpected * std::log1p(square / kExpected);
+      const double factor = plain ? 1.0 : robustWeight(square);
+      linear.cost += plain ? square : robustCost(square);
       linear.weighted_squares += factor * square;
       Eigen::Matrix<double, 8, 7> by_step;
       by_step << projection->by_marker, projection->by_size;

@@ -35,7 +35,7 @@ Recording::Recording(std::shared_ptr<const CameraModel> camera_model,
     markers.push_back({marker, false, false});
   }
   for (const FrameReadings& input : inputs) {
-    RecordedFrame frame{input, MountedCamera(camera, input.base_from_camera), {}, std::nullopt};
+    RecordedFrame frame{input, MountedCamera(camera, input.base_from_camera), {}, std::nullopt, {}};
     for (const MarkerReading& reading : input.readings) {
       const auto found = unknown.find({reading.family, reading.id});
       frame.markers.push_back(found == unknown.end() ? std::nullopt : std::optional(found->second));

@@ -10,6 +10,7 @@
 #include "omnitag/common/pose2.h"
 #include "omnitag/localization/frame_readings.h"
 #include "omnitag/mapping/bundle_adjustment.h"
+#include "omnitag/mapping/corner_alignment.h"
 #include "omnitag/mapping/map_builder.h"
 #include "omnitag/mapping/marker_estimate.h"
 #include "omnitag/marker/marker_map.h"
@@ -32,6 +33,9 @@ struct RecordedFrame {
   /// or where it is not known yet which of several entries it is of.
   std::vector<std::optional<std::size_t>> markers;
   std::optional<PoseEstimate> map_from_base;
+  /// For each reading its corners by all of the marker's pixels, once the map is known; empty
+  /// before.
+  std::vector<std::optional<AlignedCorners>> aligned;
 };
 
 /// A reading by its place in the recording.

@@ -34,6 +34,8 @@ struct Bundle {
     std::size_t frame = 0;
     std::size_t landmark = 0;
     CornerPixels pixels;
+    /// W with W^T W = covariance^-1, per pixel: makes residuals of variance 1 that are independent.
+    Eigen::Matrix<double, 8, 8> whitening;
   };
   /// The robot's motion as odometry has it, in base_link of the first frame, and the standard
   /// deviations of its x, y (m) and yaw (rad).
@@ -51,15 +53,13 @@ struct Bundle {
 };
 
 struct BundleConfig {
-  /// Pixels of the panorama, standard deviation of a corner along each axis.
-  double corner_noise = 0.1;
   /// Whether the sizes of the markers that are not held are estimated, too.
   bool estimates_sizes = false;
 };
 
 /// Moves the frames and the landmarks to where they explain all observations and motions best:
 /// least squares (Ceres, Levenberg-Marquardt on sparse normal equations), each observation of a
-/// marker weighed down by Cauchy's function where it is far off. Observations that the present
+/// marker weighed down where it is far off. Observations that the present
 /// estimate hides are left out. False where the solver fails; what it has then is kept.
 bool adjust(Bundle* bundle, const BundleConfig& config);
 
@@ -72,7 +72,13 @@ struct BundleCovariances {
 };
 std::optional<BundleCovariances> covariances(const Bundle& bundle, const BundleConfig& config);
 
-/// Pixels, RMS over the corners of each observation; infinity where the estimate hides one.
-std::vector<double> residuals(const Bundle& bundle);
+/// How far an observation is off.
+struct Misfit {
+  /// Pixels, RMS over its corners; infinity where the estimate hides one.
+  double pixels = 0.0;
+  /// Chi-square with 8 degrees of freedom, if the noise is as the observation says.
+  double square = 0.0;
+};
+std::vector<Misfit> misfits(const Bundle& bundle);
 
 }  // namespace omnitag

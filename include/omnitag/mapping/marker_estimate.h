@@ -65,7 +65,7 @@ std::vector<Marker> markersFromSighting(const Marker& marker,
 
 /// Estimates a marker from sightings at known poses: least squares over all corners in the
 /// panorama, in which each sighting counts by the noise of its corners and the covariance of its
-/// pose together, and by Cauchy's function where it is far off. Poses err independently of each
+/// pose together, and less where it is far off. Poses err independently of each
 /// other here. `marker` gives the family, the id and the size, or a first guess of that; `start`, a
 /// former estimate, is tried besides what single sightings tell. Nothing where the sightings leave
 /// the place undetermined.

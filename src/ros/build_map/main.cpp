@@ -42,6 +42,7 @@ MapBuilderConfig builderConfig(const BuildOptions& options, const LocalizerParam
   }
   config.estimates_sizes = options.estimates_sizes;
   config.corner_noise = parameters.mapper.corner_noise;
+  config.blur = parameters.localizer.estimation.photometric.blur;
   config.relocalization = parameters.localizer.relocalization;
   config.motion = parameters.localizer.motion;
   return config;
@@ -135,7 +136,10 @@ void run(const BuildOptions& options) {
   if (options.estimates_sizes && options.seed.empty() && recording.with_odometry < 2) {
     throw InputError("--estimate-sizes: needs a seed or odometry, which tell the scale");
   }
-  const BuiltMap built = buildMap(camera.model, recording.frames, seed, config);
+  const auto panorama = [&](std::size_t frame) {
+    return BagInput::grayImageOf(recording.messages[frame])->image;
+  };
+  const BuiltMap built = buildMap(camera.model, recording.frames, seed, config, panorama);
   // All is made before anything is written.
   const std::string text = mapText(options, built);
   drawMap(built, options.drawing);

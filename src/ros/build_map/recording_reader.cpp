@@ -1,7 +1,5 @@
 #include "recording_reader.h"
 
-#include <rosbag/view.h>
-
 #include <algorithm>
 #include <iostream>
 
@@ -40,16 +38,17 @@ ReadRecording readRecording(const BagInput& input, const std::shared_ptr<const C
   LookAroundConfig look_around = config.look_around;
   look_around.max_size = 4096;
   const MarkerReader reader(camera, kWorkingDistance, config.detector, families);
-  rosbag::View view(input.bag(), rosbag::TopicQuery(input.imageTopic()));
-  const std::size_t count = view.size();
+  ReadRecording recording;
+  recording.view =
+      std::make_unique<rosbag::View>(input.bag(), rosbag::TopicQuery(input.imageTopic()));
+  const std::size_t count = recording.view->size();
   if (count == 0) throw InputError(input.imageTopic() + ": has no images");
   const std::size_t stride = (count + max_images - 1) / max_images;
   Progress progress(count, "images");
-  ReadRecording recording;
   std::string first_problem;
   std::size_t index = 0;
   double last_stamp = 0.0;
-  for (const rosbag::MessageInstance& message : view) {
+  for (const rosbag::MessageInstance& message : *recording.view) {
     const bool is_used = index++ % stride == 0;
     if (is_used) {
       try {
@@ -63,6 +62,7 @@ ReadRecording readRecording(const BagInput& input, const std::shared_ptr<const C
         const MountedCamera mounted(camera, frame.base_from_camera);
         recording.frames.push_back({frame.stamp, frame.base_from_camera, frame.odom_from_base,
                                     readEverything(reader, mounted, frame.image, look_around)});
+        recording.messages.push_back(message);
         recording.with_odometry += frame.odom_from_base ? 1 : 0;
       } catch (const InputError& error) {
         if (first_problem.empty()) first_problem = error.what();

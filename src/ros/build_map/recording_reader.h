@@ -1,5 +1,8 @@
 #pragma once
 
+#include <rosbag/message_instance.h>
+#include <rosbag/view.h>
+
 #include <cstddef>
 #include <memory>
 #include <set>
@@ -16,6 +19,9 @@ namespace omnitag {
 /// What the images of a bag show.
 struct ReadRecording {
   std::vector<FrameReadings> frames;
+  /// Of each frame, its image in the bag, which must outlive this.
+  std::unique_ptr<rosbag::View> view;
+  std::vector<rosbag::MessageInstance> messages;
   std::size_t with_odometry = 0;
   std::size_t unusable = 0;
 };
