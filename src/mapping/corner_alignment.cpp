@@ -183,6 +183,9 @@ std::optional<AlignedCorners> alignCorners(const cv::Mat& panorama, const Marker
   AlignedCorners aligned;
   aligned.pixels = projection->pixels + unknowns->head<8>();
   aligned.covariance = normal.inverse().topLeftCorner<8, 8>();
+  // What a renderer, a lens or a print does to all edges alike makes a marker larger or smaller.
+  constexpr double kCornerDeviation = 0.02;  // pixels
+  aligned.covariance.diagonal().array() += kCornerDeviation * kCornerDeviation;
   const double together = PhotometricConfig{}.alignment_deviation;
   for (int row = 0; row < 8; ++row) {
     for (int column = row % 2; column < 8; column += 2) {

@@ -1,5 +1,6 @@
 #include "omnitag/ros/image_localizer.h"
 
+#include "omnitag/common/stopwatch.h"
 #include "omnitag/marker/marker_map_file.h"
 
 namespace omnitag {
@@ -43,9 +44,17 @@ std::optional<LocalizedImage> ImageLocalizer::localize(const cv_bridge::CvImageC
   last_stamp_ = stamp;
   localized.input.frame.wants_views = wants_views;
   localized.result = localizer_->process(localized.input.frame);
-  localized.map_changed = mapper_ && mapper_->add(localized.input.frame, localized.result);
-  if (localized.map_changed) localizer_->setMap(mapper_->map());
+  if (mapper_) extendMap(&localized);
   return localized;
+}
+
+void ImageLocalizer::extendMap(LocalizedImage* localized) {
+  Stopwatch step;
+  localized->map_changed = mapper_->add(localized->input.frame, localized->result);
+  if (localized->map_changed) localizer_->setMap(mapper_->map());
+  const double duration = step.lap();
+  localized->result.timings.solve += duration;
+  localized->result.timings.total += duration;
 }
 
 std::vector<ProvisionalMarker> ImageLocalizer::provisional() const {

@@ -61,6 +61,7 @@ class ImageLocalizer {
 
  private:
   void start();
+  void extendMap(LocalizedImage* localized);
 
   LocalizerParameters parameters_;
   std::shared_ptr<const CameraModel> camera_;
