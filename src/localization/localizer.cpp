@@ -77,7 +77,7 @@ Localizer::Localizer(std::shared_ptr<const CameraModel> camera, MarkerMap map,
 TrackingTools Localizer::trackingTools() const { return {map_, config_, reader_, patterns_}; }
 
 void Localizer::setMap(MarkerMap map) {
-  patterns_ = TagPatterns(map);
+  patterns_.add(map);
   map_ = std::move(map);
 }
 

@@ -128,6 +128,14 @@ bool isSure(const MarkerEstimate& estimate, const MapBuilderConfig& config) {
          estimate.orientationDeviation() <= kSlack * config.max_orientation_deviation;
 }
 
+/// At most so many of the readings, evenly spread.
+std::vector<ReadingPlace> evenly(const std::vector<ReadingPlace>& readings, std::size_t at_most) {
+  const std::size_t every = (readings.size() + at_most - 1) / at_most;
+  std::vector<ReadingPlace> some;
+  for (std::size_t i = 0; i < readings.size(); i += every) some.push_back(readings[i]);
+  return some;
+}
+
 /// Places markers that enough frames show, and those anew that were taken for the mirror image of
 /// what they are. Returns how many were placed that had no place.
 std::size_t placeMarkers(Recording* recording, const MapBuilderConfig& config) {
@@ -135,7 +143,8 @@ std::size_t placeMarkers(Recording* recording, const MapBuilderConfig& config) {
   for (std::size_t m = 0; m < recording->markers.size(); ++m) {
     RecordedMarker& marker = recording->markers[m];
     if (marker.is_seed) continue;
-    const auto sightings = recording->sightings(recording->readingsOf(m));
+    constexpr std::size_t kEnough = 40;  // to place a marker by; the adjustment takes all
+    const auto sightings = recording->sightings(evenly(recording->readingsOf(m), kEnough));
     if (sightings.size() < static_cast<std::size_t>(config.min_sightings)) continue;
     const auto estimate = estimateMarker(
         marker.marker, recording->camera, sightings,

@@ -1,5 +1,6 @@
 #include "omnitag/ros/health_monitor.h"
 
+#include <algorithm>
 #include <cmath>
 #include <iomanip>
 #include <sstream>
@@ -50,10 +51,14 @@ HealthMonitor::HealthMonitor(const ros::NodeHandle& node, const ros::NodeHandle&
                                 [this](const ros::WallTimerEvent&) { updater_.force_update(); });
 }
 
-void HealthMonitor::mapChanged(const MarkerMap& map) {
+void HealthMonitor::mapChanged(const MarkerMap& map,
+                               const std::vector<ProvisionalMarker>& provisional) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  mapped_ += map.markers.size() - map_.markers.size();
   map_ = map;
+  mapped_ = static_cast<std::size_t>(
+      std::count_if(provisional.begin(), provisional.end(),
+                    [](const ProvisionalMarker& marker) { return marker.is_used; }));
+  waiting_ = provisional.size() - mapped_;
 }
 
 void HealthMonitor::imageRefused(const std::string& why) {
@@ -195,7 +200,8 @@ void HealthMonitor::reportMap(Report& report) {
     report.summary(Report::WARN, marker_map_.problem);
   }
   report.add("markers", map_.markers.size());
-  report.add("markers that mapping has added", mapped_);
+  report.add("of these mapped and not saved", mapped_);
+  report.add("provisional, not known well enough", waiting_);
 }
 
 void HealthMonitor::complain(Subject* subject, const std::string& problem) {

@@ -3,6 +3,7 @@
 #include <cv_bridge/cv_bridge.h>
 #include <sensor_msgs/image_encodings.h>
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
 #include <utility>
@@ -25,6 +26,19 @@ Eigen::Matrix3d rotated(const Eigen::Matrix3d& covariance,
   rotation.topLeftCorner<2, 2>() =
       Eigen::Rotation2Dd(Pose2::fromIsometry(map_from_frame).yaw).toRotationMatrix();
   return rotation * covariance * rotation.transpose();
+}
+
+/// Whether people could see that mapping has gone on.
+bool looksDifferent(const std::vector<ProvisionalMarker>& a,
+                    const std::vector<ProvisionalMarker>& b) {
+  constexpr double kVisible = 0.01;  // m
+  return !std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                     [](const ProvisionalMarker& one, const ProvisionalMarker& other) {
+                       const Marker& marker = one.estimate.marker;
+                       return marker.id == other.estimate.marker.id &&
+                              one.is_used == other.is_used &&
+                              (marker.center() - other.estimate.marker.center()).norm() < kVisible;
+                     });
 }
 
 }  // namespace
@@ -230,14 +244,12 @@ void LocalizerServer::forgetPose() {
 
 void LocalizerServer::publishMap(bool is_changed) {
   std::vector<ProvisionalMarker> provisional = localizer_.provisional();
-  if (is_changed) {
-    debug_image_painter_ = DebugImagePainter(localizer_.camera(), localizer_.map());
-    health_.mapChanged(localizer_.map());
-  }
+  if (is_changed) debug_image_painter_.setMap(localizer_.map());
   const std::lock_guard<std::mutex> lock(map_mutex_);
-  const bool is_to_draw = is_changed || provisional.size() != provisional_.size();
+  const bool is_to_draw = looksDifferent(provisional, provisional_);
   provisional_ = std::move(provisional);
   if (!is_to_draw) return;
+  health_.mapChanged(localizer_.map(), provisional_);
   map_markers_ = mapMarkers(localizer_.map(), provisional_, localizer_.frames().map);
   markers_publisher_.publish(map_markers_);
 }

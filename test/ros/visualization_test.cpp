@@ -129,6 +129,27 @@ TEST(MapMarkers, TagsAreWhereTheMapHasThem) {
   EXPECT_EQ(names, (std::set<std::string>{"2", "3  door"}));
 }
 
+TEST(MapMarkers, WhatMappingHasFoundHasItsOwnColours) {
+  MarkerMap map = twoMarkers();
+  ProvisionalMarker used;
+  used.estimate.marker = map.markers[1];
+  used.is_used = true;
+  ProvisionalMarker unsure;
+  unsure.estimate.marker = map.markers[0];
+  unsure.estimate.marker.id = 40;
+  std::map<std::string, std_msgs::ColorRGBA> colors;
+  for (const auto& marker : mapMarkers(map, {used, unsure}, "map").markers) {
+    if (marker.ns == "names") colors[marker.text] = marker.color;
+  }
+  ASSERT_EQ(colors.size(), 3U);
+  const std_msgs::ColorRGBA& of_file = colors.at("2");
+  const std_msgs::ColorRGBA& of_used = colors.at("3  door");
+  const std_msgs::ColorRGBA& of_unsure = colors.at("40");
+  EXPECT_EQ(of_file.r, of_file.g);
+  EXPECT_GT(of_used.g, of_used.r + 0.3);
+  EXPECT_GT(of_unsure.r, of_unsure.g + 0.3);
+}
+
 TEST(DebugImageLayout, CellsAreDistinctAndInOrder) {
   for (const int count : {1, 2, 7, 16, debug_layout::kSlots}) {
     for (const double spread : {2.0 * kPi, 0.5}) {

@@ -19,8 +19,8 @@ std::string newMapText(const std::string& frame_id, const std::vector<MapEntry>&
 /// The text of a map file with entries added at the end of its list `markers`, in its style. All
 /// that stands in it stays byte for byte. `origin` stands for the file name in errors.
 ///
-/// An entry has micrometres and microradians. One that is upright to a microradian has a `yaw` and a
-/// `roll`, any other an `orientation`.
+/// An entry has micrometres and microradians. One that is upright to a microradian has a `yaw` and
+/// a `roll`, any other an `orientation`.
 ///
 /// Throws InputError where `text` is no marker map, or where what comes out would not be read back
 /// as the old markers and the new ones.

@@ -14,6 +14,7 @@
 #include "omnitag/common/pose2.h"
 #include "omnitag/localization/displacement.h"
 #include "omnitag/localization/frame_result.h"
+#include "omnitag/mapping/marker_mapper.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/ros/image_input.h"
 
@@ -31,7 +32,7 @@ class HealthMonitor {
                 const ImageInput& input, MarkerMap map);
 
   /// Mapping has added markers behind those that the map had, or moved some of its own.
-  void mapChanged(const MarkerMap& map);
+  void mapChanged(const MarkerMap& map, const std::vector<ProvisionalMarker>& provisional);
 
   /// The message was no image of this camera.
   void imageRefused(const std::string& why);
@@ -66,7 +67,9 @@ class HealthMonitor {
 
   std::mutex mutex_;
   MarkerMap map_;
+  /// Markers that mapping has found: those that are used, and those that are not yet.
   std::size_t mapped_ = 0;
+  std::size_t waiting_ = 0;
   Subject images_;
   Subject transforms_;
   Subject localization_;

@@ -58,7 +58,7 @@ class LocalizerServer {
   Eigen::Isometry3d mapFrom(const std::string& frame) const;
   void forgetPose();
   void saveMap(std_srvs::Trigger::Response* response);
-  /// Shows what mapping has found; `is_changed`: also the markers that the localizer uses.
+  /// Shows what mapping has found; `is_changed`: markers that the localizer uses, too.
   void publishMap(bool is_changed);
   using Request = std::function<void(ImageLocalizer*)>;
   void request(Request request);
