@@ -166,9 +166,8 @@ void Localizer::patrol(const Frame& frame, const MountedCamera& camera, const Po
   while (due.size() < std::min(count, all.size())) {
     due.push_back(all[patrolled_views_++ % all.size()]);
   }
-  const std::vector<MarkerReading> readings =
-      withoutRepetitions(readViews(reader_, frame.image, std::move(due), result), result->views,
-                         reader_.warper());
+  const std::vector<MarkerReading> readings = withoutRepetitions(
+      readViews(reader_, frame.image, std::move(due), result), result->views, reader_.warper());
   if (config_.exploring_views > 0) result->explored = readings;
   for (const MarkerReading& reading : readings) {
     const bool is_known =
@@ -257,9 +256,8 @@ std::vector<MarkerReading> Localizer::lookAround(const Frame& frame, const Mount
   result->detections.clear();
   std::vector<View> views = viewsToSearch(camera);
   result->timings.predict += step.lap();
-  const std::vector<MarkerReading> readings =
-      withoutRepetitions(readViews(reader_, frame.image, std::move(views), result), result->views,
-                         reader_.warper());
+  const std::vector<MarkerReading> readings = withoutRepetitions(
+      readViews(reader_, frame.image, std::move(views), result), result->views, reader_.warper());
   if (config_.exploring_views > 0) result->explored = readings;
   return readings;
 }

@@ -146,7 +146,8 @@ class MapBuilder {
     if (readings.size() < few) return false;
     if (!marker.is_placed) return true;
     std::size_t off = 0;
-    for (const ReadingPlace& place : readings) off += residual(place, marker.marker) > limit();
+    for (const ReadingPlace& place : readings)
+      off += residual(place, marker.marker) > limit() ? 1 : 0;
     return off >= few;
   }
 

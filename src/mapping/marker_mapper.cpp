@@ -30,19 +30,28 @@ double vagueness(const MarkerSighting& sighting) {
          1.0 / edgeOf(sighting);
 }
 
-/// Takes out the worse one of the two sightings that are nearest to each other.
+/// Of the two sightings that are nearest to each other takes out the one that is nearer to the
+/// others: what remains is spread out as far as before.
 void thin(std::vector<MarkerSighting>* sightings) {
-  std::size_t worse = 0;
-  double nearest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < sightings->size(); ++i) {
+  const std::vector<MarkerSighting>& all = *sightings;
+  std::size_t first = 0;
+  std::size_t second = 1;
+  for (std::size_t i = 0; i < all.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      const double apart = distance((*sightings)[i], (*sightings)[j]);
-      if (apart >= nearest) continue;
-      nearest = apart;
-      worse = vagueness((*sightings)[i]) > vagueness((*sightings)[j]) ? i : j;
+      if (distance(all[i], all[j]) >= distance(all[first], all[second])) continue;
+      first = i;
+      second = j;
     }
   }
-  sightings->erase(sightings->begin() + static_cast<std::ptrdiff_t>(worse));
+  const auto toOthers = [&](std::size_t index) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (i != first && i != second) nearest = std::min(nearest, distance(all[i], all[index]));
+    }
+    return nearest;
+  };
+  const std::size_t nearer = toOthers(first) < toOthers(second) ? first : second;
+  sightings->erase(sightings->begin() + static_cast<std::ptrdiff_t>(nearer));
 }
 
 }  // namespace
