@@ -102,7 +102,7 @@ class BuildMapTest(unittest.TestCase):
         cases = [
             ({"map": MAP}, "nothing to add"),
             ({}, "--size"),
-            ({"size": "0.75", "family": "tag16h5"}, "no marker was read"),
+            ({"size": "0.75", "family": "tagStandard41h12"}, "no marker was read"),
             ({"size": "0.75", "family": "tag99"}, "tag99"),
             ({"size": "-1"}, "--size"),
             ({"size": "0.75", "bag": "/no/such.bag"}, "/no/such.bag"),
