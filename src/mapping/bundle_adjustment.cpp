@@ -37,6 +37,28 @@ struct MarkerBlocks {
 constexpr std::array<int, 3> kOnFloor = {0, 1, 5};
 constexpr std::array<int, 3> kOffFloor = {2, 3, 4};
 
+/// Parameters that are estimated, and where in an increment they are.
+struct UnknownBlock {
+  const double* values = nullptr;
+  std::array<int, 3> places{};
+};
+using Unknowns = std::vector<UnknownBlock>;
+
+/// The covariance of an increment, zero where it is held.
+MarkerCovariance covarianceOf(const ceres::Covariance& covariance, const Unknowns& unknowns) {
+  MarkerCovariance whole = MarkerCovariance::Zero();
+  for (const UnknownBlock& a : unknowns) {
+    for (const UnknownBlock& b : unknowns) {
+      Eigen::Matrix<double, 3, 3, Eigen::RowMajor> part;
+      covariance.GetCovarianceBlock(a.values, b.values, part.data());
+      for (std::size_t k = 0; k < 9; ++k) {
+        whole(a.places[k / 3], b.places[k % 3]) = part.data()[k];
+      }
+    }
+  }
+  return whole;
+}
+
 Marker markerAt(const Marker& initial, const MarkerIncrement& increment, double size) {
   Marker marker = initial;
   marker.map_from_marker = moved(initial.map_from_marker, increment);
@@ -150,7 +172,10 @@ class MotionCost : public ceres::SizedCostFunction<3, 3, 3> {
 class Adjustment {
  public:
   Adjustment(const Bundle& bundle, const BundleConfig& config)
-      : bundle_(bundle), poses_(bundle.frames.size()), blocks_(bundle.landmarks.size()) {
+      : bundle_(bundle),
+        config_(config),
+        poses_(bundle.frames.size()),
+        blocks_(bundle.landmarks.size()) {
     for (std::size_t i = 0; i < poses_.size(); ++i) {
       const Pose2& pose = bundle.frames[i].map_from_base;
       poses_[i] = {pose.x, pose.y, pose.yaw};
@@ -164,7 +189,7 @@ class Adjustment {
       problem_.AddResidualBlock(costs_.back().get(), nullptr, poses_[motion.from].data(),
                                 poses_[motion.to].data());
     }
-    hold(config.estimates_sizes);
+    hold();
   }
 
   ceres::Problem& problem() { return problem_; }
@@ -180,19 +205,29 @@ class Adjustment {
     }
   }
 
-  /// Blocks of a landmark's increment that are unknown, with the places of their elements.
-  std::vector<std::pair<const double*, const std::array<int, 3>*>> unknownsOf(std::size_t i) const {
-    std::vector<std::pair<const double*, const std::array<int, 3>*>> unknowns;
-    if (!problem_.HasParameterBlock(blocks_[i].on_floor.data())) return unknowns;
-    const Hold hold = bundle_.landmarks[i].hold;
-    if (hold == Hold::kNothing) unknowns.emplace_back(blocks_[i].on_floor.data(), &kOnFloor);
-    if (hold != Hold::kAll) unknowns.emplace_back(blocks_[i].off_floor.data(), &kOffFloor);
+  /// Blocks of a landmark's increment that are estimated; none for one that no frame shows.
+  Unknowns unknownsOf(std::size_t landmark) const {
+    const MarkerBlocks& blocks = blocks_[landmark];
+    const Hold hold = bundle_.landmarks[landmark].hold;
+    Unknowns unknowns;
+    if (!isSeen(landmark)) return unknowns;
+    if (hold == Hold::kNothing) unknowns.push_back({blocks.on_floor.data(), kOnFloor});
+    if (hold != Hold::kAll) unknowns.push_back({blocks.off_floor.data(), kOffFloor});
     return unknowns;
+  }
+
+  bool estimatesSizeOf(std::size_t landmark) const {
+    return config_.estimates_sizes && isSeen(landmark) &&
+           bundle_.landmarks[landmark].hold == Hold::kNothing;
   }
 
   const double* sizeOf(std::size_t landmark) const { return &blocks_[landmark].size; }
 
  private:
+  bool isSeen(std::size_t landmark) const {
+    return problem_.HasParameterBlock(blocks_[landmark].on_floor.data());
+  }
+
   static ceres::Problem::Options notOwning() {
     ceres::Problem::Options options;
     options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -212,7 +247,7 @@ class Adjustment {
     }
   }
 
-  void hold(bool estimates_sizes) {
+  void hold() {
     const auto holdBlock = [this](double* block) {
       if (problem_.HasParameterBlock(block)) problem_.SetParameterBlockConstant(block);
     };
@@ -223,11 +258,12 @@ class Adjustment {
       const Hold hold = bundle_.landmarks[i].hold;
       if (hold != Hold::kNothing) holdBlock(blocks_[i].on_floor.data());
       if (hold == Hold::kAll) holdBlock(blocks_[i].off_floor.data());
-      if (hold != Hold::kNothing || !estimates_sizes) holdBlock(&blocks_[i].size);
+      if (hold != Hold::kNothing || !config_.estimates_sizes) holdBlock(&blocks_[i].size);
     }
   }
 
   const Bundle& bundle_;
+  const BundleConfig& config_;
   std::vector<std::array<double, 3>> poses_;
   std::vector<MarkerBlocks> blocks_;
   std::vector<std::unique_ptr<ceres::CostFunction>> costs_;
@@ -255,15 +291,16 @@ std::optional<BundleCovariances> covariances(const Bundle& bundle, const BundleC
   Adjustment adjustment(bundle, config);
   std::vector<std::pair<const double*, const double*>> wanted;
   for (std::size_t i = 0; i < bundle.landmarks.size(); ++i) {
-    const auto unknowns = adjustment.unknownsOf(i);
-    for (std::size_t a = 0; a < unknowns.size(); ++a) {
-      for (std::size_t b = 0; b <= a; ++b) {
-        wanted.emplace_back(unknowns[b].first, unknowns[a].first);
+    const Unknowns unknowns = adjustment.unknownsOf(i);
+    for (const UnknownBlock& a : unknowns) {
+      // Each pair once.
+      for (const UnknownBlock& b : unknowns) {
+        if (b.values <= a.values) wanted.emplace_back(b.values, a.values);
       }
     }
-    const bool has_size = config.estimates_sizes && bundle.landmarks[i].hold == Hold::kNothing;
-    if (has_size && !unknowns.empty())
+    if (adjustment.estimatesSizeOf(i)) {
       wanted.emplace_back(adjustment.sizeOf(i), adjustment.sizeOf(i));
+    }
   }
   const ceres::Covariance::Options options;
   ceres::Covariance covariance(options);
@@ -271,27 +308,10 @@ std::optional<BundleCovariances> covariances(const Bundle& bundle, const BundleC
 
   BundleCovariances result;
   for (std::size_t i = 0; i < bundle.landmarks.size(); ++i) {
-    MarkerCovariance whole = MarkerCovariance::Zero();
-    const auto unknowns = adjustment.unknownsOf(i);
-    for (const auto& [block_a, places_a] : unknowns) {
-      for (const auto& [block_b, places_b] : unknowns) {
-        Eigen::Matrix<double, 3, 3, Eigen::RowMajor> part;
-        if (!covariance.GetCovarianceBlock(block_a, block_b, part.data())) return std::nullopt;
-        for (std::size_t row = 0; row < 3; ++row) {
-          for (std::size_t column = 0; column < 3; ++column) {
-            whole((*places_a)[row], (*places_b)[column]) =
-                part(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column));
-          }
-        }
-      }
-    }
-    result.landmarks.push_back(whole);
+    result.landmarks.push_back(covarianceOf(covariance, adjustment.unknownsOf(i)));
     double size_variance = 0.0;
-    const bool has_size = config.estimates_sizes && bundle.landmarks[i].hold == Hold::kNothing;
-    if (has_size && !unknowns.empty() &&
-        !covariance.GetCovarianceBlock(adjustment.sizeOf(i), adjustment.sizeOf(i),
-                                       &size_variance)) {
-      return std::nullopt;
+    if (adjustment.estimatesSizeOf(i)) {
+      covariance.GetCovarianceBlock(adjustment.sizeOf(i), adjustment.sizeOf(i), &size_variance);
     }
     result.sizes.push_back(size_variance);
   }
