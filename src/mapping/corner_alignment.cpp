@@ -16,6 +16,9 @@ namespace {
 /// Pixels at edges that are used, at most.
 constexpr std::size_t kMaxPixels = 2500;
 
+/// Where the shift of a corner is among the unknowns.
+constexpr Eigen::Index shiftOf(Eigen::Index corner) { return 2 * corner; }
+
 /// The corners' shifts, then black, contrast and the contrast's two slopes.
 using Unknowns = Eigen::Matrix<double, 12, 1>;
 using Normal = Eigen::Matrix<double, 12, 12>;
@@ -46,7 +49,7 @@ std::vector<Sample> samplesAt(const Unknowns& unknowns, const std::vector<Footpr
   for (const Footprint& footprint : footprints) {
     const Eigen::Vector4d share = shares(footprint.position, pattern);
     Eigen::Vector2d shift = Eigen::Vector2d::Zero();
-    for (int k = 0; k < 4; ++k) shift += share(k) * unknowns.segment<2>(2 * k);
+    for (Eigen::Index k = 0; k < 4; ++k) shift += share(k) * unknowns.segment<2>(shiftOf(k));
     const Eigen::Vector2d position = footprint.position - footprint.by_pixel * shift;
     if (position.minCoeff() < 0.0 || position.maxCoeff() > width) continue;
     const TagPattern::White white =
@@ -59,8 +62,8 @@ std::vector<Sample> samplesAt(const Unknowns& unknowns, const std::vector<Footpr
     sample.residual = panorama.at<std::uint8_t>(footprint.row, footprint.column) -
                       (unknowns(8) + white.share * contrast);
     sample.gradient = by_shift.norm();
-    for (int k = 0; k < 4; ++k) {
-      sample.by_unknowns.segment<2>(2 * k) = share(k) * by_shift.transpose();
+    for (Eigen::Index k = 0; k < 4; ++k) {
+      sample.by_unknowns.segment<2>(shiftOf(k)) = share(k) * by_shift.transpose();
     }
     sample.by_unknowns.tail<4>() << 1.0, white.share, white.share * place.x(),
         white.share * place.y();
@@ -86,6 +89,7 @@ Noise noiseOf(const std::vector<Sample>& samples) {
   constexpr double kLeastFlat = 1.0;       // grey levels, which are rounded
   constexpr double kLeastEdge = 0.01;
   std::vector<double> gradients;
+  gradients.reserve(samples.size());
   for (const Sample& sample : samples) gradients.push_back(sample.gradient);
   const double middle = median(gradients);
   std::vector<double> flat;
