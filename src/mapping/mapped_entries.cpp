@@ -30,6 +30,15 @@ MapEntry mappedEntry(const Marker& marker, const MarkerCovariance& covariance) {
   return entry;
 }
 
+std::vector<MapEntry> usedEntries(const std::vector<ProvisionalMarker>& markers) {
+  std::vector<MapEntry> entries;
+  for (const ProvisionalMarker& each : markers) {
+    if (!each.is_used) continue;
+    entries.push_back(mappedEntry(each.estimate.marker, each.estimate.covariance));
+  }
+  return entries;
+}
+
 SavedMap addToMapFile(const std::string& path, const std::vector<MapEntry>& entries) {
   const std::string text = readTextFile(path);
   const MarkerMap map = parseMarkerMap(text, path);

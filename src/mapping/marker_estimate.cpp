@@ -264,6 +264,7 @@ std::vector<Marker> markersFromSighting(const Marker& marker,
   std::sort(found.begin(), found.end(),
             [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<Marker> markers;
+  markers.reserve(found.size());
   for (auto& [residual, place] : found) markers.push_back(std::move(place));
   return markers;
 }

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "omnitag/common/error.h"
 #include "omnitag/mapping/mapped_entries.h"
 #include "omnitag/ros/conversions.h"
 #include "omnitag/ros/map_markers.h"
@@ -83,7 +84,13 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
   save_map_server_ =
       node_.advertiseService<std_srvs::Trigger::Request, std_srvs::Trigger::Response>(
           "save_map", [this](auto& /*request*/, auto& response) {
-            saveMap(&response);
+            try {
+              response.message = saveMap();
+              response.success = 1;
+            } catch (const std::exception& error) {
+              response.message = error.what();
+            }
+            ROS_INFO_STREAM(name_ << ": save_map: " << response.message);
             return true;
           });
 
@@ -254,37 +261,24 @@ void LocalizerServer::publishMap(bool is_changed) {
   markers_publisher_.publish(map_markers_);
 }
 
-void LocalizerServer::saveMap(std_srvs::Trigger::Response* response) {
+std::string LocalizerServer::saveMap() {
   if (!parameters_.mapping) {
-    response->message = "mapping is off: the map is as " + parameters_.map_file + " has it";
-    return;
+    throw InputError("mapping is off: the map is as " + parameters_.map_file + " has it");
   }
   std::vector<ProvisionalMarker> provisional;
   {
     const std::lock_guard<std::mutex> lock(map_mutex_);
     provisional = provisional_;
   }
-  std::vector<MapEntry> entries;
-  for (const ProvisionalMarker& each : provisional) {
-    if (each.is_used) {
-      entries.push_back(mappedEntry(each.estimate.marker, each.estimate.covariance));
-    }
-  }
-  const std::string waiting =
-      std::to_string(provisional.size() - entries.size()) + " more are not known well enough yet";
-  try {
-    const SavedMap saved = addToMapFile(parameters_.map_file, entries);
-    response->success = 1;
-    response->message = saved.is_written ? std::to_string(saved.added.size()) +
-                                               " markers added to " + parameters_.map_file +
-                                               ", the old file is beside it with a ~; " + waiting
-                                         : parameters_.map_file + " has all already; " + waiting;
-    request([saved](ImageLocalizer* it) { it->adopt(saved.added); });
-    ROS_INFO_STREAM(name_ << ": " << response->message);
-  } catch (const std::exception& error) {
-    response->message = error.what();
-    ROS_ERROR_STREAM(name_ << ": map not saved: " << error.what());
-  }
+  const std::vector<MapEntry> entries = usedEntries(provisional);
+  const SavedMap saved = addToMapFile(parameters_.map_file, entries);
+  request([saved](ImageLocalizer* it) { it->adopt(saved.added); });
+  const std::string done = saved.is_written
+                               ? std::to_string(saved.added.size()) + " markers added to " +
+                                     parameters_.map_file + ", the old file is beside it with a ~"
+                               : parameters_.map_file + " has all already";
+  return done + "; " + std::to_string(provisional.size() - entries.size()) +
+         " more are not known well enough yet";
 }
 
 void LocalizerServer::request(Request request) {

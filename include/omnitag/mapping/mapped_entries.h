@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "omnitag/mapping/marker_mapper.h"
 #include "omnitag/mapping/marker_projection.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/marker/marker_map_writer.h"
@@ -12,6 +13,9 @@ namespace omnitag {
 /// An estimated marker as an entry of a map file: its deviation is the largest of its position's, a
 /// remark says for people where it faces and how well it is known.
 MapEntry mappedEntry(const Marker& marker, const MarkerCovariance& covariance);
+
+/// Entries of those that are known well enough to be used.
+std::vector<MapEntry> usedEntries(const std::vector<ProvisionalMarker>& markers);
 
 /// What saving a map came to.
 struct SavedMap {

@@ -14,6 +14,7 @@
 #include <functional>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -57,7 +58,8 @@ class LocalizerServer {
   /// map_from_frame of a message's frame, as tf has it now. Throws InputError.
   Eigen::Isometry3d mapFrom(const std::string& frame) const;
   void forgetPose();
-  void saveMap(std_srvs::Trigger::Response* response);
+  /// Says what was done. Throws InputError.
+  std::string saveMap();
   /// Shows what mapping has found; `is_changed`: markers that the localizer uses, too.
   void publishMap(bool is_changed);
   using Request = std::function<void(ImageLocalizer*)>;

@@ -77,12 +77,8 @@ DescribedCamera cameraOf(const BagOptions& options, const BagInput& input) {
 
 /// The map file's text with the markers that mapping has added.
 void saveMap(const BagOptions& options, const ImageLocalizer& localizer) {
-  std::vector<MapEntry> entries;
   const std::vector<ProvisionalMarker> provisional = localizer.provisional();
-  for (const ProvisionalMarker& each : provisional) {
-    if (!each.is_used) continue;
-    entries.push_back(mappedEntry(each.estimate.marker, each.estimate.covariance));
-  }
+  const std::vector<MapEntry> entries = usedEntries(provisional);
   std::printf("markers mapped:    %zu, %zu more are not known well enough\n", entries.size(),
               provisional.size() - entries.size());
   replaceFile(options.mapped, withEntries(readTextFile(options.map), entries, options.map));
