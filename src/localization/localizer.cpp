@@ -256,7 +256,7 @@ std::vector<MarkerReading> Localizer::lookAround(const Frame& frame, const Mount
   result->detections.clear();
   std::vector<View> views = viewsToSearch(camera);
   result->timings.predict += step.lap();
-  const std::vector<MarkerReading> readings = withoutRepetitions(
+  std::vector<MarkerReading> readings = withoutRepetitions(
       readViews(reader_, frame.image, std::move(views), result), result->views, reader_.warper());
   if (config_.exploring_views > 0) result->explored = readings;
   return readings;

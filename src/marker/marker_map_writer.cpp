@@ -134,7 +134,9 @@ std::string insertIntoBlock(const std::string& text, std::size_t first_line, std
   const std::string newline = text.find("\r\n") == std::string::npos ? "\n" : "\r\n";
   const std::size_t position = starts[line + 1];
   std::string added = position > 0 && text[position - 1] == '\n' ? "" : newline;
-  for (const std::string& each : lines) added += indent + "- " + each + newline;
+  for (const std::string& each : lines) {
+    added.append(indent).append("- ").append(each).append(newline);
+  }
   return text.substr(0, position) + added + text.substr(position);
 }
 
@@ -179,13 +181,20 @@ void checkResult(const std::string& result, const MarkerMap& before,
 
 /// Writes a new file to the disk's surface.
 void writeThrough(const std::string& path, const std::string& text) {
-  std::FILE* file = std::fopen(path.c_str(), "wb");
-  if (file == nullptr) refuseFile(path, std::string("cannot be written: ") + std::strerror(errno));
-  const bool is_written = std::fwrite(text.data(), 1, text.size(), file) == text.size() &&
-                          std::fflush(file) == 0 && fsync(fileno(file)) == 0;
+  constexpr mode_t kPermissions = 0644;
+  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, kPermissions);
+  if (file < 0) refuseFile(path, std::string("cannot be written: ") + std::strerror(errno));
+  std::size_t written = 0;
+  bool is_well = true;
+  while (is_well && written < text.size()) {
+    const ssize_t count = write(file, text.data() + written, text.size() - written);
+    is_well = count >= 0 || errno == EINTR;
+    if (count > 0) written += static_cast<std::size_t>(count);
+  }
+  is_well = is_well && fsync(file) == 0;
   const int problem = errno;
-  const bool is_closed = std::fclose(file) == 0;
-  if (is_written && is_closed) return;
+  is_well = close(file) == 0 && is_well;
+  if (is_well) return;
   std::remove(path.c_str());
   refuseFile(path, std::string("cannot be written to its end: ") + std::strerror(problem));
 }
@@ -210,6 +219,7 @@ std::string withEntries(const std::string& text, const std::vector<MapEntry>& en
   const YAML::Node root = YAML::Load(text);
   const YAML::Node sequence = root["markers"];
   std::vector<std::string> items;
+  items.reserve(entries.size());
   for (const MapEntry& entry : entries) {
     items.push_back(entryText(entry.marker, before.default_family, before.default_size));
   }

@@ -49,8 +49,9 @@ TEST(Parameters, ManualNamesEveryParameter) {
     expected.erase(key);
   }
   EXPECT_EQ(keysOf(manual), expected);
-  for (const std::string group : {"visibility", "view", "detector", "association", "recognition",
-                                  "estimation", "look_around", "relocalization", "motion", "mapper"}) {
+  for (const std::string group :
+       {"visibility", "view", "detector", "association", "recognition", "estimation", "look_around",
+        "relocalization", "motion", "mapper"}) {
     EXPECT_EQ(keysOf(manual[group]), knownKeys(group + ": {no_such_key: 1}")) << group;
   }
 }

@@ -75,8 +75,9 @@ DescribedCamera cameraOf(const BagOptions& options, const BagInput& input) {
   return options.camera.empty() ? input.describedCamera() : cameraFromFile(options.camera);
 }
 
-/// The map file's text with the markers that mapping has added.
+/// Where it is asked for: the map file's text with the markers that mapping has added.
 void saveMap(const BagOptions& options, const ImageLocalizer& localizer) {
+  if (options.mapped.empty()) return;
   const std::vector<ProvisionalMarker> provisional = localizer.provisional();
   const std::vector<MapEntry> entries = usedEntries(provisional);
   std::printf("markers mapped:    %zu, %zu more are not known well enough\n", entries.size(),
@@ -144,7 +145,7 @@ void run(const BagOptions& options) {
     throw InputError(options.bag + ": no image could be used: " + summary.first_problem);
   }
   print(summary, localizer.lateImages());
-  if (!options.mapped.empty()) saveMap(options, localizer);
+  saveMap(options, localizer);
 }
 
 }  // namespace
