@@ -49,12 +49,20 @@ add_executable(localize_bag
 )
 target_link_libraries(localize_bag PRIVATE omnitag_bag_tools)
 
+add_executable(build_map
+  src/ros/build_map/main.cpp
+  src/ros/build_map/map_drawing.cpp
+  src/ros/build_map/options.cpp
+  src/ros/build_map/recording_reader.cpp
+)
+target_link_libraries(build_map PRIVATE omnitag_bag_tools opencv_imgcodecs)
+
 install(TARGETS omnitag_core omnitag_ros omnitag_nodelet
   ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
   LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
   RUNTIME DESTINATION ${CATKIN_GLOBAL_BIN_DESTINATION}
 )
-install(TARGETS localizer_node localize_bag
+install(TARGETS localizer_node localize_bag build_map
   RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION}
 )
 install(DIRECTORY include/${PROJECT_NAME}/
@@ -67,6 +75,7 @@ install(FILES nodelet_plugins.xml
   DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION}
 )
 catkin_install_python(PROGRAMS
+  tools/evaluate_map
   tools/evaluate_trajectory
   tools/print_markers
   tools/random_route

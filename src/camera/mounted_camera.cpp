@@ -12,22 +12,31 @@ MountedCamera::MountedCamera(std::shared_ptr<const CameraModel> camera,
       camera_from_base_(base_from_camera.inverse()) {}
 
 std::optional<Eigen::Vector2d> MountedCamera::pixelFromMap(
-    const Pose2& map_from_base, const Eigen::Vector3d& point,
-    Eigen::Matrix<double, 2, 3>* by_pose) const {
+    const Pose2& map_from_base, const Eigen::Vector3d& point, Eigen::Matrix<double, 2, 3>* by_pose,
+    Eigen::Matrix<double, 2, 3>* by_point) const {
   const double c = std::cos(map_from_base.yaw);
   const double s = std::sin(map_from_base.yaw);
   const double dx = point.x() - map_from_base.x;
   const double dy = point.y() - map_from_base.y;
   const Eigen::Vector3d in_base(c * dx + s * dy, c * dy - s * dx, point.z());
   const Eigen::Vector3d in_camera = camera_from_base_ * in_base;
-  if (by_pose == nullptr) return camera_->pixelFromPoint(in_camera);
+  if (by_pose == nullptr && by_point == nullptr) return camera_->pixelFromPoint(in_camera);
 
-  Eigen::Matrix<double, 2, 3> by_point;
-  std::optional<Eigen::Vector2d> pixel = camera_->pixelFromPoint(in_camera, &by_point);
+  Eigen::Matrix<double, 2, 3> by_point_in_camera;
+  std::optional<Eigen::Vector2d> pixel = camera_->pixelFromPoint(in_camera, &by_point_in_camera);
   if (!pixel) return std::nullopt;
-  Eigen::Matrix3d in_base_by_pose;
-  in_base_by_pose << -c, -s, in_base.y(), s, -c, -in_base.x(), 0.0, 0.0, 0.0;
-  *by_pose = by_point * camera_from_base_.linear() * in_base_by_pose;
+  const Eigen::Matrix<double, 2, 3> by_point_in_base =
+      by_point_in_camera * camera_from_base_.linear();
+  if (by_pose != nullptr) {
+    Eigen::Matrix3d in_base_by_pose;
+    in_base_by_pose << -c, -s, in_base.y(), s, -c, -in_base.x(), 0.0, 0.0, 0.0;
+    *by_pose = by_point_in_base * in_base_by_pose;
+  }
+  if (by_point != nullptr) {
+    Eigen::Matrix3d base_from_map;
+    base_from_map << c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0;
+    *by_point = by_point_in_base * base_from_map;
+  }
   return pixel;
 }
 

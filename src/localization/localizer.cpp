@@ -46,6 +46,8 @@ constexpr double kOddViewTime = 2.5 * kMeasuringPeriod;
 std::set<std::string> familiesOf(const MarkerMap& map) {
   std::set<std::string> families;
   for (const Marker& marker : map.markers) families.insert(marker.family);
+  // Of unknown markers.
+  if (!map.default_family.empty()) families.insert(map.default_family);
   return families;
 }
 
@@ -103,6 +105,11 @@ Localizer::Localizer(std::shared_ptr<const CameraModel> camera, MarkerMap map,
       motion_(config.motion) {}
 
 TrackingTools Localizer::trackingTools() const { return {map_, config_, reader_, patterns_}; }
+
+void Localizer::setMap(MarkerMap map) {
+  patterns_.add(map);
+  map_ = std::move(map);
+}
 
 void Localizer::setPose(const PoseEstimate& map_from_base) { given_pose_ = map_from_base; }
 
@@ -177,7 +184,7 @@ bool Localizer::track(const Frame& frame, const MountedCamera& camera,
   motion_.correct(*pose);
   result->mode = Mode::kTracking;
   result->map_from_base = pose;
-  if (frame.stamp >= next_patrol_) {
+  if (config_.exploring_views > 0 || frame.stamp >= next_patrol_) {
     next_patrol_ = frame.stamp + config_.recognition.period;
     patrol(frame, camera, pose->pose, result);
   }
@@ -226,13 +233,18 @@ bool Localizer::isElsewhere(const Frame& frame, const MountedCamera& camera,
 
 void Localizer::patrol(const Frame& frame, const MountedCamera& camera, const Pose2& map_from_base,
                        FrameResult* result) {
-  std::vector<View> all = viewsAllAround(map_, camera, reader_.warper().table(),
-                                         config_.visibility.max_range, config_.look_around);
-  if (all.empty()) return;
+  const std::vector<View> all = viewsToSearch(camera);
+  const bool is_exploring = config_.exploring_views > 0;
+  const std::size_t count =
+      std::min(all.size(), static_cast<std::size_t>(std::max(1, config_.exploring_views)));
+  std::vector<View> due;
+  for (std::size_t i = 0; i < count; ++i) due.push_back(all[(patrolled_view_ + i) % all.size()]);
+  const std::vector<MarkerReading> readings = withoutRepetitions(
+      readViews(reader_, frame.image, std::move(due), result), result->views, reader_.warper());
+  if (is_exploring) result->explored = readings;
   constexpr double kModule = 1.0 / 8.0;  // of the edge
   bool is_odd = false;
-  for (const MarkerReading& reading :
-       readViews(reader_, frame.image, {std::move(all[patrolled_view_ % all.size()])}, result)) {
+  for (const MarkerReading& reading : readings) {
     const bool is_known =
         std::any_of(result->detections.begin(), result->detections.end(),
                     [&reading](const MarkerDetection& detection) {
@@ -256,9 +268,9 @@ void Localizer::patrol(const Frame& frame, const MountedCamera& camera, const Po
   }
   // Where a marker hangs elsewhere, the next looks go there, too, until it was measured repeatedly.
   if (is_odd && !odd_since_) odd_since_ = frame.stamp;
-  if (is_odd && frame.stamp < *odd_since_ + kOddViewTime) return;
+  if (is_odd && !is_exploring && frame.stamp < *odd_since_ + kOddViewTime) return;
   odd_since_.reset();
-  ++patrolled_view_;
+  patrolled_view_ += count;
 }
 
 void Localizer::search(const Frame& frame, const MountedCamera& camera,
@@ -326,12 +338,18 @@ std::vector<MarkerReading> Localizer::lookAround(const Frame& frame, const Mount
   result->views.clear();
   result->view_images.clear();
   result->detections.clear();
-  std::vector<View> views = viewsAllAround(map_, camera, reader_.warper().table(),
-                                           config_.visibility.max_range, config_.look_around);
+  std::vector<View> views = viewsToSearch(camera);
   result->timings.predict += step.lap();
-  const std::vector<MarkerReading> readings =
-      readViews(reader_, frame.image, std::move(views), result);
-  return withoutRepetitions(readings, result->views, reader_.warper());
+  std::vector<MarkerReading> readings = withoutRepetitions(
+      readViews(reader_, frame.image, std::move(views), result), result->views, reader_.warper());
+  if (config_.exploring_views > 0) result->explored = readings;
+  return readings;
+}
+
+std::vector<View> Localizer::viewsToSearch(const MountedCamera& camera) const {
+  const ContourTable& table = reader_.warper().table();
+  if (config_.exploring_views > 0) return viewsOfEverything(camera, table, config_.look_around);
+  return viewsAllAround(map_, camera, table, config_.visibility.max_range, config_.look_around);
 }
 
 void Localizer::measure(const MountedCamera& camera, FrameResult* result) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 namespace omnitag {
 namespace {
@@ -92,14 +93,28 @@ Range radiiOf(const Heights& heights, const MountedCamera& camera, double min_ra
   return radii;
 }
 
-/// Whether lying markers can be near the upper or the lower end of the axis, and the camera sees
-/// that.
-bool isToFace(bool up, const Heights& heights, const MountedCamera& camera) {
-  if (heights.lying.isEmpty()) return false;
-  const bool is_asked_for = up ? heights.lying.high > 0.0 : heights.lying.low < 0.0;
+/// Whether the camera sees what is right above it, or right below.
+bool seesEnd(bool up, const MountedCamera& camera) {
   constexpr double kFar = 10.0;  // m
   const double along_axis = camera.axisUp() == up ? kFar : -kFar;
-  return is_asked_for && camera.model().imageFromPoint(0.0, along_axis).has_value();
+  return camera.model().imageFromPoint(0.0, along_axis).has_value();
+}
+
+/// Whether lying markers can be near the upper or the lower end of the axis.
+bool canBeAtEnd(bool up, const Heights& heights) {
+  if (heights.lying.isEmpty()) return false;
+  return up ? heights.lying.high > 0.0 : heights.lying.low < 0.0;
+}
+
+/// Radii at which the camera sees what is not near the axis.
+Range radiiOffAxis(const CameraModel& camera) {
+  constexpr double kFar = 10.0;  // m
+  Range radii;
+  for (const double side : {-1.0, 1.0}) {
+    radii.include(
+        nearestRadius(camera, kFar * std::sin(kNearAxis), side * kFar * std::cos(kNearAxis)));
+  }
+  return radii;
 }
 
 /// What is near the upper or the lower end of the optical axis.
@@ -114,6 +129,48 @@ ViewTarget targetAtEnd(bool up, const MountedCamera& camera, double distance, do
                          camera.model().imagePlane().scale() * radius / std::sin(kNearAxis)};
   return target;
 }
+
+/// Views all around of a ring of radii, and of the ends of the axis.
+class Planner {
+ public:
+  Planner(const MountedCamera& camera, const ContourTable& table, const LookAroundConfig& config)
+      : camera_(camera), table_(table), config_(config) {}
+
+  void addRing(const Range& radii) {
+    if (!(radii.low < radii.high)) return;
+    ViewTarget target;
+    target.half_width =
+        std::min(0.5 * (config_.step + config_.overlap), ContourTable::kMaxAzimuthOffset);
+    target.min_radius = radii.low;
+    target.max_radius = radii.high;
+    target.distance = table_.distance();
+    const int count = static_cast<int>(std::ceil(2.0 * kPi / config_.step - 1e-6));
+    for (int i = 0; i < count; ++i) {
+      target.azimuth = normalizeAngle(2.0 * kPi * i / count);
+      add(target);
+    }
+  }
+
+  void addEnd(bool up) {
+    if (seesEnd(up, camera_)) add(targetAtEnd(up, camera_, table_.distance(), config_.overlap));
+  }
+
+  std::vector<View> takeViews() { return std::move(views_); }
+
+ private:
+  void add(const ViewTarget& target) {
+    ViewPlannerConfig planner;
+    planner.oversampling = config_.oversampling;
+    planner.max_size = config_.max_size;
+    const double pixels_per_unit = camera_.model().imagePlane().scale();
+    views_.push_back(planView(target, table_, pixels_per_unit, camera_.axisUp(), planner));
+  }
+
+  const MountedCamera& camera_;
+  const ContourTable& table_;
+  const LookAroundConfig& config_;
+  std::vector<View> views_;
+};
 
 }  // namespace
 
@@ -132,34 +189,21 @@ std::vector<View> viewsAllAround(const MarkerMap& map, const MountedCamera& came
                                  const ContourTable& table, double max_range,
                                  const LookAroundConfig& config) {
   const Heights heights = heightsOf(map, camera);
-  const double pixels_per_unit = camera.model().imagePlane().scale();
-  ViewPlannerConfig planner;
-  planner.oversampling = config.oversampling;
-  planner.max_size = config.max_size;
-  const auto plan = [&](const ViewTarget& target) {
-    return planView(target, table, pixels_per_unit, camera.axisUp(), planner);
-  };
-  std::vector<View> views;
-  const Range radii =
-      radiiOf(heights, camera, config.min_range, std::max(max_range, config.min_range));
-  if (radii.low < radii.high) {
-    ViewTarget target;
-    target.half_width =
-        std::min(0.5 * (config.step + config.overlap), ContourTable::kMaxAzimuthOffset);
-    target.min_radius = radii.low;
-    target.max_radius = radii.high;
-    target.distance = table.distance();
-    const int count = static_cast<int>(std::ceil(2.0 * kPi / config.step - 1e-6));
-    for (int i = 0; i < count; ++i) {
-      target.azimuth = normalizeAngle(2.0 * kPi * i / count);
-      views.push_back(plan(target));
-    }
-  }
+  Planner planner(camera, table, config);
+  planner.addRing(
+      radiiOf(heights, camera, config.min_range, std::max(max_range, config.min_range)));
   for (const bool up : {true, false}) {
-    if (!isToFace(up, heights, camera)) continue;
-    views.push_back(plan(targetAtEnd(up, camera, table.distance(), config.overlap)));
+    if (canBeAtEnd(up, heights)) planner.addEnd(up);
   }
-  return views;
+  return planner.takeViews();
+}
+
+std::vector<View> viewsOfEverything(const MountedCamera& camera, const ContourTable& table,
+                                    const LookAroundConfig& config) {
+  Planner planner(camera, table, config);
+  planner.addRing(radiiOffAxis(camera.model()));
+  for (const bool up : {true, false}) planner.addEnd(up);
+  return planner.takeViews();
 }
 
 }  // namespace omnitag

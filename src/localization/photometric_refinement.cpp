@@ -23,7 +23,8 @@ Eigen::Matrix3d misplacementOf(const Marker& marker, const MountedCamera& camera
   Eigen::Matrix<double, 2, 3> pixel_by_pose;
   if (!camera.pixelFromMap(pose, marker.center(), &pixel_by_pose)) return Eigen::Matrix3d::Zero();
   const double pixels_per_metre = std::max(1e-3, pixel_by_pose.leftCols<2>().norm());
-  const double variance = config.placement_deviation * config.placement_deviation +
+  const double placement_deviation = std::max(config.placement_deviation, marker.deviation);
+  const double variance = placement_deviation * placement_deviation +
                           std::pow(config.alignment_deviation / pixels_per_metre, 2);
   const Eigen::Vector2d from_marker = Eigen::Vector2d(pose.x, pose.y) - marker.center().head<2>();
   const Eigen::Vector3d by_turn(-from_marker.y(), from_marker.x(), 1.0);

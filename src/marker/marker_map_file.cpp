@@ -62,7 +62,8 @@ Eigen::Quaterniond readOrientation(const YamlReader& reader) {
 }
 
 Marker readMarker(const YamlReader& reader, const Defaults& defaults) {
-  reader.allowOnly({"id", "name", "family", "size", "position", "yaw", "roll", "orientation"});
+  reader.allowOnly(
+      {"id", "name", "family", "size", "position", "yaw", "roll", "orientation", "deviation"});
   Marker marker;
   marker.family = defaults.family && !reader.has("family") ? *defaults.family : readFamily(reader);
   marker.id = readId(reader, marker.family);
@@ -74,6 +75,7 @@ Marker readMarker(const YamlReader& reader, const Defaults& defaults) {
   const std::vector<double> position = reader.numbers("position", 3);
   marker.map_from_marker.translation() << position[0], position[1], position[2];
   marker.map_from_marker.linear() = readOrientation(reader).toRotationMatrix();
+  reader.read("deviation", &marker.deviation, kNonNegative);
   return marker;
 }
 
@@ -86,6 +88,8 @@ MarkerMap readMarkerMap(const YamlReader& reader) {
   Defaults defaults;
   if (reader.has("family")) defaults.family = readFamily(reader);
   if (reader.has("size")) defaults.size = readSize(reader);
+  map.default_family = defaults.family.value_or("");
+  map.default_size = defaults.size.value_or(0.0);
 
   std::set<std::string> names;
   for (const YamlReader& entry : reader.mappings("markers")) {

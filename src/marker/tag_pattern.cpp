@@ -167,7 +167,7 @@ TagPattern::White TagPattern::averageOver(const Eigen::Vector2d& position,
   return white;
 }
 
-TagPatterns::TagPatterns(const MarkerMap& map) {
+void TagPatterns::add(const MarkerMap& map) {
   std::map<std::string, AprilTagFamily> families;
   for (const Marker& marker : map.markers) {
     const auto key = std::make_pair(marker.family, marker.id);

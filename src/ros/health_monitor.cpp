@@ -1,8 +1,10 @@
 #include "omnitag/ros/health_monitor.h"
 
+#include <algorithm>
 #include <cmath>
 #include <iomanip>
 #include <sstream>
+#include <utility>
 
 #include "omnitag/common/angle.h"
 #include "omnitag/localization/localizer.h"
@@ -34,10 +36,10 @@ const char* modeName(const LocalizationStatus& status) {
 }  // namespace
 
 HealthMonitor::HealthMonitor(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
-                             const ImageInput& input, const MarkerMap& map)
+                             const ImageInput& input, MarkerMap map)
     : input_(input),
-      map_(map),
       name_(private_node.getNamespace()),
+      map_(std::move(map)),
       last_report_(Clock::now()),
       updater_(node, private_node, name_) {
   updater_.setHardwareID("none");
@@ -47,6 +49,16 @@ HealthMonitor::HealthMonitor(const ros::NodeHandle& node, const ros::NodeHandle&
   updater_.add("marker map", this, &HealthMonitor::reportMap);
   timer_ = node.createWallTimer(ros::WallDuration(kReportPeriod),
                                 [this](const ros::WallTimerEvent&) { updater_.force_update(); });
+}
+
+void HealthMonitor::mapChanged(const MarkerMap& map,
+                               const std::vector<ProvisionalMarker>& provisional) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  map_ = map;
+  mapped_ = static_cast<std::size_t>(
+      std::count_if(provisional.begin(), provisional.end(),
+                    [](const ProvisionalMarker& marker) { return marker.is_used; }));
+  waiting_ = provisional.size() - mapped_;
 }
 
 void HealthMonitor::imageRefused(const std::string& why) {
@@ -188,6 +200,8 @@ void HealthMonitor::reportMap(Report& report) {
     report.summary(Report::WARN, marker_map_.problem);
   }
   report.add("markers", map_.markers.size());
+  report.add("of these mapped and not saved", mapped_);
+  report.add("provisional, not known well enough", waiting_);
 }
 
 void HealthMonitor::complain(Subject* subject, const std::string& problem) {

@@ -1,5 +1,6 @@
 #include "omnitag/ros/image_localizer.h"
 
+#include "omnitag/common/stopwatch.h"
 #include "omnitag/marker/marker_map_file.h"
 
 namespace omnitag {
@@ -10,11 +11,18 @@ ImageLocalizer::ImageLocalizer(const LocalizerParameters& parameters, const Desc
       map_(loadMarkerMap(parameters.map_file)),
       assembler_(camera.origin, camera_->imageSize(), parameters.frames) {
   if (parameters_.frames.map.empty()) parameters_.frames.map = map_.frame_id;
+  if (parameters_.mapping) {
+    try {
+      mapper_.emplace(camera_, map_, parameters_.mapper);
+    } catch (const InputError& error) {
+      throw InputError(parameters_.map_file + ": " + error.what());
+    }
+  }
   start();
 }
 
 void ImageLocalizer::start() {
-  localizer_ = std::make_unique<Localizer>(camera_, map_, parameters_.localizer);
+  localizer_ = std::make_unique<Localizer>(camera_, map(), parameters_.localizer);
   if (parameters_.initial_pose) localizer_->setPose(*parameters_.initial_pose);
   last_stamp_ = ros::Time();
 }
@@ -36,7 +44,27 @@ std::optional<LocalizedImage> ImageLocalizer::localize(const cv_bridge::CvImageC
   last_stamp_ = stamp;
   localized.input.frame.wants_views = wants_views;
   localized.result = localizer_->process(localized.input.frame);
+  if (mapper_) extendMap(&localized);
   return localized;
+}
+
+void ImageLocalizer::extendMap(LocalizedImage* localized) {
+  Stopwatch step;
+  localized->map_changed = mapper_->add(localized->input.frame, localized->result);
+  if (localized->map_changed) localizer_->setMap(mapper_->map());
+  const double duration = step.lap();
+  localized->result.timings.solve += duration;
+  localized->result.timings.total += duration;
+}
+
+std::vector<ProvisionalMarker> ImageLocalizer::provisional() const {
+  return mapper_ ? mapper_->provisional() : std::vector<ProvisionalMarker>();
+}
+
+void ImageLocalizer::adopt(const std::vector<Marker>& saved) {
+  if (!mapper_) return;
+  mapper_->adopt(saved);
+  localizer_->setMap(mapper_->map());
 }
 
 }  // namespace omnitag

@@ -3,10 +3,13 @@
 #include <cv_bridge/cv_bridge.h>
 #include <sensor_msgs/image_encodings.h>
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
 #include <utility>
 
+#include "omnitag/common/error.h"
+#include "omnitag/mapping/mapped_entries.h"
 #include "omnitag/ros/conversions.h"
 #include "omnitag/ros/map_markers.h"
 #include "omnitag/ros/result_messages.h"
@@ -26,6 +29,19 @@ Eigen::Matrix3d rotated(const Eigen::Matrix3d& covariance,
   return rotation * covariance * rotation.transpose();
 }
 
+/// Whether people could see that mapping has gone on.
+bool looksDifferent(const std::vector<ProvisionalMarker>& a,
+                    const std::vector<ProvisionalMarker>& b) {
+  constexpr double kVisible = 0.01;  // m
+  return !std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                     [](const ProvisionalMarker& one, const ProvisionalMarker& other) {
+                       const Marker& marker = one.estimate.marker;
+                       return marker.id == other.estimate.marker.id &&
+                              one.is_used == other.is_used &&
+                              (marker.center() - other.estimate.marker.center()).norm() < kVisible;
+                     });
+}
+
 }  // namespace
 
 LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
@@ -37,7 +53,7 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
       localizer_(parameters_, camera),
       transforms_(ros::Duration(kTransformCache)),
       transform_listener_(transforms_, node),
-      map_markers_(mapMarkers(localizer_.map(), localizer_.frames().map)),
+      map_markers_(mapMarkers(localizer_.map(), {}, localizer_.frames().map)),
       frame_markers_(localizer_.frames().map, parameters_.robot_radius),
       debug_image_painter_(localizer_.camera(), localizer_.map()),
       path_(parameters_.path_min_step, parameters_.path_max_poses),
@@ -53,6 +69,7 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
   path_publisher_ = node_.advertise<nav_msgs::Path>("path", 1, kLatched);
   markers_publisher_ = node_.advertise<visualization_msgs::MarkerArray>(
       "markers", 10, [this](const ros::SingleSubscriberPublisher& subscriber) {
+        const std::lock_guard<std::mutex> lock(map_mutex_);
         subscriber.publish(map_markers_);
       });
   debug_image_publisher_ = image_transport_.advertise("debug_image", 1);
@@ -67,7 +84,13 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
   save_map_server_ =
       node_.advertiseService<std_srvs::Trigger::Request, std_srvs::Trigger::Response>(
           "save_map", [this](auto& /*request*/, auto& response) {
-            response.message = "mapping is off: the map is as " + parameters_.map_file + " has it";
+            try {
+              response.message = saveMap();
+              response.success = 1;
+            } catch (const std::exception& error) {
+              response.message = error.what();
+            }
+            ROS_INFO_STREAM(name_ << ": save_map: " << response.message);
             return true;
           });
 
@@ -107,7 +130,7 @@ void LocalizerServer::run() {
 void LocalizerServer::onImage(const ReceivedImage& received) {
   {
     const std::lock_guard<std::mutex> lock(request_mutex_);
-    if (const Request request = std::exchange(request_, nullptr)) request(&localizer_.localizer());
+    for (const Request& request : std::exchange(requests_, {})) request(&localizer_);
   }
   const cv_bridge::CvImageConstPtr image = received.decode();
   waitForTransforms(received.header);
@@ -135,8 +158,10 @@ void LocalizerServer::publish(const LocalizedImage& localized) {
   if (localized.started_anew) {
     ROS_WARN_STREAM(name_ << ": stamps went back, as when a bag is played again: started anew");
     path_.clear();
+    const std::lock_guard<std::mutex> lock(map_mutex_);
     markers_publisher_.publish(map_markers_);
   }
+  if (localizer_.isMapping()) publishMap(localized.map_changed);
   ResultMessages messages =
       toMessages(localized, localizer_.map(), localizer_.frames(), parameters_.transform_tolerance);
   messages.status.images_received = input_.received();
@@ -203,9 +228,9 @@ void LocalizerServer::takePose(const geometry_msgs::PoseWithCovarianceStamped& m
   const std::optional<Eigen::Matrix3d> covariance = planarCovariance(message.pose);
   if (covariance) {
     const PoseEstimate estimate{pose, rotated(*covariance, map_from_frame)};
-    request([estimate](Localizer* localizer) { localizer->setPose(estimate); });
+    request([estimate](ImageLocalizer* it) { it->localizer().setPose(estimate); });
   } else {
-    request([pose](Localizer* localizer) { localizer->setPose(pose); });
+    request([pose](ImageLocalizer* it) { it->localizer().setPose(pose); });
   }
   ROS_INFO_STREAM(name_ << ": initial pose x " << pose.x << " m, y " << pose.y << " m, yaw "
                         << pose.yaw << " rad, from the next image on");
@@ -223,13 +248,45 @@ Eigen::Isometry3d LocalizerServer::mapFrom(const std::string& frame) const {
 }
 
 void LocalizerServer::forgetPose() {
-  request([](Localizer* localizer) { localizer->forgetPose(); });
+  request([](ImageLocalizer* it) { it->localizer().forgetPose(); });
   ROS_INFO_STREAM(name_ << ": pose forgotten, searching from the next image on");
+}
+
+void LocalizerServer::publishMap(bool is_changed) {
+  std::vector<ProvisionalMarker> provisional = localizer_.provisional();
+  if (is_changed) debug_image_painter_.setMap(localizer_.map());
+  const std::lock_guard<std::mutex> lock(map_mutex_);
+  const bool is_to_draw = looksDifferent(provisional, provisional_);
+  provisional_ = std::move(provisional);
+  if (!is_to_draw) return;
+  health_.mapChanged(localizer_.map(), provisional_);
+  map_markers_ = mapMarkers(localizer_.map(), provisional_, localizer_.frames().map);
+  markers_publisher_.publish(map_markers_);
+}
+
+std::string LocalizerServer::saveMap() {
+  if (!parameters_.mapping) {
+    throw InputError("mapping is off: the map is as " + parameters_.map_file + " has it");
+  }
+  std::vector<ProvisionalMarker> provisional;
+  {
+    const std::lock_guard<std::mutex> lock(map_mutex_);
+    provisional = provisional_;
+  }
+  const std::vector<MapEntry> entries = usedEntries(provisional);
+  const SavedMap saved = addToMapFile(parameters_.map_file, entries);
+  request([saved](ImageLocalizer* it) { it->adopt(saved.added); });
+  const std::string done = saved.is_written
+                               ? std::to_string(saved.added.size()) + " markers added to " +
+                                     parameters_.map_file + ", the old file is beside it with a ~"
+                               : parameters_.map_file + " has all already";
+  return done + "; " + std::to_string(provisional.size() - entries.size()) +
+         " more are not known well enough yet";
 }
 
 void LocalizerServer::request(Request request) {
   const std::lock_guard<std::mutex> lock(request_mutex_);
-  request_ = std::move(request);
+  requests_.push_back(std::move(request));
 }
 
 }  // namespace omnitag

@@ -1,6 +1,7 @@
 #include "omnitag/ros/map_markers.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 
 #include "omnitag/marker/tag_pattern.h"
 #include "omnitag/ros/conversions.h"
@@ -105,25 +106,51 @@ void addNormal(const Marker& marker, visualization_msgs::Marker* triangles) {
       .addTriangle(-across, across, length * Eigen::Vector3d::UnitZ(), color(0.25, 0.55, 0.95));
 }
 
+/// A frame around a tag that mapping has found, a little before its face.
+void addMappedFrame(const Marker& marker, const std_msgs::ColorRGBA& color,
+                    visualization_msgs::Marker* triangles) {
+  constexpr double kInside = 10.0 / 8.0;  // the white margin's edge
+  constexpr double kOutside = 1.15 * kInside;
+  Sheet(marker, triangles).addFrame(kOutside, kInside, color);
+}
+
+bool isSame(const Marker& a, const Marker& b) { return a.id == b.id && a.family == b.family; }
+
 }  // namespace
 
-visualization_msgs::MarkerArray mapMarkers(const MarkerMap& map, const std::string& map_frame) {
+visualization_msgs::MarkerArray mapMarkers(const MarkerMap& map,
+                                           const std::vector<ProvisionalMarker>& provisional,
+                                           const std::string& map_frame) {
   using RvizMarker = visualization_msgs::Marker;
   const std_msgs::ColorRGBA white = color(1.0, 1.0, 1.0);
+  const std_msgs::ColorRGBA used = color(0.2, 0.8, 0.3);
+  const std_msgs::ColorRGBA unsure = color(1.0, 0.6, 0.1);
   RvizMarker tags = rvizMarker(map_frame, "tags", RvizMarker::TRIANGLE_LIST, white);
   RvizMarker normals = rvizMarker(map_frame, "normals", RvizMarker::TRIANGLE_LIST, white);
   visualization_msgs::MarkerArray array;
-  for (const Marker& marker : map.markers) {
+  const auto add = [&](const Marker& marker, const std_msgs::ColorRGBA* mapped) {
     addTag(marker, map.markers.size() <= kMostWithPatterns, &tags);
     addNormal(marker, &normals);
+    if (mapped != nullptr) addMappedFrame(marker, *mapped, &tags);
 
-    RvizMarker name = rvizMarker(map_frame, "names", RvizMarker::TEXT_VIEW_FACING, white);
+    RvizMarker name = rvizMarker(map_frame, "names", RvizMarker::TEXT_VIEW_FACING,
+                                 mapped != nullptr ? *mapped : white);
     name.id = static_cast<int>(array.markers.size());
     name.text = std::to_string(marker.id) + (marker.name.empty() ? "" : "  " + marker.name);
     name.scale.z = 0.2;
     name.pose.position =
         toMessage(marker.center() + (marker.size + name.scale.z) * Eigen::Vector3d::UnitZ());
     array.markers.push_back(name);
+  };
+  for (const Marker& marker : map.markers) {
+    const bool is_mapped =
+        std::any_of(provisional.begin(), provisional.end(), [&](const ProvisionalMarker& each) {
+          return each.is_used && isSame(each.estimate.marker, marker);
+        });
+    add(marker, is_mapped ? &used : nullptr);
+  }
+  for (const ProvisionalMarker& each : provisional) {
+    if (!each.is_used) add(each.estimate.marker, &unsure);
   }
   array.markers.push_back(tags);
   array.markers.push_back(normals);

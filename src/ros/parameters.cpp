@@ -47,7 +47,7 @@ LocalizerParameters readParameters(const YamlReader& reader) {
                     "transform_tolerance", "transform_period", "restart_time_jump", "path_min_step",
                     "path_max_poses", "robot_radius", "visibility", "view", "detector",
                     "association", "recognition", "estimation", "look_around", "relocalization",
-                    "motion", "estimator",
+                    "motion", "estimator", "mapping", "mapper",
                     // Read by others in the same namespace: diagnostic_updater and nodelet.
                     "diagnostic_period", "num_worker_threads"});
   LocalizerParameters parameters;
@@ -69,6 +69,9 @@ LocalizerParameters readParameters(const YamlReader& reader) {
   reader.read("path_max_poses", &parameters.path_max_poses, Interval{1, 1e6});
   reader.read("robot_radius", &parameters.robot_radius, kPositive);
   parameters.localizer = readLocalizerConfig(reader);
+  reader.read("mapping", &parameters.mapping);
+  if (reader.has("mapper")) parameters.mapper = readMarkerMapperConfig(reader.mapping("mapper"));
+  if (parameters.mapping) parameters.localizer.exploring_views = parameters.mapper.views_per_frame;
   return parameters;
 }
 

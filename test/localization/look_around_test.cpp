@@ -115,6 +115,33 @@ TEST_P(LookAroundTest, EveryMarkerThatCanBeSeenIsWholeInAView) {
   EXPECT_GT(seen, 100);
 }
 
+TEST_P(LookAroundTest, EverythingHoldsMarkersAtAnyHeightWithoutAMap) {
+  const Eigen::Vector2d viewpoint = camera_.baseFromCamera().translation().head<2>();
+  const std::vector<View> views = viewsOfEverything(camera_, warper_.table(), config_);
+  int seen = 0;
+  for (const double height : {0.2, 1.2, 2.6}) {
+    for (const double range : {1.5, 2.5, 5.0, 11.5}) {
+      for (int i = 0; i < 40; ++i) {
+        const double azimuth = 2.0 * kPi * i / 40;
+        const Eigen::Vector2d place =
+            viewpoint + range * Eigen::Vector2d(std::cos(azimuth), std::sin(azimuth));
+        Marker marker = test::wallMarker(0, {place.x(), place.y(), height}, azimuth + kPi);
+        marker.size = 0.3;
+        const auto reading = test::exactReading(marker, camera_, {});
+        if (!reading || isAtTheEdge(reading->corners)) continue;
+        ++seen;
+        const auto held = cornersIn(views, reading->corners);
+        EXPECT_TRUE(std::any_of(held.begin(), held.end(),
+                                [](const std::vector<bool>& corners) {
+                                  return std::count(corners.begin(), corners.end(), true) == 4;
+                                }))
+            << "height " << height << ", range " << range << ", azimuth " << azimuth;
+      }
+    }
+  }
+  EXPECT_GT(seen, 100);
+}
+
 TEST_P(LookAroundTest, ViewsStepAndOverlapAsConfigured) {
   for (const auto& [step, overlap] :
        std::vector<std::pair<double, double>>{{45.0, 20.0}, {30.0, 0.0}, {50.0, 10.0}}) {
@@ -143,7 +170,18 @@ TEST(LookAroundFisheye, HoldsEveryMarkerUnderTheCeilingHoweverNear) {
   const ViewWarper warper(model, kWorkingDistance);
   const Eigen::Vector2d viewpoint = camera.baseFromCamera().translation().head<2>();
   const MarkerMap map{"map", {test::lyingMarker(0, {50.0, 0.0, 2.8}, false, 0.0, 0.4)}};
-  const std::vector<View> views = viewsAllAround(map, camera, warper.table(), 12.0, {});
+  const std::vector<View> expected = viewsAllAround(map, camera, warper.table(), 12.0, {});
+  const std::vector<View> everything = viewsOfEverything(camera, warper.table(), {});
+  const auto isWholeIn = [&](const std::vector<View>& views, const MarkerReading& reading) {
+    return std::any_of(views.begin(), views.end(), [&](const View& view) {
+      return std::all_of(
+          reading.corners.begin(), reading.corners.end(), [&](const Eigen::Vector2d& corner) {
+            const auto position = warper.viewFromPanorama(view, corner);
+            return position && position->x() >= 0.0 && position->y() >= 0.0 &&
+                   position->x() <= view.size.width - 1 && position->y() <= view.size.height - 1;
+          });
+    });
+  };
   int seen = 0;
   for (const double range : {0.0, 0.3, 0.7, 1.1, 1.5, 2.0, 3.0, 5.0}) {
     for (int i = 0; i < 24; ++i) {
@@ -155,19 +193,8 @@ TEST(LookAroundFisheye, HoldsEveryMarkerUnderTheCeilingHoweverNear) {
       const auto reading = test::exactReading(marker, camera, {});
       ASSERT_TRUE(reading);
       ++seen;
-      EXPECT_TRUE(std::any_of(views.begin(), views.end(),
-                              [&](const View& view) {
-                                return std::all_of(reading->corners.begin(), reading->corners.end(),
-                                                   [&](const Eigen::Vector2d& corner) {
-                                                     const auto position =
-                                                         warper.viewFromPanorama(view, corner);
-                                                     return position && position->x() >= 0.0 &&
-                                                            position->y() >= 0.0 &&
-                                                            position->x() <= view.size.width - 1 &&
-                                                            position->y() <= view.size.height - 1;
-                                                   });
-                              }))
-          << "range " << range << ", azimuth " << azimuth;
+      EXPECT_TRUE(isWholeIn(expected, *reading)) << "range " << range << ", azimuth " << azimuth;
+      EXPECT_TRUE(isWholeIn(everything, *reading)) << "range " << range << ", azimuth " << azimuth;
     }
   }
   EXPECT_GT(seen, 100);

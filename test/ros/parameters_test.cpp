@@ -49,8 +49,9 @@ TEST(Parameters, ManualNamesEveryParameter) {
     expected.erase(key);
   }
   EXPECT_EQ(keysOf(manual), expected);
-  for (const std::string group : {"visibility", "view", "detector", "association", "recognition",
-                                  "estimation", "look_around", "relocalization", "motion"}) {
+  for (const std::string group :
+       {"visibility", "view", "detector", "association", "recognition", "estimation", "look_around",
+        "relocalization", "motion", "mapper"}) {
     EXPECT_EQ(keysOf(manual[group]), knownKeys(group + ": {no_such_key: 1}")) << group;
   }
 }
@@ -163,6 +164,23 @@ TEST(Parameters, ManualHasTheDefaults) {
   EXPECT_EQ(motion.max_dead_reckoning_time, motion_default.max_dead_reckoning_time);
   EXPECT_EQ(motion.max_position_deviation, motion_default.max_position_deviation);
   EXPECT_DOUBLE_EQ(motion.max_heading_deviation, motion_default.max_heading_deviation);
+
+  EXPECT_EQ(manual.mapping, defaults.mapping);
+  EXPECT_EQ(manual.mapper.views_per_frame, defaults.mapper.views_per_frame);
+  EXPECT_EQ(manual.mapper.size, defaults.mapper.size);
+  EXPECT_EQ(manual.mapper.estimate_sizes, defaults.mapper.estimate_sizes);
+  EXPECT_EQ(manual.mapper.corner_noise, defaults.mapper.corner_noise);
+  EXPECT_EQ(manual.mapper.max_pose_deviation, defaults.mapper.max_pose_deviation);
+  EXPECT_EQ(manual.mapper.max_sightings, defaults.mapper.max_sightings);
+  EXPECT_EQ(manual.mapper.min_step, defaults.mapper.min_step);
+  EXPECT_EQ(manual.mapper.min_sightings, defaults.mapper.min_sightings);
+  EXPECT_DOUBLE_EQ(manual.mapper.min_parallax, defaults.mapper.min_parallax);
+  EXPECT_EQ(manual.mapper.min_agreement, defaults.mapper.min_agreement);
+  EXPECT_EQ(manual.mapper.max_position_deviation, defaults.mapper.max_position_deviation);
+  EXPECT_DOUBLE_EQ(manual.mapper.max_orientation_deviation,
+                   defaults.mapper.max_orientation_deviation);
+  // Without mapping nothing is looked for that the map does not have.
+  EXPECT_EQ(manual.localizer.exploring_views, 0);
 }
 
 TEST(Parameters, InitialPose) {

@@ -125,7 +125,7 @@ TEST(FrameMarkers, SayWhyThereIsNoPose) {
 }
 
 TEST(MapMarkers, TagsAreWhereTheMapHasThem) {
-  const visualization_msgs::MarkerArray array = mapMarkers(twoMarkers(), "map");
+  const visualization_msgs::MarkerArray array = mapMarkers(twoMarkers(), {}, "map");
   const auto markers = byNamespace(array);
   const visualization_msgs::Marker& tags = markers.at("tags");
   ASSERT_EQ(tags.points.size(), tags.colors.size());
@@ -141,6 +141,27 @@ TEST(MapMarkers, TagsAreWhereTheMapHasThem) {
     if (marker.ns == "names") names.insert(marker.text);
   }
   EXPECT_EQ(names, (std::set<std::string>{"2", "3  door"}));
+}
+
+TEST(MapMarkers, WhatMappingHasFoundHasItsOwnColours) {
+  MarkerMap map = twoMarkers();
+  ProvisionalMarker used;
+  used.estimate.marker = map.markers[1];
+  used.is_used = true;
+  ProvisionalMarker unsure;
+  unsure.estimate.marker = map.markers[0];
+  unsure.estimate.marker.id = 40;
+  std::map<std::string, std_msgs::ColorRGBA> colors;
+  for (const auto& marker : mapMarkers(map, {used, unsure}, "map").markers) {
+    if (marker.ns == "names") colors[marker.text] = marker.color;
+  }
+  ASSERT_EQ(colors.size(), 3U);
+  const std_msgs::ColorRGBA& of_file = colors.at("2");
+  const std_msgs::ColorRGBA& of_used = colors.at("3  door");
+  const std_msgs::ColorRGBA& of_unsure = colors.at("40");
+  EXPECT_EQ(of_file.r, of_file.g);
+  EXPECT_GT(of_used.g, of_used.r + 0.3);
+  EXPECT_GT(of_unsure.r, of_unsure.g + 0.3);
 }
 
 TEST(DebugImageLayout, CellsAreDistinctAndInOrder) {

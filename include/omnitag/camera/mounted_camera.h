@@ -17,12 +17,13 @@ class MountedCamera {
   MountedCamera(std::shared_ptr<const CameraModel> camera,
                 const Eigen::Isometry3d& base_from_camera);
 
-  /// The pixel of a point of the map (metres) and, on request, its derivative with respect to the
-  /// pose (x, y, yaw), in pixels per metre and per radian. Nothing where the camera does not see
-  /// it.
-  std::optional<Eigen::Vector2d> pixelFromMap(const Pose2& map_from_base,
-                                              const Eigen::Vector3d& point,
-                                              Eigen::Matrix<double, 2, 3>* by_pose = nullptr) const;
+  /// The pixel of a point of the map (metres) and, on request, its derivatives with respect to the
+  /// pose (x, y, yaw), in pixels per metre and per radian, and to the point, in pixels per metre
+  /// along the map's axes. Nothing where the camera does not see it.
+  std::optional<Eigen::Vector2d> pixelFromMap(
+      const Pose2& map_from_base, const Eigen::Vector3d& point,
+      Eigen::Matrix<double, 2, 3>* by_pose = nullptr,
+      Eigen::Matrix<double, 2, 3>* by_point = nullptr) const;
 
   /// The line of sight of a pixel in base_link. Nothing where the pixel shows no world.
   std::optional<Ray> rayInBase(const Eigen::Vector2d& pixel) const;

@@ -9,6 +9,7 @@
 #include "omnitag/common/pose2.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/marker/marker_prediction.h"
+#include "omnitag/marker/marker_reader.h"
 #include "omnitag/view/view.h"
 
 namespace omnitag {
@@ -91,6 +92,9 @@ struct FrameResult {
   std::vector<cv::Mat> view_images;
   std::vector<MarkerDetection> detections;
   std::vector<DisplacedMarker> displaced;
+  /// All that was decoded where unknown markers are looked for (LocalizerConfig::exploring_views),
+  /// whether the map has it or not.
+  std::vector<MarkerReading> explored;
   Timings timings;
 
   /// How many of the detections the pose stands on.

@@ -42,6 +42,11 @@ class Localizer {
   /// Forgets the pose; the next frames search.
   void forgetPose();
 
+  /// Takes the map with markers added behind those that it had, or with some of those moved. Throws
+  /// InputError as the constructor does; a family that the map did not name before must be its
+  /// default.
+  void setMap(MarkerMap map);
+
   /// Stamps must increase; frame.image must have the camera's size. Throws InputError otherwise and
   /// keeps its state.
   FrameResult process(const Frame& frame);
@@ -65,7 +70,8 @@ class Localizer {
   /// predicted, finds the robot elsewhere.
   bool isElsewhere(const Frame& frame, const MountedCamera& camera, const PoseEstimate& tracked,
                    const FrameResult& result);
-  /// Looks, with one of the views all around, for what is not expected from a pose.
+  /// Looks, with some of the views all around, for what is not expected from a pose: with one from
+  /// time to time, or with as many of each frame as exploring asks for.
   void patrol(const Frame& frame, const MountedCamera& camera, const Pose2& map_from_base,
               FrameResult* result);
   /// Looks all around, and decides between what it finds and the prediction.
@@ -73,6 +79,8 @@ class Localizer {
               const std::optional<PoseEstimate>& predicted, bool is_refuted, FrameResult* result);
   /// Without a marker that agrees: the prediction, unless what was read contradicts it.
   void carryOn(const PoseEstimate& predicted, bool is_refuted, FrameResult* result) const;
+  /// The views in which markers are looked for that are not expected.
+  std::vector<View> viewsToSearch(const MountedCamera& camera) const;
   std::vector<MarkerReading> lookAround(const Frame& frame, const MountedCamera& camera,
                                         FrameResult* result) const;
   TrackingTools trackingTools() const;

@@ -24,6 +24,9 @@ struct LocalizerConfig {
   LookAroundConfig look_around;
   RelocalizationConfig relocalization;
   MotionModelConfig motion;
+  /// Views of each frame, of those that together show all of the panorama, in which markers are
+  /// looked for that the map does not have; all of them while searching. 0: the map has all.
+  int exploring_views = 0;
 };
 
 /// Reads the groups `visibility`, `view`, `detector`, `association`, `recognition`, `estimation`,

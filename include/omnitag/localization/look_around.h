@@ -40,4 +40,9 @@ std::vector<View> viewsAllAround(const MarkerMap& map, const MountedCamera& came
                                  const ContourTable& table, double max_range,
                                  const LookAroundConfig& config);
 
+/// Views of everything that the panorama shows, whatever the map: all around, and along either end
+/// of the axis where the camera sees that. Around the axis they do not reach into kNearAxis.
+std::vector<View> viewsOfEverything(const MountedCamera& camera, const ContourTable& table,
+                                    const LookAroundConfig& config);
+
 }  // namespace omnitag

@@ -24,6 +24,9 @@ struct Marker {
   /// m, edge of the square between the corners that the library reports.
   double size = 0.0;
   Eigen::Isometry3d map_from_marker = Eigen::Isometry3d::Identity();
+  /// m, standard deviation of its place along each axis, where the map says; 0: as exact as the
+  /// configuration has it.
+  double deviation = 0.0;
 
   Eigen::Vector3d center() const { return map_from_marker.translation(); }
   /// Unit vector out of the marker's face, in the map.
@@ -36,6 +39,9 @@ struct Marker {
 struct MarkerMap {
   std::string frame_id = "map";
   std::vector<Marker> markers;
+  /// Of markers that do not say otherwise: empty and 0 where there are none.
+  std::string default_family = {};
+  double default_size = 0.0;
 };
 
 /// The entries that a marker of this family and id may be; none where the map has no such marker.

@@ -96,7 +96,10 @@ class TagPattern {
 class TagPatterns {
  public:
   /// Throws InputError as TagPattern does.
-  explicit TagPatterns(const MarkerMap& map);
+  explicit TagPatterns(const MarkerMap& map) { add(map); }
+
+  /// Draws those that are not there yet. Throws InputError as TagPattern does.
+  void add(const MarkerMap& map);
 
   const TagPattern& of(const Marker& marker) const;
 

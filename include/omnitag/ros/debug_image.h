@@ -20,6 +20,8 @@ class DebugImagePainter {
  public:
   DebugImagePainter(std::shared_ptr<const CameraModel> camera, MarkerMap map);
 
+  void setMap(const MarkerMap& map) { map_ = map; }
+
   /// `panorama`: CV_8UC1, the image that `result` is of. Gives CV_8UC3 (BGR), always of one size.
   cv::Mat paint(const cv::Mat& panorama, const FrameResult& result) const;
 

@@ -14,6 +14,7 @@
 #include "omnitag/common/pose2.h"
 #include "omnitag/localization/displacement.h"
 #include "omnitag/localization/frame_result.h"
+#include "omnitag/mapping/marker_mapper.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/ros/image_input.h"
 
@@ -26,9 +27,12 @@ namespace omnitag {
 /// threads.
 class HealthMonitor {
  public:
-  /// `input` and `map` must outlive the monitor.
+  /// `input` must outlive the monitor.
   HealthMonitor(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
-                const ImageInput& input, const MarkerMap& map);
+                const ImageInput& input, MarkerMap map);
+
+  /// Mapping has added markers behind those that the map had, or moved some of its own.
+  void mapChanged(const MarkerMap& map, const std::vector<ProvisionalMarker>& provisional);
 
   /// The message was no image of this camera.
   void imageRefused(const std::string& why);
@@ -59,10 +63,13 @@ class HealthMonitor {
   void settle(Subject* subject, const std::string& all_is_well);
 
   const ImageInput& input_;
-  const MarkerMap& map_;
   std::string name_;
 
   std::mutex mutex_;
+  MarkerMap map_;
+  /// Markers that mapping has found: those that are used, and those that are not yet.
+  std::size_t mapped_ = 0;
+  std::size_t waiting_ = 0;
   Subject images_;
   Subject transforms_;
   Subject localization_;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "omnitag/localization/localizer.h"
 #include "omnitag/ros/camera_info.h"
@@ -20,6 +21,9 @@ struct LocalizedImage {
   FrameResult result;
   /// Whether time was set back before this image.
   bool started_anew = false;
+  /// Whether the map has changed with this image: markers were added, or moved that mapping had
+  /// added.
+  bool map_changed = false;
 };
 
 /// Localizes in a stream of images, whether they come from a topic or a bag: the same images and
@@ -33,7 +37,8 @@ class ImageLocalizer {
   /// FrameAssembler throws, and keeps its state then.
   ///
   /// Where stamps step back by more than `restart_time_jump`, as when a bag loops, the localizer
-  /// starts anew: with the initial pose of the parameters, or searching. `wants_views`: see Frame.
+  /// starts anew: with the initial pose of the parameters, or searching. What it has mapped stays.
+  /// `wants_views`: see Frame.
   std::optional<LocalizedImage> localize(const cv_bridge::CvImageConstPtr& image,
                                          const tf2::BufferCore& transforms,
                                          bool wants_views = false);
@@ -41,7 +46,13 @@ class ImageLocalizer {
   /// For a pose from outside, or to forget the one it has.
   Localizer& localizer() { return *localizer_; }
 
-  const MarkerMap& map() const { return map_; }
+  /// The map file's markers and, behind them, what mapping has added.
+  const MarkerMap& map() const { return mapper_ ? mapper_->map() : map_; }
+  bool isMapping() const { return mapper_.has_value(); }
+  /// What mapping knows of markers that the map file does not have.
+  std::vector<ProvisionalMarker> provisional() const;
+  /// Makes markers the map's own, since they have been saved.
+  void adopt(const std::vector<Marker>& saved);
   const std::shared_ptr<const CameraModel>& camera() const { return camera_; }
   const FrameAssembler& assembler() const { return assembler_; }
   /// With the map's frame filled in.
@@ -50,11 +61,13 @@ class ImageLocalizer {
 
  private:
   void start();
+  void extendMap(LocalizedImage* localized);
 
   LocalizerParameters parameters_;
   std::shared_ptr<const CameraModel> camera_;
   MarkerMap map_;
   FrameAssembler assembler_;
+  std::optional<MarkerMapper> mapper_;
   std::unique_ptr<Localizer> localizer_;
   ros::Time last_stamp_;
   std::uint64_t late_images_ = 0;

@@ -14,7 +14,9 @@
 #include <functional>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "omnitag/ros/debug_image.h"
 #include "omnitag/ros/frame_markers.h"
@@ -56,7 +58,11 @@ class LocalizerServer {
   /// map_from_frame of a message's frame, as tf has it now. Throws InputError.
   Eigen::Isometry3d mapFrom(const std::string& frame) const;
   void forgetPose();
-  using Request = std::function<void(Localizer*)>;
+  /// Says what was done. Throws InputError.
+  std::string saveMap();
+  /// Shows what mapping has found; `is_changed`: markers that the localizer uses, too.
+  void publishMap(bool is_changed);
+  using Request = std::function<void(ImageLocalizer*)>;
   void request(Request request);
 
   ros::NodeHandle node_;
@@ -67,7 +73,10 @@ class LocalizerServer {
   tf2_ros::TransformListener transform_listener_;
   tf2_ros::TransformBroadcaster transform_broadcaster_;
 
-  const visualization_msgs::MarkerArray map_markers_;
+  /// The map as RViz shows it, and what mapping has added to it so far.
+  std::mutex map_mutex_;
+  visualization_msgs::MarkerArray map_markers_;
+  std::vector<ProvisionalMarker> provisional_;
   FrameMarkers frame_markers_;
   DebugImagePainter debug_image_painter_;
   PathRecorder path_;
@@ -93,9 +102,9 @@ class LocalizerServer {
   std::optional<Correction> correction_;
   ros::WallTimer repeat_timer_;
 
-  /// What was asked for last and is to be done before the next image.
+  /// What was asked for and is to be done before the next image.
   std::mutex request_mutex_;
-  Request request_;
+  std::vector<Request> requests_;
 
   ImageInput input_;
   HealthMonitor health_;

@@ -3,14 +3,20 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include <string>
+#include <vector>
 
+#include "omnitag/mapping/marker_mapper.h"
 #include "omnitag/marker/marker_map.h"
 
 namespace omnitag {
 
 /// The marker map for RViz: `tags`, as they are printed (in a map of more than 200 with their
 /// border alone) and grey on their back; `normals`, an arrowhead out of each face; `names`, the
-/// entry's id and name. Throws InputError for a tag that the AprilTag library does not have.
-visualization_msgs::MarkerArray mapMarkers(const MarkerMap& map, const std::string& map_frame);
+/// entry's id and name. Markers that mapping has found are framed and named in green where they are
+/// used, in orange where they are not known well enough yet. Throws InputError for a tag that the
+/// AprilTag library does not have.
+visualization_msgs::MarkerArray mapMarkers(const MarkerMap& map,
+                                           const std::vector<ProvisionalMarker>& provisional,
+                                           const std::string& map_frame);
 
 }  // namespace omnitag

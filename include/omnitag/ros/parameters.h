@@ -5,6 +5,7 @@
 
 #include "omnitag/common/pose2.h"
 #include "omnitag/localization/localizer_config.h"
+#include "omnitag/mapping/marker_mapper.h"
 
 namespace omnitag {
 
@@ -50,6 +51,10 @@ struct LocalizerParameters {
   double robot_radius = 0.2;
 
   LocalizerConfig localizer;
+
+  /// Whether the map is extended by what the map does not have, and how.
+  bool mapping = false;
+  MarkerMapperConfig mapper;
 };
 
 /// Reads every parameter from a mapping; absent ones keep their defaults. Throws InputError with

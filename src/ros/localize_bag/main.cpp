@@ -12,6 +12,7 @@
 #include "../bag_tools/bag_input.h"
 #include "../bag_tools/progress.h"
 #include "omnitag/common/error.h"
+#include "omnitag/mapping/mapped_entries.h"
 #include "omnitag/ros/image_localizer.h"
 #include "options.h"
 #include "result_bag.h"
@@ -74,6 +75,16 @@ DescribedCamera cameraOf(const BagOptions& options, const BagInput& input) {
   return options.camera.empty() ? input.describedCamera() : cameraFromFile(options.camera);
 }
 
+/// Where it is asked for: the map file's text with the markers that mapping has added.
+void saveMap(const BagOptions& options, const ImageLocalizer& localizer) {
+  if (options.mapped.empty()) return;
+  const std::vector<ProvisionalMarker> provisional = localizer.provisional();
+  const std::vector<MapEntry> entries = usedEntries(provisional);
+  std::printf("markers mapped:    %zu, %zu more are not known well enough\n", entries.size(),
+              provisional.size() - entries.size());
+  replaceFile(options.mapped, withEntries(readTextFile(options.map), entries, options.map));
+}
+
 void run(const BagOptions& options) {
   const LocalizerParameters parameters = parametersOf(options);
   const BagInput input(options.bag, options.image_topic);
@@ -81,7 +92,7 @@ void run(const BagOptions& options) {
   ResultFiles files(options.trajectory, options.poses, options.detections);
   std::optional<ResultBag> output;
   if (!options.output.empty()) {
-    output.emplace(options.output, localizer.map(), localizer.frames(), parameters);
+    output.emplace(options.output, localizer.frames(), parameters);
   }
 
   const rosbag::TopicQuery images(input.imageTopic());
@@ -104,7 +115,7 @@ void run(const BagOptions& options) {
         }
         summary.add(*localized);
         files.add(stamp, localized->result, localizer.map());
-        if (output) output->add(message.getTime(), *localized);
+        if (output) output->add(message.getTime(), *localized, localizer);
       }
     } catch (const InputError& error) {
       const std::string problem =
@@ -134,6 +145,7 @@ void run(const BagOptions& options) {
     throw InputError(options.bag + ": no image could be used: " + summary.first_problem);
   }
   print(summary, localizer.lateImages());
+  saveMap(options, localizer);
 }
 
 }  // namespace

@@ -60,13 +60,16 @@ std::optional<BagOptions> parseOptions(int argc, char** argv) {
       "poses", textOption(&options.poses, "OUT.csv"), "every frame with its covariance and mode")(
       "detections", textOption(&options.detections, "OUT.csv"), "every marker that was read")(
       "output", textOption(&options.output, "OUT.bag"),
-      "the bag's messages and, with them, what the localizer publishes");
+      "the bag's messages and, with them, what the localizer publishes")(
+      "save-map", textOption(&options.mapped, "OUT.yaml"),
+      "map unknown markers, as with the parameter mapping, and write the map with them");
   if (!parseCommandLine(argc, argv, kUsage, description)) return std::nullopt;
   checkOutputs({options.camera, options.map, options.bag, options.params},
                {{"--trajectory", options.trajectory},
                 {"--poses", options.poses},
                 {"--detections", options.detections},
-                {"--output", options.output}});
+                {"--output", options.output},
+                {"--save-map", options.mapped}});
   return options;
 }
 
@@ -79,6 +82,10 @@ LocalizerParameters parametersOf(const BagOptions& options) {
   parameters.map_file = options.map;
   parameters.initial_pose = options.initial_pose;
   if (options.odom_frame) parameters.frames.odom = *options.odom_frame;
+  if (!options.mapped.empty()) {
+    parameters.mapping = true;
+    parameters.localizer.exploring_views = parameters.mapper.views_per_frame;
+  }
   return parameters;
 }
 

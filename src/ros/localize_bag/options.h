@@ -21,6 +21,7 @@ struct BagOptions {
   std::string poses;
   std::string detections;
   std::string output;
+  std::string mapped;
 };
 
 /// Nothing where help was asked for, which is then printed. Throws InputError for an option that is

@@ -18,10 +18,9 @@ bool isOwn(const std::string& topic) {
 
 }  // namespace
 
-ResultBag::ResultBag(const std::string& path, const MarkerMap& map, const FrameNames& frames,
+ResultBag::ResultBag(const std::string& path, const FrameNames& frames,
                      const LocalizerParameters& parameters)
-    : map_(map),
-      frames_(frames),
+    : frames_(frames),
       transform_tolerance_(parameters.transform_tolerance),
       frame_markers_(frames.map, parameters.robot_radius),
       path_(parameters.path_min_step, parameters.path_max_poses) {
@@ -51,12 +50,16 @@ void ResultBag::copy(const rosbag::MessageInstance& message) {
   bag_.write(message.getTopic(), message.getTime(), message, message.getConnectionHeader());
 }
 
-void ResultBag::add(const ros::Time& time, const LocalizedImage& localized) {
-  if (!has_map_markers_) bag_.write("/markers", time, mapMarkers(map_, frames_.map));
+void ResultBag::add(const ros::Time& time, const LocalizedImage& localized,
+                    const ImageLocalizer& localizer) {
+  const MarkerMap& map = localizer.map();
+  if (!has_map_markers_ || localized.map_changed) {
+    bag_.write("/markers", time, mapMarkers(map, localizer.provisional(), frames_.map));
+  }
   has_map_markers_ = true;
   if (localized.started_anew) path_.clear();
 
-  const ResultMessages messages = toMessages(localized, map_, frames_, transform_tolerance_);
+  const ResultMessages messages = toMessages(localized, map, frames_, transform_tolerance_);
   if (messages.transform) {
     tf2_msgs::TFMessage transforms;
     transforms.transforms.push_back(*messages.transform);
@@ -69,7 +72,7 @@ void ResultBag::add(const ros::Time& time, const LocalizedImage& localized) {
   }
   bag_.write("/detections", time, messages.detections);
   bag_.write("/status", time, messages.status);
-  bag_.write("/markers", time, frame_markers_.draw(localized, map_));
+  bag_.write("/markers", time, frame_markers_.draw(localized, map));
 }
 
 }  // namespace omnitag

@@ -19,19 +19,18 @@ namespace omnitag {
 class ResultBag {
  public:
   /// Throws InputError where the bag cannot be written.
-  ResultBag(const std::string& path, const MarkerMap& map, const FrameNames& frames,
+  ResultBag(const std::string& path, const FrameNames& frames,
             const LocalizerParameters& parameters);
 
   /// A message of the input.
   void copy(const rosbag::MessageInstance& message);
 
   /// What an image gave; `time`: when it was recorded.
-  void add(const ros::Time& time, const LocalizedImage& localized);
+  void add(const ros::Time& time, const LocalizedImage& localized, const ImageLocalizer& localizer);
 
   void close() { bag_.close(); }
 
  private:
-  const MarkerMap& map_;
   FrameNames frames_;
   double transform_tolerance_;
   FrameMarkers frame_markers_;

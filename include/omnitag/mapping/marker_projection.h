@@ -1,0 +1,45 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <optional>
+
+#include "omnitag/camera/mounted_camera.h"
+#include "omnitag/marker/marker_map.h"
+
+namespace omnitag {
+
+/// A small change of a marker's place: a shift along the map's axes (m), then a rotation vector in
+/// the map's axes (rad) that turns it about its centre.
+using MarkerIncrement = Eigen::Matrix<double, 6, 1>;
+using MarkerCovariance = Eigen::Matrix<double, 6, 6>;
+
+/// The marker's place after the change.
+Eigen::Isometry3d moved(const Eigen::Isometry3d& map_from_marker, const MarkerIncrement& increment);
+
+/// The rotation that a rotation vector stands for (rad).
+Eigen::Matrix3d rotationOf(const Eigen::Vector3d& rotation_vector);
+
+/// J with rotationOf(v + d) = rotationOf(J d) rotationOf(v) for small d (the left Jacobian of the
+/// rotations).
+Eigen::Matrix3d leftJacobian(const Eigen::Vector3d& rotation_vector);
+
+/// Four corners in the panorama as one vector: u and v of each in turn, in pixels.
+using CornerPixels = Eigen::Matrix<double, 8, 1>;
+
+CornerPixels stacked(const Corners<Eigen::Vector2d>& corners);
+
+/// Where a marker's corners image, and how that changes with the robot's pose (x, y, yaw), with a
+/// MarkerIncrement, and with the marker's size; per metre and per radian.
+struct MarkerProjection {
+  CornerPixels pixels;
+  Eigen::Matrix<double, 8, 3> by_pose;
+  Eigen::Matrix<double, 8, 6> by_marker;
+  CornerPixels by_size;
+};
+
+/// Nothing where the camera does not see all four corners. Whether the marker faces the camera is
+/// not looked at.
+std::optional<MarkerProjection> projectMarker(const Marker& marker, const MountedCamera& camera,
+                                              const Pose2& map_from_base);
+
+}  // namespace omnitag

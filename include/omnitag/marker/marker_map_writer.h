@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "omnitag/marker/marker_map.h"
+
+namespace omnitag {
+
+/// A marker that is to stand in a map file, and a remark for people behind it.
+struct MapEntry {
+  Marker marker;
+  std::string remark;
+};
+
+/// The text of a new map file. The first marker's family and size are its defaults.
+std::string newMapText(const std::string& frame_id, const std::vector<MapEntry>& entries);
+
+/// The text of a map file with entries added at the end of its list `markers`, in its style. All
+/// that stands in it stays byte for byte. `origin` stands for the file name in errors.
+///
+/// An entry has micrometres and microradians. One that is upright to a microradian has a `yaw` and
+/// a `roll`, any other an `orientation`.
+///
+/// Throws InputError where `text` is no marker map, or where what comes out would not be read back
+/// as the old markers and the new ones.
+std::string withEntries(const std::string& text, const std::vector<MapEntry>& entries,
+                        const std::string& origin);
+
+/// Replaces a file as a whole or not at all: writes beside it, syncs, and renames. What was there
+/// stays as a backup, with "~" at the end of its name. Throws InputError where that cannot be done;
+/// the file is then as it was.
+void replaceFile(const std::string& path, const std::string& text);
+
+}  // namespace omnitag

@@ -1,0 +1,339 @@
+#include "omnitag/mapping/bundle_adjustment.h"
+
+#include <ceres/ceres.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include "omnitag/common/angle.h"
+
+namespace omnitag {
+namespace {
+
+/// Chi-square with 8 degrees of freedom, which 99 of 100 observations stay below.
+constexpr double kExpected = 20.1;
+
+/// A marker's parameters. Its increment about the initial place is in two blocks, of which the
+/// first can be held alone: what moves it over the floor (x, y, turn about z), and the rest (z,
+/// turns about x and y).
+struct MarkerBlocks {
+  std::array<double, 3> on_floor{};
+  std::array<double, 3> off_floor{};
+  double size = 0.0;
+
+  MarkerIncrement increment() const { return incrementOf(on_floor.data(), off_floor.data()); }
+
+  static MarkerIncrement incrementOf(const double* on_floor, const double* off_floor) {
+    MarkerIncrement increment;
+    increment << on_floor[0], on_floor[1], off_floor[0], off_floor[1], off_floor[2], on_floor[2];
+    return increment;
+  }
+};
+
+/// Where in an increment the elements of the two blocks are.
+constexpr std::array<int, 3> kOnFloor = {0, 1, 5};
+constexpr std::array<int, 3> kOffFloor = {2, 3, 4};
+
+/// Parameters that are estimated, and where in an increment they are.
+struct UnknownBlock {
+  const double* values = nullptr;
+  std::array<int, 3> places{};
+};
+using Unknowns = std::vector<UnknownBlock>;
+
+/// The covariance of an increment, zero where it is held.
+MarkerCovariance covarianceOf(const ceres::Covariance& covariance, const Unknowns& unknowns) {
+  MarkerCovariance whole = MarkerCovariance::Zero();
+  for (const UnknownBlock& a : unknowns) {
+    for (const UnknownBlock& b : unknowns) {
+      Eigen::Matrix<double, 3, 3, Eigen::RowMajor> part;
+      covariance.GetCovarianceBlock(a.values, b.values, part.data());
+      for (std::size_t k = 0; k < 9; ++k) {
+        whole(a.places[k / 3], b.places[k % 3]) = part.data()[k];
+      }
+    }
+  }
+  return whole;
+}
+
+Marker markerAt(const Marker& initial, const MarkerIncrement& increment, double size) {
+  Marker marker = initial;
+  marker.map_from_marker = moved(initial.map_from_marker, increment);
+  marker.size = size;
+  return marker;
+}
+
+/// Squares up to what is expected, and from there on Cauchy's function.
+class ExpectedLoss : public ceres::LossFunction {
+ public:
+  void Evaluate(double square, double* out) const override {
+    if (square <= kExpected) {
+      out[0] = square;
+      out[1] = 1.0;
+      out[2] = 0.0;
+    } else {
+      out[0] = kExpected * (1.0 + std::log(square / kExpected));
+      out[1] = kExpected / square;
+      out[2] = -kExpected / (square * square);
+    }
+  }
+};
+
+/// What an observation's corners are off, whitened, by pose, on_floor, off_floor and size.
+class CornersCost : public ceres::SizedCostFunction<8, 3, 3, 3, 1> {
+ public:
+  CornersCost(const MountedCamera& camera, const Marker& initial,
+              const Bundle::Observation& observation)
+      : camera_(camera), initial_(initial), observation_(observation) {}
+
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override {
+    const Pose2 pose{parameters[0][0], parameters[0][1], parameters[0][2]};
+    const MarkerIncrement increment = MarkerBlocks::incrementOf(parameters[1], parameters[2]);
+    const double size = parameters[3][0];
+    if (!(size > 0.0)) return false;
+    const auto projection = projectMarker(markerAt(initial_, increment, size), camera_, pose);
+    if (!projection) return false;
+    const Eigen::Matrix<double, 8, 8>& whitening = observation_.whitening;
+    Eigen::Map<CornerPixels> residual(residuals);
+    residual = whitening * (projection->pixels - observation_.pixels);
+    if (jacobians == nullptr) return true;
+
+    Eigen::Matrix<double, 8, 6> by_increment = whitening * projection->by_marker;
+    by_increment.rightCols<3>() = by_increment.rightCols<3>() * leftJacobian(increment.tail<3>());
+    using By3 = Eigen::Matrix<double, 8, 3, Eigen::RowMajor>;
+    if (jacobians[0] != nullptr) {
+      Eigen::Map<By3> by_pose(jacobians[0]);
+      by_pose = whitening * projection->by_pose;
+    }
+    const auto pick = [&](double* jacobian, const std::array<int, 3>& columns) {
+      if (jacobian == nullptr) return;
+      Eigen::Map<By3> block(jacobian);
+      for (int i = 0; i < 3; ++i) {
+        block.col(i) = by_increment.col(columns[static_cast<std::size_t>(i)]);
+      }
+    };
+    pick(jacobians[1], kOnFloor);
+    pick(jacobians[2], kOffFloor);
+    if (jacobians[3] != nullptr) {
+      Eigen::Map<CornerPixels> by_size(jacobians[3]);
+      by_size = whitening * projection->by_size;
+    }
+    return true;
+  }
+
+ private:
+  const MountedCamera& camera_;
+  Marker initial_;
+  const Bundle::Observation& observation_;
+};
+
+/// What a motion is off from odometry, in its deviations.
+class MotionCost : public ceres::SizedCostFunction<3, 3, 3> {
+ public:
+  explicit MotionCost(const Bundle::Motion& motion) : motion_(motion) {}
+
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override {
+    const Pose2 from{parameters[0][0], parameters[0][1], parameters[0][2]};
+    const Pose2 to{parameters[1][0], parameters[1][1], parameters[1][2]};
+    const Pose2 moved = inverse(from) * to;
+    const Eigen::Vector3d weights = motion_.deviations.cwiseInverse();
+    Eigen::Map<Eigen::Vector3d> residual(residuals);
+    residual = weights.cwiseProduct(difference(moved, motion_.from_from_to));
+    if (jacobians == nullptr) return true;
+
+    const double c = std::cos(from.yaw);
+    const double s = std::sin(from.yaw);
+    using Square = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+    Square by_from;
+    by_from << -c, -s, moved.y, s, -c, -moved.x, 0.0, 0.0, -1.0;
+    Square by_to;
+    by_to << c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0;
+    if (jacobians[0] != nullptr) {
+      Eigen::Map<Square> jacobian(jacobians[0]);
+      jacobian = weights.asDiagonal() * by_from;
+    }
+    if (jacobians[1] != nullptr) {
+      Eigen::Map<Square> jacobian(jacobians[1]);
+      jacobian = weights.asDiagonal() * by_to;
+    }
+    return true;
+  }
+
+ private:
+  Bundle::Motion motion_;
+};
+
+/// The bundle's unknowns and, over them, Ceres's problem.
+class Adjustment {
+ public:
+  Adjustment(const Bundle& bundle, const BundleConfig& config)
+      : bundle_(bundle),
+        config_(config),
+        poses_(bundle.frames.size()),
+        blocks_(bundle.landmarks.size()) {
+    for (std::size_t i = 0; i < poses_.size(); ++i) {
+      const Pose2& pose = bundle.frames[i].map_from_base;
+      poses_[i] = {pose.x, pose.y, pose.yaw};
+    }
+    for (std::size_t i = 0; i < blocks_.size(); ++i) {
+      blocks_[i].size = bundle.landmarks[i].marker.size;
+    }
+    addObservations();
+    for (const Bundle::Motion& motion : bundle.motions) {
+      costs_.push_back(std::make_unique<MotionCost>(motion));
+      problem_.AddResidualBlock(costs_.back().get(), nullptr, poses_[motion.from].data(),
+                                poses_[motion.to].data());
+    }
+    hold();
+  }
+
+  ceres::Problem& problem() { return problem_; }
+
+  /// Puts the result into the bundle that this was made from.
+  void store(Bundle* bundle) const {
+    for (std::size_t i = 0; i < poses_.size(); ++i) {
+      bundle->frames[i].map_from_base = {poses_[i][0], poses_[i][1], normalizeAngle(poses_[i][2])};
+    }
+    for (std::size_t i = 0; i < blocks_.size(); ++i) {
+      Marker& marker = bundle->landmarks[i].marker;
+      marker = markerAt(marker, blocks_[i].increment(), blocks_[i].size);
+    }
+  }
+
+  /// Blocks of a landmark's increment that are estimated; none for one that no frame shows.
+  Unknowns unknownsOf(std::size_t landmark) const {
+    const MarkerBlocks& blocks = blocks_[landmark];
+    const Hold hold = bundle_.landmarks[landmark].hold;
+    Unknowns unknowns;
+    if (!isSeen(landmark)) return unknowns;
+    if (hold == Hold::kNothing) unknowns.push_back({blocks.on_floor.data(), kOnFloor});
+    if (hold != Hold::kAll) unknowns.push_back({blocks.off_floor.data(), kOffFloor});
+    return unknowns;
+  }
+
+  bool estimatesSizeOf(std::size_t landmark) const {
+    return config_.estimates_sizes && isSeen(landmark) &&
+           bundle_.landmarks[landmark].hold == Hold::kNothing;
+  }
+
+  const double* sizeOf(std::size_t landmark) const { return &blocks_[landmark].size; }
+
+ private:
+  bool isSeen(std::size_t landmark) const {
+    return problem_.HasParameterBlock(blocks_[landmark].on_floor.data());
+  }
+
+  static ceres::Problem::Options notOwning() {
+    ceres::Problem::Options options;
+    options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    return options;
+  }
+
+  void addObservations() {
+    for (const Bundle::Observation& observation : bundle_.observations) {
+      const Bundle::Frame& frame = bundle_.frames[observation.frame];
+      const Marker& marker = bundle_.landmarks[observation.landmark].marker;
+      if (!projectMarker(marker, frame.camera, frame.map_from_base)) continue;
+      MarkerBlocks& blocks = blocks_[observation.landmark];
+      costs_.push_back(std::make_unique<CornersCost>(frame.camera, marker, observation));
+      problem_.AddResidualBlock(costs_.back().get(), &loss_, poses_[observation.frame].data(),
+                                blocks.on_floor.data(), blocks.off_floor.data(), &blocks.size);
+    }
+  }
+
+  void hold() {
+    const auto holdBlock = [this](double* block) {
+      if (problem_.HasParameterBlock(block)) problem_.SetParameterBlockConstant(block);
+    };
+    for (std::size_t i = 0; i < poses_.size(); ++i) {
+      if (bundle_.frames[i].is_held) holdBlock(poses_[i].data());
+    }
+    for (std::size_t i = 0; i < blocks_.size(); ++i) {
+      const Hold hold = bundle_.landmarks[i].hold;
+      if (hold != Hold::kNothing) holdBlock(blocks_[i].on_floor.data());
+      if (hold == Hold::kAll) holdBlock(blocks_[i].off_floor.data());
+      if (hold != Hold::kNothing || !config_.estimates_sizes) holdBlock(&blocks_[i].size);
+    }
+  }
+
+  const Bundle& bundle_;
+  const BundleConfig& config_;
+  std::vector<std::array<double, 3>> poses_;
+  std::vector<MarkerBlocks> blocks_;
+  std::vector<std::unique_ptr<ceres::CostFunction>> costs_;
+  ExpectedLoss loss_;
+  ceres::Problem problem_{notOwning()};
+};
+
+}  // namespace
+
+bool adjust(Bundle* bundle, const BundleConfig& config) {
+  Adjustment adjustment(*bundle, config);
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  options.max_num_iterations = 100;
+  options.function_tolerance = 1e-9;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &adjustment.problem(), &summary);
+  if (!summary.IsSolutionUsable()) return false;
+  adjustment.store(bundle);
+  return true;
+}
+
+std::optional<BundleCovariances> covariances(const Bundle& bundle, const BundleConfig& config) {
+  Adjustment adjustment(bundle, config);
+  std::vector<std::pair<const double*, const double*>> wanted;
+  for (std::size_t i = 0; i < bundle.landmarks.size(); ++i) {
+    const Unknowns unknowns = adjustment.unknownsOf(i);
+    for (const UnknownBlock& a : unknowns) {
+      // Each pair once.
+      for (const UnknownBlock& b : unknowns) {
+        if (b.values <= a.values) wanted.emplace_back(b.values, a.values);
+      }
+    }
+    if (adjustment.estimatesSizeOf(i)) {
+      wanted.emplace_back(adjustment.sizeOf(i), adjustment.sizeOf(i));
+    }
+  }
+  const ceres::Covariance::Options options;
+  ceres::Covariance covariance(options);
+  if (!covariance.Compute(wanted, &adjustment.problem())) return std::nullopt;
+
+  BundleCovariances result;
+  for (std::size_t i = 0; i < bundle.landmarks.size(); ++i) {
+    result.landmarks.push_back(covarianceOf(covariance, adjustment.unknownsOf(i)));
+    double size_variance = 0.0;
+    if (adjustment.estimatesSizeOf(i)) {
+      covariance.GetCovarianceBlock(adjustment.sizeOf(i), adjustment.sizeOf(i), &size_variance);
+    }
+    result.sizes.push_back(size_variance);
+  }
+  return result;
+}
+
+std::vector<Misfit> misfits(const Bundle& bundle) {
+  std::vector<Misfit> result;
+  for (const Bundle::Observation& observation : bundle.observations) {
+    const Bundle::Frame& frame = bundle.frames[observation.frame];
+    const auto projection = projectMarker(bundle.landmarks[observation.landmark].marker,
+                                          frame.camera, frame.map_from_base);
+    if (projection) {
+      const CornerPixels off = projection->pixels - observation.pixels;
+      result.push_back(
+          {std::sqrt(off.squaredNorm() / 4.0), (observation.whitening * off).squaredNorm()});
+    } else {
+      constexpr double kInfinity = std::numeric_limits<double>::infinity();
+      result.push_back({kInfinity, kInfinity});
+    }
+  }
+  return result;
+}
+
+}  // namespace omnitag

@@ -1,0 +1,268 @@
+#include "omnitag/marker/marker_map_writer.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+
+#include "omnitag/common/angle.h"
+#include "omnitag/common/error.h"
+#include "omnitag/marker/marker_map_file.h"
+
+namespace omnitag {
+namespace {
+
+/// To a millionth, or so many digits, without needless zeros.
+std::string number(double value, int digits = 6) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%.*f", digits, value);
+  std::string result = text.data();
+  while (result.back() == '0') result.pop_back();
+  if (result.back() == '.') result.pop_back();
+  return result == "-0" ? "0" : result;
+}
+
+std::string list(const std::vector<double>& values, int digits) {
+  std::string text;
+  for (const double value : values) text += (text.empty() ? "[" : ", ") + number(value, digits);
+  return text + "]";
+}
+
+/// `yaw` and `roll` of a marker on a vertical surface, `orientation` of any other.
+std::string orientationText(const Marker& marker) {
+  constexpr double kMicroradian = 1e-6;
+  const Eigen::Matrix3d rotation = marker.map_from_marker.linear();
+  if (std::abs(rotation(2, 2)) <= kMicroradian) {
+    const double yaw = std::atan2(rotation(1, 2), rotation(0, 2));
+    const double roll = std::atan2(rotation(2, 0), rotation(2, 1));
+    const bool is_rolled = std::abs(roll) > 0.5 * kMicroradian;
+    return "yaw: " + number(yaw) + (is_rolled ? ", roll: " + number(roll) : "");
+  }
+  const Eigen::Quaterniond q(rotation);
+  return "orientation: " + list({q.x(), q.y(), q.z(), q.w()}, 8);
+}
+
+std::string entryText(const Marker& marker, const std::string& family, double size) {
+  std::string text = "{id: " + std::to_string(marker.id);
+  if (!marker.name.empty()) {
+    YAML::Emitter name;
+    name << YAML::DoubleQuoted << marker.name;
+    text += std::string(", name: ") + name.c_str();
+  }
+  if (marker.family != family) text += ", family: " + marker.family;
+  if (number(marker.size) != number(size)) text += ", size: " + number(marker.size);
+  const Eigen::Vector3d center = marker.center();
+  text += ", position: " + list({center.x(), center.y(), center.z()}, 6) + ", " +
+          orientationText(marker);
+  if (marker.deviation > 0.0) text += ", deviation: " + number(marker.deviation);
+  return text + "}";
+}
+
+std::string remarkText(const MapEntry& entry) {
+  return entry.remark.empty() ? "" : "  # " + entry.remark;
+}
+
+/// Where a flow sequence that begins at `begin` has its last significant character, and where it
+/// ends.
+struct FlowEnd {
+  std::size_t last = std::string::npos;
+  bool has_comma = false;
+};
+
+FlowEnd endOfFlow(const std::string& text, std::size_t begin) {
+  FlowEnd end;
+  int depth = 0;
+  for (std::size_t i = begin; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '#' && i > 0 && std::isspace(static_cast<unsigned char>(text[i - 1])) != 0) {
+      i = text.find('\n', i);
+      if (i == std::string::npos) return {};
+      continue;
+    }
+    if (c == '"' || c == '\'') {
+      for (++i; i < text.size() && text[i] != c; ++i) i += c == '"' && text[i] == '\\' ? 1 : 0;
+    }
+    if (c == '[' || c == '{') ++depth;
+    if ((c == ']' || c == '}') && --depth == 0) return end;
+    if (std::isspace(static_cast<unsigned char>(c)) == 0) end = {i, c == ','};
+  }
+  return {};
+}
+
+std::string insertIntoFlow(const std::string& text, std::size_t begin,
+                           const std::vector<std::string>& entries) {
+  const FlowEnd end = endOfFlow(text, begin);
+  if (end.last == std::string::npos) return text;
+  std::string added;
+  for (const std::string& entry : entries) {
+    added += (added.empty() && end.has_comma ? " " : ", ") + entry;
+  }
+  return text.substr(0, end.last + 1) + added + text.substr(end.last + 1);
+}
+
+/// Beginnings of the lines of a text, and its end.
+std::vector<std::size_t> lineStarts(const std::string& text) {
+  std::vector<std::size_t> starts = {0};
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '\n') starts.push_back(i + 1);
+  }
+  if (starts.back() != text.size()) starts.push_back(text.size());
+  return starts;
+}
+
+/// Adds lines behind the list's last one that is neither empty nor a comment. `first_line` and
+/// `last_line` are those of its first and last item, `end_line` is the first behind it.
+std::string insertIntoBlock(const std::string& text, std::size_t first_line, std::size_t last_line,
+                            std::size_t end_line, const std::vector<std::string>& lines) {
+  const std::vector<std::size_t> starts = lineStarts(text);
+  const std::string indent = text.substr(
+      starts[first_line], text.find_first_not_of(" \t", starts[first_line]) - starts[first_line]);
+  std::size_t line = last_line;
+  for (std::size_t i = last_line + 1; i < end_line && i + 1 < starts.size(); ++i) {
+    const std::size_t significant = text.find_first_not_of(" \t\r\n", starts[i]);
+    if (significant < starts[i + 1] && text[significant] != '#') line = i;
+  }
+  const std::string newline = text.find("\r\n") == std::string::npos ? "\n" : "\r\n";
+  const std::size_t position = starts[line + 1];
+  std::string added = position > 0 && text[position - 1] == '\n' ? "" : newline;
+  for (const std::string& each : lines) {
+    added.append(indent).append("- ").append(each).append(newline);
+  }
+  return text.substr(0, position) + added + text.substr(position);
+}
+
+/// The first line behind the value of `markers`, of which the file's other keys may follow.
+std::size_t lineBehind(const YAML::Node& root, std::size_t last_line, std::size_t line_count) {
+  std::size_t end = line_count;
+  for (const auto& pair : root) {
+    const auto line = static_cast<std::size_t>(pair.first.Mark().line);
+    if (line > last_line) end = std::min(end, line);
+  }
+  return end;
+}
+
+bool isSame(const Marker& a, const Marker& b) {
+  constexpr double kTolerance = 2e-6;  // what the digits leave
+  return a.family == b.family && a.id == b.id && a.name == b.name &&
+         std::abs(a.size - b.size) < kTolerance &&
+         a.map_from_marker.isApprox(b.map_from_marker, kTolerance);
+}
+
+void checkResult(const std::string& result, const MarkerMap& before,
+                 const std::vector<MapEntry>& entries, const std::string& origin) {
+  const std::string refusal = origin + ": markers cannot be added to its list in place";
+  MarkerMap after;
+  try {
+    after = parseMarkerMap(result, origin);
+  } catch (const InputError& error) {
+    throw InputError(refusal + ": " + error.what());
+  }
+  bool is_right = after.markers.size() == before.markers.size() + entries.size();
+  for (std::size_t i = 0; is_right && i < after.markers.size(); ++i) {
+    const bool is_old = i < before.markers.size();
+    is_right = isSame(after.markers[i],
+                      is_old ? before.markers[i] : entries[i - before.markers.size()].marker);
+  }
+  if (!is_right) throw InputError(refusal);
+}
+
+[[noreturn]] void refuseFile(const std::string& path, const std::string& what) {
+  throw InputError(path + ": " + what);
+}
+
+/// Writes a new file to the disk's surface.
+void writeThrough(const std::string& path, const std::string& text) {
+  constexpr mode_t kPermissions = 0644;
+  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, kPermissions);
+  if (file < 0) refuseFile(path, std::string("cannot be written: ") + std::strerror(errno));
+  std::size_t written = 0;
+  bool is_well = true;
+  while (is_well && written < text.size()) {
+    const ssize_t count = write(file, text.data() + written, text.size() - written);
+    is_well = count >= 0 || errno == EINTR;
+    if (count > 0) written += static_cast<std::size_t>(count);
+  }
+  is_well = is_well && fsync(file) == 0;
+  const int problem = errno;
+  is_well = close(file) == 0 && is_well;
+  if (is_well) return;
+  std::remove(path.c_str());
+  refuseFile(path, std::string("cannot be written to its end: ") + std::strerror(problem));
+}
+
+}  // namespace
+
+std::string newMapText(const std::string& frame_id, const std::vector<MapEntry>& entries) {
+  if (entries.empty()) throw InputError("a map needs a marker");
+  const Marker& first = entries.front().marker;
+  std::string text = "frame_id: " + frame_id + "\nfamily: " + first.family +
+                     "\nsize: " + number(first.size) + "\nmarkers:\n";
+  for (const MapEntry& entry : entries) {
+    text += "  - " + entryText(entry.marker, first.family, first.size) + remarkText(entry) + "\n";
+  }
+  checkResult(text, {}, entries, "new map");
+  return text;
+}
+
+std::string withEntries(const std::string& text, const std::vector<MapEntry>& entries,
+                        const std::string& origin) {
+  const MarkerMap before = parseMarkerMap(text, origin);
+  const YAML::Node root = YAML::Load(text);
+  const YAML::Node sequence = root["markers"];
+  std::vector<std::string> items;
+  items.reserve(entries.size());
+  for (const MapEntry& entry : entries) {
+    items.push_back(entryText(entry.marker, before.default_family, before.default_size));
+  }
+  std::string result;
+  if (sequence.Style() == YAML::EmitterStyle::Flow) {
+    result = insertIntoFlow(text, static_cast<std::size_t>(sequence.Mark().pos), items);
+  } else {
+    for (std::size_t i = 0; i < items.size(); ++i) items[i] += remarkText(entries[i]);
+    const auto first = static_cast<std::size_t>(sequence[0].Mark().line);
+    const auto last = static_cast<std::size_t>(sequence[sequence.size() - 1].Mark().line);
+    const std::size_t end = lineBehind(root, last, lineStarts(text).size());
+    result = insertIntoBlock(text, first, last, end, items);
+  }
+  checkResult(result, before, entries, origin);
+  return result;
+}
+
+void replaceFile(const std::string& path, const std::string& text) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  // A link stays one.
+  const fs::path target = fs::exists(path) ? fs::canonical(path, error) : fs::path(path);
+  if (error) refuseFile(path, "cannot be replaced: " + error.message());
+  const std::string written = target.string() + ".new";
+  writeThrough(written, text);
+  const auto giveUp = [&](const std::string& what) {
+    std::remove(written.c_str());
+    refuseFile(path, what + ": " + error.message());
+  };
+  if (fs::exists(target)) {
+    fs::permissions(written, fs::status(target).permissions(), error);
+    if (error) giveUp("cannot keep its permissions");
+    fs::copy_file(target, target.string() + "~", fs::copy_options::overwrite_existing, error);
+    if (error) giveUp("cannot be backed up");
+  }
+  fs::rename(written, target, error);
+  if (error) giveUp("cannot be replaced");
+  // The name is on the disk only once the folder is.
+  const std::string folder = target.has_parent_path() ? target.parent_path().string() : ".";
+  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY);
+  if (descriptor < 0) return;
+  fsync(descriptor);
+  close(descriptor);
+}
+
+}  // namespace omnitag

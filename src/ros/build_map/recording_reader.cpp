@@ -1,0 +1,82 @@
+#include "recording_reader.h"
+
+#include <algorithm>
+#include <iostream>
+
+#include "../bag_tools/progress.h"
+#include "omnitag/common/error.h"
+#include "omnitag/localization/look_around.h"
+
+namespace omnitag {
+namespace {
+
+/// Lines about single images that could not be used; the rest is counted.
+constexpr std::size_t kMaxWarnings = 5;
+
+/// m, as the localizer has it.
+constexpr double kWorkingDistance = 3.0;
+
+std::vector<MarkerReading> readEverything(const MarkerReader& reader, const MountedCamera& camera,
+                                          const cv::Mat& panorama, const LookAroundConfig& config) {
+  const std::vector<View> views = viewsOfEverything(camera, reader.warper().table(), config);
+  std::vector<MarkerReading> readings;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    for (MarkerReading& reading : reader.read(reader.warper().warp(panorama, views[v]), views[v])) {
+      reading.view = v;
+      readings.push_back(std::move(reading));
+    }
+  }
+  return withoutRepetitions(readings, views, reader.warper());
+}
+
+}  // namespace
+
+ReadRecording readRecording(const BagInput& input, const std::shared_ptr<const CameraModel>& camera,
+                            const FrameAssembler& assembler, const LocalizerConfig& config,
+                            const std::set<std::string>& families, std::size_t max_images) {
+  // There is time to look at all that the panorama resolves.
+  LookAroundConfig look_around = config.look_around;
+  look_around.max_size = 4096;
+  const MarkerReader reader(camera, kWorkingDistance, config.detector, families);
+  ReadRecording recording;
+  recording.view =
+      std::make_unique<rosbag::View>(input.bag(), rosbag::TopicQuery(input.imageTopic()));
+  const std::size_t count = recording.view->size();
+  if (count == 0) throw InputError(input.imageTopic() + ": has no images");
+  const std::size_t stride = (count + max_images - 1) / max_images;
+  Progress progress(count, "images");
+  std::string first_problem;
+  std::size_t index = 0;
+  double last_stamp = 0.0;
+  for (const rosbag::MessageInstance& message : *recording.view) {
+    const bool is_used = index++ % stride == 0;
+    if (is_used) {
+      try {
+        const AssembledFrame assembled =
+            assembler.assemble(BagInput::grayImageOf(message), input.transforms());
+        const Frame& frame = assembled.frame;
+        if (!recording.frames.empty() && frame.stamp <= last_stamp) {
+          throw InputError("stamp: expected later than the image before");
+        }
+        last_stamp = frame.stamp;
+        const MountedCamera mounted(camera, frame.base_from_camera);
+        recording.frames.push_back({frame.stamp, frame.base_from_camera, frame.odom_from_base,
+                                    readEverything(reader, mounted, frame.image, look_around)});
+        recording.messages.push_back(message);
+        recording.with_odometry += frame.odom_from_base ? 1 : 0;
+      } catch (const InputError& error) {
+        if (first_problem.empty()) first_problem = error.what();
+        if (recording.unusable++ < kMaxWarnings) {
+          progress.warn(input.imageTopic() + ": " + error.what());
+        }
+      }
+    }
+    progress.show(index);
+  }
+  if (recording.frames.empty()) {
+    throw InputError(input.imageTopic() + ": no image could be used: " + first_problem);
+  }
+  return recording;
+}
+
+}  // namespace omnitag

@@ -1,0 +1,71 @@
+#include "omnitag/mapping/corner_alignment.h"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/core.hpp>
+#include <random>
+
+#include "../support/panorama_renderer.h"
+#include "../support/sample_cameras.h"
+#include "../support/sample_markers.h"
+
+namespace omnitag {
+namespace {
+
+class CornerAlignmentTest : public testing::Test {
+ protected:
+  /// The panorama with noise of some grey levels.
+  cv::Mat panoramaOf(const Marker& marker, double noise) const {
+    constexpr int kSamples = 8;
+    cv::Mat image = test::renderPanorama({"map", {marker}}, camera_, pose_, kSamples);
+    std::mt19937 random(3);
+    std::normal_distribution<double> normal(0.0, noise);
+    for (int row = 0; row < image.rows; ++row) {
+      for (int column = 0; column < image.cols; ++column) {
+        auto& grey = image.at<std::uint8_t>(row, column);
+        grey = cv::saturate_cast<std::uint8_t>(grey + normal(random));
+      }
+    }
+    return image;
+  }
+
+  std::optional<AlignedCorners> align(const cv::Mat& panorama, const Marker& marker,
+                                      const Pose2& pose) const {
+    return alignCorners(panorama, marker, TagPattern(marker.family, marker.id), camera_, pose, 0.0);
+  }
+
+  MountedCamera camera_{test::sphericalCamera(), test::lookingDown()};
+  Pose2 pose_{0.2, -0.1, 0.4};
+};
+
+TEST_F(CornerAlignmentTest, FindsTheCornersFromAPoseThatIsOff) {
+  for (const Marker& marker : {test::wallMarker(3, {1.9, 0.6, 1.3}, -2.6, 0.2),
+                               test::wallMarker(11, {-0.9, -1.6, 1.1}, 1.4)}) {
+    const cv::Mat panorama = panoramaOf(marker, 2.0);
+    const CornerPixels truth = stacked(test::exactReading(marker, camera_, pose_)->corners);
+    for (const Pose2& off : {pose_, Pose2{pose_.x + 0.008, pose_.y - 0.005, pose_.yaw + 0.002}}) {
+      const auto aligned = align(panorama, marker, off);
+      ASSERT_TRUE(aligned) << marker.id;
+      const CornerPixels error = aligned->pixels - truth;
+      EXPECT_LT(error.norm() / std::sqrt(8.0), 0.02) << marker.id;
+      // Chi-square with 8 degrees of freedom stays below 26 in 999 of 1000 cases.
+      EXPECT_LT(error.dot(aligned->covariance.ldlt().solve(error)), 26.0) << marker.id;
+      EXPECT_LT(std::sqrt(aligned->covariance.trace() / 8.0), 0.04) << marker.id;
+    }
+  }
+}
+
+TEST_F(CornerAlignmentTest, RefusesWhatIsNotThere) {
+  const Marker marker = test::wallMarker(3, {1.9, 0.6, 1.3}, -2.6);
+  Marker other = marker;
+  other.id = 12;
+  EXPECT_FALSE(align(panoramaOf(other, 2.0), marker, pose_));
+  const cv::Mat even(500, 500, CV_8UC1, cv::Scalar(120));
+  EXPECT_FALSE(align(even, marker, pose_));
+  Marker hidden = marker;
+  hidden.map_from_marker.translation().z() = 500.0;
+  EXPECT_FALSE(align(even, hidden, pose_));
+}
+
+}  // namespace
+}  // namespace omnitag
