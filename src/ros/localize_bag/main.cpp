@@ -76,7 +76,8 @@ DescribedCamera cameraOf(const BagOptions& options, const BagInput& input) {
 
 void run(const BagOptions& options) {
   const LocalizerParameters parameters = parametersOf(options);
-  const BagInput input(options.bag, options.image_topic);
+  BagInput input(options.bag, options.image_topic);
+  if (options.mounting) input.replaceMounting(parameters.frames.base, *options.mounting);
   ImageLocalizer localizer(parameters, cameraOf(options, input));
   ResultFiles files(options.trajectory, options.poses, options.detections);
   std::optional<ResultBag> output;

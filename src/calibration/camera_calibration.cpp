@@ -1,0 +1,371 @@
+#include "omnitag/calibration/camera_calibration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "calibration_checks.h"
+#include "calibration_report.h"
+#include "omnitag/calibration/calibration_data.h"
+#include "omnitag/calibration/calibration_model.h"
+#include "omnitag/calibration/observability.h"
+#include "omnitag/calibration/pose_from_bearings.h"
+#include "omnitag/common/error.h"
+
+namespace omnitag {
+namespace {
+
+using Indices = std::vector<Eigen::Index>;
+
+constexpr std::size_t kMinFrames = 10;
+
+/// The steps from a guess to a camera, over what they share.
+class Calibrator {
+ public:
+  Calibrator(const CameraTemplate& guess, const MarkerMap& map,
+             const std::vector<FrameReadings>& frames, const CalibrationConfig& config,
+             const CalibrationProgress& progress)
+      : map_(map),
+        config_(config),
+        progress_(progress),
+        model_(guess, LeaningMounting(frames.front().base_from_camera)),
+        data_(selectObservations(map, frames)),
+        adjustment_(map_, data_.frames, model_) {
+    for (const std::string& name : config_.fixed) {
+      if (!model_.indexOf(name)) {
+        throw InputError("fixed parameters: expected some of " + namesOf(model_) + ", found '" +
+                         name + "'");
+      }
+    }
+    state_.values = model_.guess();
+  }
+
+  CalibrationResult run() {
+    checkCoverage(data_.frames, model_.camera().camera(guessedCamera())->imagePlane());
+    findPoses();
+    checkMotion(state_.poses);
+    const ResidualSummary before = summaryOfGuess();
+    approach();
+    leaveOutFrames();
+    leaveOutMarkers();
+    decideShape();
+    holdUnobserved();
+    return result(before);
+  }
+
+ private:
+  Eigen::VectorXd guessedCamera() const { return model_.cameraValues(model_.guess()); }
+
+  const std::string& nameOf(Eigen::Index index) const {
+    return model_.parameters()[static_cast<std::size_t>(index)].name;
+  }
+
+  bool isFixed(const std::string& name) const { return config_.fixed.count(name) > 0; }
+
+  /// Of those names, the parameters that there are and that may change.
+  Indices indicesOf(std::initializer_list<const char*> names) const {
+    Indices indices;
+    for (const char* name : names) {
+      const auto index = model_.indexOf(name);
+      if (index && !isFixed(name)) indices.push_back(*index);
+    }
+    return indices;
+  }
+
+  void findPoses() {
+    const MountedCamera camera = model_.mounted(model_.guess());
+    std::vector<CalibrationFrame> frames;
+    for (CalibrationFrame& frame : data_.frames) {
+      const auto pose = poseFromBearings(map_, camera, frame);
+      if (!pose) continue;
+      state_.poses.push_back(*pose);
+      frames.push_back(std::move(frame));
+    }
+    const std::size_t all = data_.frames.size();
+    data_.frames = std::move(frames);
+    if (data_.frames.size() >= kMinFrames) return;
+    throw InputError("bearings to the markers agree with the map in " +
+                     std::to_string(data_.frames.size()) + " of " + std::to_string(all) +
+                     " images only, expected at least " + std::to_string(kMinFrames) +
+                     ": look at the map, at lens.cx and lens.cy (the centre of the image's circle) "
+                     "and at which way the optical axis points");
+  }
+
+  double medianResidual() const {
+    std::vector<double> lengths;
+    for (const CornerResidual& corner : adjustment_.residuals(state_)) {
+      lengths.push_back(lengthOf(corner));
+    }
+    return medianOf(std::move(lengths));
+  }
+
+  /// Minimizes with a robust width that narrows as the residuals do.
+  void adjust(const std::string& step, const Indices& free, bool adjusts_poses = true) {
+    constexpr double kWide = 3.0;     // median residuals
+    constexpr double kWidest = 60.0;  // pixels
+    constexpr int kMaxRounds = 5;
+    AdjustmentConfig adjustment;
+    adjustment.free = free;
+    adjustment.adjusts_poses = adjusts_poses;
+    double last_width = std::numeric_limits<double>::infinity();
+    for (int round = 0; round < kMaxRounds; ++round) {
+      adjustment.robust_width =
+          std::max(config_.robust_width, std::min(kWide * medianResidual(), kWidest));
+      // Once more with a width that is hardly narrower changes nothing.
+      constexpr double kHardly = 0.9;
+      if (adjustment.robust_width > kHardly * last_width) break;
+      last_width = adjustment.robust_width;
+      state_ = adjustment_.minimize(state_, adjustment, [&](int iteration, double) {
+        if (progress_) progress_(step, iteration);
+      });
+    }
+  }
+
+  /// The poses alone: what a guess is worth.
+  ResidualSummary summaryOfGuess() {
+    const CalibrationState start = state_;
+    adjust("poses with the guess", {});
+    const ResidualSummary summary = summarize(adjustment_.residuals(state_));
+    state_ = start;
+    return summary;
+  }
+
+  /// More and more is set free.
+  void approach() {
+    adjust("radial scale", indicesOf({"fx", "fy", "apex_distance", "z"}), false);
+    adjust("centre and lean",
+           indicesOf({"fx", "fy", "apex_distance", "z", "cx", "cy", "roll", "pitch"}));
+    adjust("all but the mirror's size", candidates(false));
+  }
+
+  /// All that may be estimated, but for the mirror's size, which images hardly tell, and for a
+  /// conic constant that the profile implies unless that is doubted.
+  Indices candidates(bool doubts_profile) const {
+    Indices indices;
+    for (std::size_t i = 0; i < model_.parameters().size(); ++i) {
+      const std::string& name = model_.parameters()[i].name;
+      const bool is_implied =
+          name == "conic_constant" && model_.camera().impliesConicConstant() && !doubts_profile;
+      if (isFixed(name) || is_implied || name == "radius_of_curvature") continue;
+      indices.push_back(static_cast<Eigen::Index>(i));
+    }
+    return indices;
+  }
+
+  /// Frames whose pose started too far off to be found.
+  void leaveOutFrames() {
+    const std::vector<CornerResidual> residuals = adjustment_.residuals(state_);
+    const double limit = farLimit(residuals);
+    std::vector<std::vector<double>> lengths(data_.frames.size());
+    for (const CornerResidual& corner : residuals)
+      lengths[corner.frame].push_back(lengthOf(corner));
+    std::vector<CalibrationFrame> frames;
+    std::vector<Pose2> poses;
+    for (std::size_t i = 0; i < lengths.size(); ++i) {
+      if (medianOf(std::move(lengths[i])) > limit) continue;
+      frames.push_back(std::move(data_.frames[i]));
+      poses.push_back(state_.poses[i]);
+    }
+    const std::size_t left_out = data_.frames.size() - frames.size();
+    data_.frames = std::move(frames);
+    state_.poses = std::move(poses);
+    if (left_out > 0) {
+      data_.remarks.push_back("left out, as no pose explains what was read in them: " +
+                              std::to_string(left_out) + (left_out == 1 ? " image" : " images"));
+    }
+    if (data_.frames.size() < kMinFrames) {
+      throw InputError("no camera explains the images: look at the map, and at the guess's model");
+    }
+  }
+
+  /// Markers that hang elsewhere than the map says.
+  void leaveOutMarkers() {
+    const std::vector<CornerResidual> residuals = adjustment_.residuals(state_);
+    const double limit = farLimit(residuals);
+    std::map<std::size_t, std::vector<double>> lengths;
+    for (const CornerResidual& corner : residuals) {
+      lengths[corner.map_entry].push_back(lengthOf(corner));
+    }
+    for (auto& [entry, of_entry] : lengths) {
+      const double median = medianOf(std::move(of_entry));
+      if (median <= limit) continue;
+      for (CalibrationFrame& frame : data_.frames) {
+        auto& observations = frame.observations;
+        const std::size_t marker = entry;
+        observations.erase(std::remove_if(observations.begin(), observations.end(),
+                                          [marker](const MarkerObservation& observation) {
+                                            return observation.map_entry == marker;
+                                          }),
+                           observations.end());
+      }
+      data_.remarks.push_back("left out: marker " + std::to_string(map_.markers[entry].id) +
+                              ", which is not where the map has it (" + decimals(median, 1) +
+                              " px off)");
+    }
+  }
+
+  /// A profile that implies the conic constant is believed unless another constant fits clearly
+  /// better.
+  void decideShape() {
+    adjust("everything", candidates(false));
+    const auto index = model_.indexOf("conic_constant");
+    if (!index || isFixed("conic_constant") || !model_.camera().impliesConicConstant()) return;
+    constexpr double kClearly = 0.02;  // of the mean square
+    const CalibrationState implied = state_;
+    const double before = summarize(adjustment_.residuals(state_)).rms;
+    adjust("another profile", candidates(true));
+    const double after = summarize(adjustment_.residuals(state_)).rms;
+    doubts_profile_ = after * after < (1.0 - kClearly) * before * before;
+    if (doubts_profile_) {
+      data_.remarks.push_back(
+          "the mirror does not have the guess's profile: another conic constant brings the "
+          "residual "
+          "from " +
+          decimals(before, 3) + " to " + decimals(after, 3) + " px");
+    } else {
+      state_ = implied;
+    }
+  }
+
+  void holdUnobserved() {
+    AdjustmentConfig all;
+    all.robust_width = config_.robust_width;
+    all.free = candidates(doubts_profile_);
+    for (const Eigen::Index index : indicesOf({"radius_of_curvature"})) all.free.push_back(index);
+    const Observability split =
+        observability(model_, all.free, adjustment_.information(state_, all));
+    for (const auto& [index, deviation] : split.held) {
+      refuseIfEssential(index, deviation);
+      state_.values(index) = model_.guess()(index);
+    }
+    held_ = split.held;
+    observed_ = split.observed;
+    adjust("what is observed", observed_);
+  }
+
+  void refuseIfEssential(Eigen::Index index, double deviation) const {
+    const std::string& name = nameOf(index);
+    if (name != "fx" && name != "fy" && name != "cx" && name != "cy") return;
+    throw InputError("the images do not tell " + name + " (standard deviation " +
+                     decimals(deviation, 1) +
+                     " px): record more images in other places, with markers near and far and all "
+                     "around");
+  }
+
+  std::string whyHeld(Eigen::Index index) const {
+    const std::string& name = nameOf(index);
+    if (isFixed(name)) return "as told";
+    if (name == "conic_constant" && model_.camera().impliesConicConstant() && !doubts_profile_) {
+      return "the guess's profile fits";
+    }
+    for (const auto& [held, deviation] : held_) {
+      if (held == index) return "not observed, +- " + significant(deviation, 2);
+    }
+    return "";
+  }
+
+  CalibrationResult result(const ResidualSummary& before) {
+    AdjustmentConfig adjustment;
+    adjustment.robust_width = config_.robust_width;
+    adjustment.free = observed_;
+    const AdjustmentInformation information = adjustment_.information(state_, adjustment);
+    const ParameterUncertainty uncertainty = uncertaintyOf(model_, observed_, information);
+
+    CalibrationResult result;
+    result.residuals = adjustment_.residuals(state_);
+    result.before = before;
+    result.after = summarize(result.residuals);
+    refuseIfBad(result.after);
+    for (std::size_t i = 0; i < model_.parameters().size(); ++i) {
+      const auto index = static_cast<Eigen::Index>(i);
+      CalibratedParameter parameter{model_.parameters()[i], state_.values(index), 0.0,
+                                    whyHeld(index)};
+      const auto found = std::find(observed_.begin(), observed_.end(), index);
+      if (found != observed_.end()) {
+        parameter.deviation = uncertainty.deviations(found - observed_.begin());
+      }
+      result.parameters.push_back(parameter);
+    }
+    result.camera_values = model_.cameraValues(state_.values);
+    result.base_from_camera = model_.baseFromCamera(state_.values);
+    result.noise = information.noise;
+    result.frames = data_.frames.size();
+    std::map<std::size_t, int> markers;
+    for (const CornerResidual& corner : result.residuals) ++markers[corner.map_entry];
+    result.markers = markers.size();
+    result.rim_radius = rimOf(result);
+    result.remarks = data_.remarks;
+    addTradeOffs(model_, uncertainty, &result.remarks);
+    return result;
+  }
+
+  void refuseIfBad(const ResidualSummary& after) const {
+    constexpr double kMostCorners = 0.7;
+    const auto all = static_cast<double>(after.counted + after.left_out);
+    if (after.rms <= config_.max_residual &&
+        static_cast<double>(after.counted) >= kMostCorners * all) {
+      return;
+    }
+    throw InputError(
+        "no camera of this kind explains the images: " + std::to_string(after.left_out) + " of " +
+        std::to_string(after.counted + after.left_out) + " corners are far off, the others by " +
+        decimals(after.rms, 2) +
+        " px (RMS); look at the map (positions, sizes), at the guess's model and at the mounting");
+  }
+
+  /// The rim in metres is the guess's, as somebody may have measured it, unless it then images
+  /// elsewhere than the guess's circle by far, or hides corners that were seen: then the circle is.
+  std::optional<double> rimOf(const CalibrationResult& result) const {
+    const CameraTemplate& camera = model_.camera();
+    if (!camera.hasMirror()) return std::nullopt;
+    const auto radiusOf = [](const CameraModel& model) {
+      return model.maxRadius() * model.imagePlane().scale();
+    };
+    const Eigen::VectorXd& values = result.camera_values;
+    const Eigen::Vector2d centre = camera.widened(values)->imagePlane().principalPoint();
+    const double limit = farLimit(result.residuals);
+    double farthest = 0.0;
+    for (const CornerResidual& corner : result.residuals) {
+      if (lengthOf(corner) > limit) continue;
+      farthest = std::max(farthest, (corner.pixel - centre).norm());
+    }
+    const double guessed = radiusOf(*camera.camera(guessedCamera()));
+    constexpr double kMargin = 2.0;  // pixels
+    constexpr double kFarOff = 0.25;
+    try {
+      const double now = radiusOf(*camera.camera(values));
+      if (now >= farthest + kMargin && std::abs(now / guessed - 1.0) <= kFarOff)
+        return std::nullopt;
+    } catch (const InputError&) {
+      // The guess's rim is none of this mirror.
+    }
+    return camera.rimAt(values, std::max(guessed, farthest + kMargin));
+  }
+
+  const MarkerMap& map_;
+  const CalibrationConfig& config_;
+  const CalibrationProgress& progress_;
+  CalibrationModel model_;
+  CalibrationData data_;
+  BundleAdjustment adjustment_;
+  CalibrationState state_;
+  bool doubts_profile_ = false;
+  Indices observed_;
+  std::vector<std::pair<Eigen::Index, double>> held_;
+};
+
+}  // namespace
+
+CalibrationResult calibrateCamera(const CameraTemplate& guess, const MarkerMap& map,
+                                  const std::vector<FrameReadings>& frames,
+                                  const CalibrationConfig& config,
+                                  const CalibrationProgress& progress) {
+  if (frames.empty()) throw InputError("expected images, found none");
+  checkMounting(frames);
+  return Calibrator(guess, map, frames, config, progress).run();
+}
+
+}  // namespace omnitag
