@@ -1,6 +1,7 @@
 #include "omnitag/calibration/calibration_data.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <map>
 #include <set>
@@ -14,6 +15,10 @@ namespace {
 constexpr std::size_t kMinMarkers = 3;
 constexpr std::size_t kMinFrames = 10;
 
+/// Pixels, mean edge: the corners of smaller markers, whose modules are hardly two pixels wide, are
+/// several times less exact and drawn inwards.
+constexpr double kLargeEdge = 16.0;
+
 /// What was met on the way through the readings.
 struct Census {
   std::set<std::size_t> entries;
@@ -21,6 +26,7 @@ struct Census {
   std::size_t readings = 0;
   std::size_t unmapped = 0;
   std::size_t repeated = 0;
+  std::size_t small = 0;
 };
 
 std::string count(std::size_t number, const std::string& what) {
@@ -33,13 +39,16 @@ std::string join(const std::set<int>& ids) {
   return text;
 }
 
-CalibrationFrame select(const MarkerMap& map, const FrameReadings& frame, Census* census) {
+CalibrationFrame select(const MarkerMap& map, const FrameReadings& frame, double min_edge,
+                        Census* census) {
   std::map<std::size_t, std::vector<const MarkerReading*>> by_entry;
   for (const MarkerReading& reading : frame.readings) {
     ++census->readings;
     const std::vector<std::size_t> entries = entriesOf(map, reading.family, reading.id);
     if (entries.empty()) {
       ++census->unmapped;
+    } else if (meanEdge(reading.corners) < min_edge) {
+      ++census->small;
     } else if (entries.size() > 1) {
       census->ambiguous_ids.insert(reading.id);
     } else {
@@ -95,14 +104,24 @@ CalibrationFrame select(const MarkerMap& map, const FrameReadings& frame, Census
 
 }  // namespace
 
-CalibrationData selectObservations(const MarkerMap& map, const std::vector<FrameReadings>& frames) {
-  Census census;
+CalibrationData selectObservations(const MarkerMap& map, const std::vector<FrameReadings>& frames,
+                                   bool prefers_large) {
   CalibrationData data;
-  for (const FrameReadings& frame : frames) {
-    CalibrationFrame selected = select(map, frame, &census);
-    if (selected.observations.size() >= kMinMarkers) data.frames.push_back(std::move(selected));
+  Census census;
+  for (const double min_edge : {prefers_large ? kLargeEdge : 0.0, 0.0}) {
+    data = {};
+    census = {};
+    for (const FrameReadings& frame : frames) {
+      CalibrationFrame selected = select(map, frame, min_edge, &census);
+      if (selected.observations.size() >= kMinMarkers) data.frames.push_back(std::move(selected));
+    }
+    if (data.frames.size() >= kMinFrames) break;
   }
   if (data.frames.size() < kMinFrames) refuse(census, data.frames.size(), frames.size());
+  if (census.small > 0) {
+    data.remarks.push_back("left out, as smaller than " + std::to_string(std::lround(kLargeEdge)) +
+                           " px: " + count(census.small, "reading"));
+  }
   if (!census.ambiguous_ids.empty()) {
     data.remarks.push_back("left out, as the map has them more than once: id " +
                            join(census.ambiguous_ids));

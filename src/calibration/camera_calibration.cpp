@@ -32,7 +32,7 @@ class Calibrator {
         config_(config),
         progress_(progress),
         model_(guess, LeaningMounting(frames.front().base_from_camera)),
-        data_(selectObservations(map, frames)),
+        data_(selectObservations(map, frames, !config.is_rough)),
         adjustment_(map_, data_.frames, model_) {
     for (const std::string& name : config_.fixed) {
       if (!model_.indexOf(name)) {
@@ -44,14 +44,16 @@ class Calibrator {
   }
 
   CalibrationResult run() {
-    checkCoverage(data_.frames, model_.camera().camera(guessedCamera())->imagePlane());
+    if (!config_.is_rough)
+      checkCoverage(data_.frames, model_.camera().camera(guessedCamera())->imagePlane());
     findPoses();
     checkMotion(state_.poses);
     const ResidualSummary before = summaryOfGuess();
     approach();
     leaveOutFrames();
     leaveOutMarkers();
-    decideShape();
+    decideProfile();
+    decideSize();
     holdUnobserved();
     return result(before);
   }
@@ -138,19 +140,21 @@ class Calibrator {
     adjust("radial scale", indicesOf({"fx", "fy", "apex_distance", "z"}), false);
     adjust("centre and lean",
            indicesOf({"fx", "fy", "apex_distance", "z", "cx", "cy", "roll", "pitch"}));
-    adjust("all but the mirror's size", candidates(false));
+    adjust("all but the mirror's size", candidates());
   }
 
-  /// All that may be estimated, but for the mirror's size, which images hardly tell, and for a
-  /// conic constant that the profile implies unless that is doubted.
-  Indices candidates(bool doubts_profile) const {
+  /// All that may be estimated: but for the mirror's size and a conic constant that the profile
+  /// implies, as long as these are not in doubt.
+  Indices candidates() const {
     Indices indices;
     for (std::size_t i = 0; i < model_.parameters().size(); ++i) {
       const std::string& name = model_.parameters()[i].name;
       const bool is_implied =
-          name == "conic_constant" && model_.camera().impliesConicConstant() && !doubts_profile;
-      if (isFixed(name) || is_implied || name == "radius_of_curvature") continue;
-      indices.push_back(static_cast<Eigen::Index>(i));
+          name == "conic_constant" && model_.camera().impliesConicConstant() && !doubts_profile_;
+      const bool is_size = name == "radius_of_curvature" && !doubts_size_;
+      if (!isFixed(name) && !is_implied && !is_size) {
+        indices.push_back(static_cast<Eigen::Index>(i));
+      }
     }
     return indices;
   }
@@ -207,34 +211,60 @@ class Calibrator {
     }
   }
 
-  /// A profile that implies the conic constant is believed unless another constant fits clearly
-  /// better.
-  void decideShape() {
-    adjust("everything", candidates(false));
-    const auto index = model_.indexOf("conic_constant");
-    if (!index || isFixed("conic_constant") || !model_.camera().impliesConicConstant()) return;
-    constexpr double kClearly = 0.02;  // of the mean square
-    const CalibrationState implied = state_;
+  /// Whether the corners fit clearly better once `*doubts` adds a parameter to the candidates; if
+  /// they do not, all stays as it was.
+  bool fitsBetter(const std::string& step, bool* doubts) {
+    constexpr double kClearly = 0.05;  // of the mean square
+    const CalibrationState believed = state_;
     const double before = summarize(adjustment_.residuals(state_)).rms;
-    adjust("another profile", candidates(true));
+    *doubts = true;
+    adjust(step, candidates());
     const double after = summarize(adjustment_.residuals(state_)).rms;
-    doubts_profile_ = after * after < (1.0 - kClearly) * before * before;
-    if (doubts_profile_) {
+    *doubts = after * after < (1.0 - kClearly) * before * before;
+    if (!*doubts) {
+      state_ = believed;
+      return false;
+    }
+    fit_ = decimals(before, 3) + " to " + decimals(after, 3) + " px";
+    return true;
+  }
+
+  /// A profile that implies the conic constant is believed unless another constant fits better.
+  void decideProfile() {
+    adjust("everything", candidates());
+    if (!model_.camera().impliesConicConstant() || isFixed("conic_constant")) return;
+    if (fitsBetter("another profile", &doubts_profile_)) {
       data_.remarks.push_back(
           "the mirror does not have the guess's profile: another conic constant brings the "
           "residual "
           "from " +
-          decimals(before, 3) + " to " + decimals(after, 3) + " px");
-    } else {
-      state_ = implied;
+          fit_);
     }
+  }
+
+  /// The size of a mirror shows in parallax alone: a caliper measures it better than images do,
+  /// which are believed only where they contradict.
+  void decideSize() {
+    const auto size = indicesOf({"radius_of_curvature"});
+    if (size.empty()) return;
+    if (fitsBetter("another size of the mirror", &doubts_size_)) {
+      data_.remarks.push_back(
+          "the mirror does not have the guess's size: another one brings the residual from " +
+          fit_);
+      return;
+    }
+    AdjustmentConfig all;
+    all.robust_width = config_.robust_width;
+    all.free = candidates();
+    all.free.insert(all.free.begin(), size.front());
+    size_deviation_ =
+        uncertaintyOf(model_, all.free, adjustment_.information(state_, all)).deviations(0);
   }
 
   void holdUnobserved() {
     AdjustmentConfig all;
     all.robust_width = config_.robust_width;
-    all.free = candidates(doubts_profile_);
-    for (const Eigen::Index index : indicesOf({"radius_of_curvature"})) all.free.push_back(index);
+    all.free = candidates();
     const Observability split =
         observability(model_, all.free, adjustment_.information(state_, all));
     for (const auto& [index, deviation] : split.held) {
@@ -260,6 +290,9 @@ class Calibrator {
     if (isFixed(name)) return "as told";
     if (name == "conic_constant" && model_.camera().impliesConicConstant() && !doubts_profile_) {
       return "the guess's profile fits";
+    }
+    if (name == "radius_of_curvature" && !doubts_size_) {
+      return "images tell it to " + significant(size_deviation_, 2) + " only; measure it";
     }
     for (const auto& [held, deviation] : held_) {
       if (held == index) return "not observed, +- " + significant(deviation, 2);
@@ -353,6 +386,10 @@ class Calibrator {
   BundleAdjustment adjustment_;
   CalibrationState state_;
   bool doubts_profile_ = false;
+  bool doubts_size_ = false;
+  double size_deviation_ = 0.0;
+  /// How much better the last doubt made it, in words.
+  std::string fit_;
   Indices observed_;
   std::vector<std::pair<Eigen::Index, double>> held_;
 };

@@ -43,9 +43,8 @@ double impliedConicConstant(const YamlReader& mirror) {
 
 void addMirror(const YamlReader& mirror, std::vector<CalibrationParameter>* parameters) {
   if (mirror.text("profile") != "tabulated") {
-    // The size of a mirror shows in parallax alone, which other errors feign easily.
     parameters->push_back(
-        relative("radius_of_curvature", "m", mirror.number("radius_of_curvature"), 0.005));
+        relative("radius_of_curvature", "m", mirror.number("radius_of_curvature"), 0.5));
     parameters->push_back({"conic_constant", "", impliedConicConstant(mirror), 0.2, 0.2});
   }
   parameters->push_back(relative("apex_distance", "m", mirror.number("apex_distance"), 0.05));

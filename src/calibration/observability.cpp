@@ -11,10 +11,9 @@
 namespace omnitag {
 namespace {
 
-constexpr std::array<std::string_view, 18> kFirstToHold = {
-    "radius_of_curvature", "k4", "k3", "p2", "p1",    "k2",
-    "conic_constant",      "k1", "xi", "z",  "pitch", "roll",
-    "apex_distance",       "fy", "fx", "cy", "cx",    ""};
+constexpr std::array<std::string_view, 17> kFirstToHold = {
+    "radius_of_curvature", "k4", "k3",    "p2",   "p1", "k2", "k1", "xi", "apex_distance",
+    "conic_constant",      "z",  "pitch", "roll", "fy", "fx", "cy", "cx"};
 
 std::ptrdiff_t rankOf(const std::string& name) {
   return std::find(kFirstToHold.begin(), kFirstToHold.end(), name) - kFirstToHold.begin();
@@ -47,11 +46,33 @@ Eigen::MatrixXd covarianceOf(const Eigen::MatrixXd& information) {
          eigen.eigenvectors().transpose();
 }
 
+/// The place of the parameter to hold: of all that are too uncertain, or that one of these trades
+/// off against, the first of the list above; -1 where all are well.
+std::ptrdiff_t firstToHold(const CalibrationModel& model, const ParameterUncertainty& uncertainty) {
+  constexpr double kTradesOff = 0.9;
+  std::ptrdiff_t first = -1;
+  const auto size = static_cast<Eigen::Index>(uncertainty.free.size());
+  const auto parameter = [&](Eigen::Index place) -> const CalibrationParameter& {
+    return parameterAt(model, uncertainty.free[static_cast<std::size_t>(place)]);
+  };
+  for (Eigen::Index i = 0; i < size; ++i) {
+    if (uncertainty.deviations(i) <= parameter(i).tolerable) continue;
+    for (Eigen::Index j = 0; j < size; ++j) {
+      if (std::abs(uncertainty.correlations(i, j)) < kTradesOff) continue;
+      const bool goes_first =
+          first < 0 || rankOf(parameter(j).name) < rankOf(parameter(first).name);
+      if (goes_first) first = j;
+    }
+  }
+  return first;
+}
+
 }  // namespace
 
 ParameterUncertainty uncertaintyOf(const CalibrationModel& model,
                                    const std::vector<Eigen::Index>& free,
                                    const AdjustmentInformation& information) {
+  if (free.empty()) return {};
   const Eigen::MatrixXd covariance = covarianceOf(information.matrix);
   const Eigen::VectorXd deviations = covariance.diagonal().cwiseSqrt();
   ParameterUncertainty uncertainty{free, information.noise * deviations, covariance};
@@ -75,16 +96,7 @@ Observability observability(const CalibrationModel& model,
   while (!result.observed.empty()) {
     const ParameterUncertainty uncertainty = uncertaintyOf(
         model, result.observed, {part(information.matrix, places), information.noise});
-    std::ptrdiff_t first = -1;
-    for (std::size_t i = 0; i < result.observed.size(); ++i) {
-      const CalibrationParameter& parameter = parameterAt(model, result.observed[i]);
-      if (uncertainty.deviations(static_cast<Eigen::Index>(i)) <= parameter.tolerable) continue;
-      const bool goes_first =
-          first < 0 ||
-          rankOf(parameter.name) <
-              rankOf(parameterAt(model, result.observed[static_cast<std::size_t>(first)]).name);
-      if (goes_first) first = static_cast<std::ptrdiff_t>(i);
-    }
+    const std::ptrdiff_t first = firstToHold(model, uncertainty);
     if (first < 0) break;
     result.held.emplace_back(result.observed[static_cast<std::size_t>(first)],
                              uncertainty.deviations(first));

@@ -25,8 +25,10 @@ struct CalibrationData {
 /// The readings of a recording that say without doubt which marker of the map they are, in frames
 /// that have at least three: fewer do not tell the robot's pose while the camera is not known.
 ///
-/// Throws InputError, with what to do, where they cannot calibrate a camera: too few frames, too
-/// few markers, ids that the map has twice.
-CalibrationData selectObservations(const MarkerMap& map, const std::vector<FrameReadings>& frames);
+/// `prefers_large`: small markers, whose corners are less exact, count only where there are too few
+/// large ones. Throws InputError, with what to do, where the readings cannot calibrate a camera:
+/// too few frames, too few markers, ids that the map has twice.
+CalibrationData selectObservations(const MarkerMap& map, const std::vector<FrameReadings>& frames,
+                                   bool prefers_large = true);
 
 }  // namespace omnitag

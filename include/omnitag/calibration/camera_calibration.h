@@ -18,6 +18,9 @@ struct CalibrationConfig {
   std::set<std::string> fixed;
   /// Pixels: a corner that is farther off than this counts less and less.
   double robust_width = 0.25;
+  /// Whether the markers were read with a camera that may be wrong: then small ones count, too, and
+  /// they need not be all around.
+  bool is_rough = false;
   /// Pixels: a calibration whose corners are farther off (RMS) is refused.
   double max_residual = 1.0;
 };

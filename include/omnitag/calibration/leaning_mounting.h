@@ -4,16 +4,19 @@
 
 namespace omnitag {
 
+/// tf's angles of a rotation: Rz(yaw) Ry(pitch) Rx(roll); pitch in [-pi/2, pi/2].
+Eigen::Vector3d rollPitchYaw(const Eigen::Matrix3d& rotation);
+
+/// The rotation of these angles.
+Eigen::Matrix3d fromRollPitchYaw(const Eigen::Vector3d& roll_pitch_yaw);
+
 /// A camera's mounting on a robot that moves on the floor, taken apart into what images can tell
 /// and what they cannot. From images alone nobody can tell where on the robot the camera sits and
 /// which way it is turned about the vertical: x, y and yaw of the mounting are the same as another
-/// place and heading of the robot.
-///
-/// What they do tell: the height z (m) above the floor and how the camera leans, the rotation
-/// vector (roll, pitch, 0) (rad) of base_link that brings a vertical optical axis to where it is.
+/// place and heading of the robot. What they do tell: the height and how the camera leans.
 class LeaningMounting {
  public:
-  /// (z, roll, pitch).
+  /// z (m), roll and pitch (rad), as tf has them.
   using Values = Eigen::Vector3d;
 
   /// x, y and yaw are those of this mounting. Throws InputError where the optical axis is nearer to
@@ -28,9 +31,11 @@ class LeaningMounting {
 
  private:
   Eigen::Vector2d position_;
-  /// The rotation base_from_camera of the camera that does not lean.
-  Eigen::Matrix3d upright_;
+  double yaw_;
   Values values_;
 };
+
+/// rad, of a camera's optical axis off the vertical.
+double leanOf(const Eigen::Isometry3d& base_from_camera);
 
 }  // namespace omnitag

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <cstdio>
 #include <sstream>
+#include <utility>
 
+#include "omnitag/calibration/leaning_mounting.h"
 #include "omnitag/common/error.h"
 
 namespace omnitag {
@@ -15,14 +17,9 @@ using Numbers = std::array<double, kSize>;
 
 /// x, y, z, roll, pitch, yaw.
 Numbers numbersOf(const Eigen::Isometry3d& base_from_camera) {
-  const Eigen::Matrix3d rotation = base_from_camera.linear();
   const Eigen::Vector3d position = base_from_camera.translation();
-  return {position.x(),
-          position.y(),
-          position.z(),
-          std::atan2(rotation(2, 1), rotation(2, 2)),
-          std::atan2(-rotation(2, 0), std::hypot(rotation(2, 1), rotation(2, 2))),
-          std::atan2(rotation(1, 0), rotation(0, 0))};
+  const Eigen::Vector3d angles = rollPitchYaw(base_from_camera.linear());
+  return {position.x(), position.y(), position.z(), angles.x(), angles.y(), angles.z()};
 }
 
 std::string join(const Numbers& numbers, const char* separator) {
@@ -53,9 +50,7 @@ Eigen::Isometry3d parseMounting(const std::string& option, const std::string& te
   }
   const auto& [x, y, z, roll, pitch, yaw] = numbers;
   Eigen::Isometry3d base_from_camera(Eigen::Translation3d(x, y, z));
-  base_from_camera.rotate(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
-                          Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
-                          Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX()));
+  base_from_camera.linear() = fromRollPitchYaw({roll, pitch, yaw});
   return base_from_camera;
 }
 

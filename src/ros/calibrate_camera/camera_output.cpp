@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "../bag_tools/mounting_option.h"
+#include "omnitag/calibration/leaning_mounting.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
 
@@ -62,7 +63,9 @@ std::string calibrationReport(const CalibrationResult& result, const MountingFra
   report += format("%-26s %12.3f   of a corner, along each axis; %zu images, %zu markers\n",
                    "noise (px)", result.noise, result.frames, result.markers);
   report +=
-      "\nMounting, for tf:\n  rosrun tf2_ros static_transform_publisher " +
+      "\nMounting (the optical axis leans by " +
+      format("%.2f", degrees(leanOf(result.base_from_camera))) +
+      " deg), for tf:\n  rosrun tf2_ros static_transform_publisher " +
       publisherArguments(result.base_from_camera) + " " + frames.base + " " + frames.camera +
       "\nand for bags whose /tf_static is older: --mounting " +
       mountingText(result.base_from_camera) +

@@ -37,7 +37,9 @@ void run(const CalibrationOptions& options) {
   CalibrationConfig config;
   config.fixed = options.fixed;
 
-  const auto calibrate = [&](const std::shared_ptr<const CameraModel>& camera, const char* what) {
+  const auto calibrate = [&](const std::shared_ptr<const CameraModel>& camera, const char* what,
+                             bool is_rough) {
+    config.is_rough = is_rough;
     const auto frames = recording.read(camera, options.camera, what);
     return calibrateCamera(guess, map, frames, config, StepLog());
   };
@@ -45,9 +47,10 @@ void run(const CalibrationOptions& options) {
     return parseCamera(guess.text(result.camera_values, result.rim_radius), options.camera);
   };
   // A camera that is wrong bends the edges of markers in the views that they are read in.
-  const CalibrationResult rough = calibrate(loadCamera(options.camera), "images, with the guess");
+  const CalibrationResult rough =
+      calibrate(loadCamera(options.camera), "images, with the guess", true);
   const CalibrationResult result =
-      calibrate(cameraOf(rough), "images again, with the camera found");
+      calibrate(cameraOf(rough), "images again, with the camera found", false);
 
   const MountingFrames frames{recording.baseFrame(), recording.cameraFrame()};
   writePicture(options.picture,
