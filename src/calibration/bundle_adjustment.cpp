@@ -71,6 +71,36 @@ class CornerCost final : public ceres::CostFunction {
   Eigen::Vector2d pixel_;
 };
 
+/// How far the shared parameters are from the guess: hardly more than nothing beside what the
+/// images tell, but where they tell nothing, as along the valley in which a mirror that is farther
+/// away and a longer lens image alike, it keeps the solution from running off.
+class GuessCost final : public ceres::CostFunction {
+ public:
+  /// `start`: where the offsets are counted from, in scales from the guess.
+  explicit GuessCost(Eigen::VectorXd start) : start_(std::move(start)) {
+    set_num_residuals(static_cast<int>(start_.size()));
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(start_.size()));
+  }
+
+  bool Evaluate(const double* const* parameters, double* residuals,
+                double** jacobians) const override {
+    constexpr double kNoise = 0.05;  // pixels, of a corner
+    constexpr double kScales = 4.0;  // by which a guess may be off
+    constexpr double kWeight = kNoise / kScales;
+    const Eigen::Index size = start_.size();
+    Eigen::Map<Eigen::VectorXd>(residuals, size) =
+        kWeight * (start_ + Eigen::Map<const Eigen::VectorXd>(parameters[0], size));
+    if (jacobians != nullptr && jacobians[0] != nullptr) {
+      Eigen::Map<Eigen::MatrixXd>(jacobians[0], size, size) =
+          kWeight * Eigen::MatrixXd::Identity(size, size);
+    }
+    return true;
+  }
+
+ private:
+  Eigen::VectorXd start_;
+};
+
 class ProgressCallback final : public ceres::IterationCallback {
  public:
   explicit ProgressCallback(const BundleAdjustment::Progress& progress) : progress_(progress) {}
@@ -105,6 +135,16 @@ BundleAdjustment::BundleAdjustment(const MarkerMap& map,
                                    const CalibrationModel& model)
     : map_(map), frames_(frames), model_(model) {}
 
+Eigen::VectorXd BundleAdjustment::offsetsOf(const Eigen::VectorXd& values,
+                                            const std::vector<Eigen::Index>& indices) const {
+  Eigen::VectorXd offsets(static_cast<Eigen::Index>(indices.size()));
+  std::transform(indices.begin(), indices.end(), offsets.data(), [&](Eigen::Index index) {
+    const CalibrationParameter& parameter = model_.parameters()[static_cast<std::size_t>(index)];
+    return (values(index) - parameter.value) / parameter.scale;
+  });
+  return offsets;
+}
+
 CalibrationState BundleAdjustment::minimize(const CalibrationState& start,
                                             const AdjustmentConfig& config,
                                             const Progress& progress) const {
@@ -119,7 +159,9 @@ CalibrationState BundleAdjustment::minimize(const CalibrationState& start,
   ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::CauchyLoss loss(config.robust_width);
   std::vector<std::unique_ptr<CornerCost>> costs;
+  GuessCost guess_cost(offsetsOf(start.values, config.free));
   ceres::Problem problem(ownership);
+  if (!shared.empty()) problem.AddResidualBlock(&guess_cost, nullptr, shared.data());
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     for (const MarkerObservation& observation : frames_[i].observations) {
       const auto corners = map_.markers[observation.map_entry].corners();

@@ -135,12 +135,36 @@ class Calibrator {
     return summary;
   }
 
-  /// More and more is set free.
+  /// From the bearings' poses to a camera. With a profile that is far from the mirror's, the rest
+  /// would run off to make up for it: then another one is looked for from the beginning.
   void approach() {
-    adjust("radial scale", indicesOf({"fx", "fy", "apex_distance", "z"}), false);
-    adjust("centre and lean",
-           indicesOf({"fx", "fy", "apex_distance", "z", "cx", "cy", "roll", "pitch"}));
+    constexpr double kFarOff = 0.5;  // pixels
+    const CalibrationState start = state_;
+    setFree();
+    if (!mayDoubtProfile() || summarize(adjustment_.residuals(state_)).rms < kFarOff) return;
+    const CalibrationState believed = state_;
+    const double before = medianResidual();
+    state_ = start;
+    doubts_profile_ = true;
+    setFree();
+    doubts_profile_ = medianResidual() < before;
+    if (!doubts_profile_) state_ = believed;
+  }
+
+  /// More and more is set free.
+  void setFree() {
+    Indices radial = indicesOf({"fx", "fy", "apex_distance", "z"});
+    if (doubts_profile_) radial.push_back(*model_.indexOf("conic_constant"));
+    adjust("radial scale", radial, false);
+    for (const Eigen::Index index : indicesOf({"cx", "cy", "roll", "pitch"})) {
+      radial.push_back(index);
+    }
+    adjust("centre and lean", radial);
     adjust("all but the mirror's size", candidates());
+  }
+
+  bool mayDoubtProfile() const {
+    return model_.camera().impliesConicConstant() && !isFixed("conic_constant");
   }
 
   /// All that may be estimated: but for the mirror's size and a conic constant that the profile
@@ -214,13 +238,12 @@ class Calibrator {
   /// Whether the corners fit clearly better once `*doubts` adds a parameter to the candidates; if
   /// they do not, all stays as it was.
   bool fitsBetter(const std::string& step, bool* doubts) {
-    constexpr double kClearly = 0.05;  // of the mean square
     const CalibrationState believed = state_;
     const double before = summarize(adjustment_.residuals(state_)).rms;
     *doubts = true;
     adjust(step, candidates());
     const double after = summarize(adjustment_.residuals(state_)).rms;
-    *doubts = after * after < (1.0 - kClearly) * before * before;
+    *doubts = isClearlyBetter(after, before);
     if (!*doubts) {
       state_ = believed;
       return false;
@@ -232,8 +255,9 @@ class Calibrator {
   /// A profile that implies the conic constant is believed unless another constant fits better.
   void decideProfile() {
     adjust("everything", candidates());
-    if (!model_.camera().impliesConicConstant() || isFixed("conic_constant")) return;
-    if (fitsBetter("another profile", &doubts_profile_)) {
+    if (doubts_profile_) {
+      data_.remarks.push_back("the mirror does not have the guess's profile, which fits nowhere");
+    } else if (mayDoubtProfile() && fitsBetter("another profile", &doubts_profile_)) {
       data_.remarks.push_back(
           "the mirror does not have the guess's profile: another conic constant brings the "
           "residual "
@@ -267,13 +291,25 @@ class Calibrator {
     all.free = candidates();
     const Observability split =
         observability(model_, all.free, adjustment_.information(state_, all));
-    for (const auto& [index, deviation] : split.held) {
-      refuseIfEssential(index, deviation);
-      state_.values(index) = model_.guess()(index);
-    }
+    for (const auto& [index, deviation] : split.held) refuseIfEssential(index, deviation);
     held_ = split.held;
     observed_ = split.observed;
+    const CalibrationState estimated = state_;
+    const double before = summarize(adjustment_.residuals(state_)).rms;
+    for (const auto& [index, deviation] : held_) state_.values(index) = model_.guess()(index);
     adjust("what is observed", observed_);
+    // Two that trade off against each other may both be off in the guess, by more than the rest can
+    // make up for.
+    const double after = summarize(adjustment_.residuals(state_)).rms;
+    holds_estimates_ = isClearlyBetter(before, after);
+    if (!holds_estimates_) return;
+    state_ = estimated;
+    adjust("what is observed", observed_);
+  }
+
+  static bool isClearlyBetter(double rms, double than) {
+    constexpr double kClearly = 0.05;  // of the mean square
+    return rms * rms < (1.0 - kClearly) * than * than;
   }
 
   void refuseIfEssential(Eigen::Index index, double deviation) const {
@@ -295,7 +331,9 @@ class Calibrator {
       return "images tell it to " + significant(size_deviation_, 2) + " only; measure it";
     }
     for (const auto& [held, deviation] : held_) {
-      if (held == index) return "not observed, +- " + significant(deviation, 2);
+      if (held != index) continue;
+      return "not observed, +- " + significant(deviation, 2) +
+             (holds_estimates_ ? "; where the others fit" : "");
     }
     return "";
   }
@@ -365,7 +403,7 @@ class Calibrator {
       if (lengthOf(corner) > limit) continue;
       farthest = std::max(farthest, (corner.pixel - centre).norm());
     }
-    const double guessed = radiusOf(*camera.camera(guessedCamera()));
+    const double guessed = camera.circle();
     constexpr double kMargin = 2.0;  // pixels
     constexpr double kFarOff = 0.25;
     try {
@@ -392,6 +430,8 @@ class Calibrator {
   std::string fit_;
   Indices observed_;
   std::vector<std::pair<Eigen::Index, double>> held_;
+  /// Whether these are held where they fit instead of at the guess.
+  bool holds_estimates_ = false;
 };
 
 }  // namespace

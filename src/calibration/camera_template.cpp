@@ -152,7 +152,8 @@ CameraTemplate::CameraTemplate(YAML::Node file, std::string origin)
                   "one that is calibrated (catadioptric, equidistant or unified; an ocam file is "
                   "calibrated with its own toolbox)");
   }
-  parseCamera(emitted(file_), origin_);
+  const auto camera = parseCamera(emitted(file_), origin_);
+  circle_ = camera->maxRadius() * camera->imagePlane().scale();
 
   addLens(reader.mapping("lens"), &parameters_);
   if (model == "catadioptric") {
@@ -184,7 +185,8 @@ std::shared_ptr<const CameraModel> CameraTemplate::widened(const Eigen::VectorXd
   if (!has_mirror_) return camera(values);
   YAML::Node file = withValues(values);
   const auto rim = file["mirror"]["rim_radius"].as<double>();
-  file["mirror"]["rim_radius"] = std::min(kWidening * rim, silhouette(values));
+  const double wide_rim = std::max(kWidening * rim, rimAt(values, kWidening * circle_));
+  file["mirror"]["rim_radius"] = std::min(wide_rim, silhouette(values));
   file["lens"].remove("housing_radius");
   return parseCamera(emitted(file), origin_);
 }

@@ -49,7 +49,7 @@ Eigen::MatrixXd covarianceOf(const Eigen::MatrixXd& information) {
 /// The place of the parameter to hold: of all that are too uncertain, or that one of these trades
 /// off against, the first of the list above; -1 where all are well.
 std::ptrdiff_t firstToHold(const CalibrationModel& model, const ParameterUncertainty& uncertainty) {
-  constexpr double kTradesOff = 0.9;
+  constexpr double kTradesOff = 0.5;
   std::ptrdiff_t first = -1;
   const auto size = static_cast<Eigen::Index>(uncertainty.free.size());
   const auto parameter = [&](Eigen::Index place) -> const CalibrationParameter& {

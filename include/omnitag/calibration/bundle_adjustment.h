@@ -51,7 +51,8 @@ struct AdjustmentInformation {
 };
 
 /// The bundle adjustment of a recording: the camera, its mounting and the robot's pose in every
-/// frame, so that all corners image where they were measured.
+/// frame, so that all corners image where they were measured. The guess takes part with a little
+/// weight, which decides where the images do not.
 ///
 /// Derivatives by the shared parameters are central differences between cameras that are made once
 /// for all corners; those by the poses are analytic.
@@ -77,6 +78,10 @@ class BundleAdjustment {
                                     const AdjustmentConfig& config) const;
 
  private:
+  /// How far these parameters are from the guess, in their scales.
+  Eigen::VectorXd offsetsOf(const Eigen::VectorXd& values,
+                            const std::vector<Eigen::Index>& indices) const;
+
   const MarkerMap& map_;
   const std::vector<CalibrationFrame>& frames_;
   const CalibrationModel& model_;

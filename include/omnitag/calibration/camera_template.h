@@ -44,6 +44,9 @@ class CameraTemplate {
   const std::vector<CalibrationParameter>& parameters() const { return parameters_; }
   bool hasMirror() const { return has_mirror_; }
 
+  /// Pixels: radius, in the image, of what the file says that the camera sees.
+  double circle() const { return circle_; }
+
   /// Whether the file's profile implies the conic constant (spherical, parabolic).
   bool impliesConicConstant() const { return implies_conic_constant_; }
 
@@ -76,6 +79,8 @@ class CameraTemplate {
   std::vector<CalibrationParameter> parameters_;
   bool has_mirror_ = false;
   bool implies_conic_constant_ = false;
+  /// Pixels, radius of the field in the image.
+  double circle_ = 0.0;
 };
 
 }  // namespace omnitag
