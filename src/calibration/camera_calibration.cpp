@@ -139,15 +139,16 @@ class Calibrator {
   /// would run off to make up for it: then another one is looked for from the beginning.
   void approach() {
     constexpr double kFarOff = 0.5;  // pixels
+    constexpr double kFarBetter = 0.5;
     const CalibrationState start = state_;
     setFree();
-    if (!mayDoubtProfile() || summarize(adjustment_.residuals(state_)).rms < kFarOff) return;
-    const CalibrationState believed = state_;
     const double before = medianResidual();
+    if (!mayDoubtProfile() || before < kFarOff) return;
+    const CalibrationState believed = state_;
     state_ = start;
     doubts_profile_ = true;
     setFree();
-    doubts_profile_ = medianResidual() < before;
+    doubts_profile_ = medianResidual() < kFarBetter * before;
     if (!doubts_profile_) state_ = believed;
   }
 

@@ -2,13 +2,35 @@
 
 #include <Eigen/Geometry>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "../support/sample_markers.h"
+#include "omnitag/common/error.h"
 #include "omnitag/localization/frame_readings.h"
 #include "omnitag/marker/marker_map.h"
 
 namespace omnitag::test {
+
+/// Camera files: a sphere of 500 x 500 pixels, whose circle is 190 pixels, and a hyperbola.
+inline std::string catadioptricFile(double fx, double cx, double cy, double apex_distance,
+                                    const std::string& shape) {
+  return "model: catadioptric\nimage: {width: 500, height: 500}\nlens: {fx: " + std::to_string(fx) +
+         ", fy: " + std::to_string(fx) + ", cx: " + std::to_string(cx) +
+         ", cy: " + std::to_string(cy) +
+         "}\nmirror: {apex_distance: " + std::to_string(apex_distance) + ", " + shape + "}\n";
+}
+
+inline const std::string kSphere =
+    "profile: spherical, radius_of_curvature: 0.04, rim_radius: 0.0375";
+
+/// A camera that looks down on its mirror from 1.1 m; tf's roll and pitch, besides the half turn.
+inline Eigen::Isometry3d mounting(double height, double roll, double pitch) {
+  return Eigen::Translation3d(0.1, 0.02, height) *
+         Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ()) *
+         Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
+         Eigen::AngleAxisd(kPi - roll, Eigen::Vector3d::UnitX());
+}
 
 /// The room of ten markers.
 inline MarkerMap roomMap() {
@@ -17,9 +39,9 @@ inline MarkerMap roomMap() {
   return map;
 }
 
-/// Poses all over the room's middle, with all headings.
-inline std::vector<Pose2> posesInRoom(int count, std::mt19937* generator) {
-  std::uniform_real_distribution<double> place(-2.5, 2.5);
+/// Poses in a square about the room's middle, with all headings.
+inline std::vector<Pose2> posesInRoom(int count, double half_side, std::mt19937* generator) {
+  std::uniform_real_distribution<double> place(-half_side, half_side);
   std::uniform_real_distribution<double> heading(-kPi, kPi);
   std::vector<Pose2> poses;
   for (int i = 0; i < count; ++i) {
@@ -48,6 +70,17 @@ inline std::vector<FrameReadings> drive(const MarkerMap& map, const MountedCamer
     frames.push_back(frame);
   }
   return frames;
+}
+
+/// What is thrown by a call; empty where nothing is.
+template <typename Call>
+std::string refusalOf(const Call& call) {
+  try {
+    call();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
 }
 
 }  // namespace omnitag::test
