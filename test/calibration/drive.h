@@ -32,10 +32,11 @@ inline Eigen::Isometry3d mounting(double height, double roll, double pitch) {
          Eigen::AngleAxisd(kPi - roll, Eigen::Vector3d::UnitX());
 }
 
-/// The room of ten markers.
+/// The room of ten markers, large enough to be read well from everywhere in it.
 inline MarkerMap roomMap() {
   MarkerMap map;
   map.markers = roomMarkers();
+  for (Marker& marker : map.markers) marker.size = 1.2;
   return map;
 }
 
