@@ -121,11 +121,25 @@ struct FrameInformation {
   Eigen::MatrixXd shared;
   Eigen::MatrixX3d mixed;
   Eigen::Matrix3d pose = Eigen::Matrix3d::Zero();
+  Eigen::MatrixX2d shared_gradient;
+  Eigen::Matrix<double, 3, 2> pose_gradient = Eigen::Matrix<double, 3, 2>::Zero();
   double weighted_squares = 0.0;
   int corners = 0;
 
   explicit FrameInformation(Eigen::Index size)
-      : shared(Eigen::MatrixXd::Zero(size, size)), mixed(Eigen::MatrixX3d::Zero(size, 3)) {}
+      : shared(Eigen::MatrixXd::Zero(size, size)),
+        mixed(Eigen::MatrixX3d::Zero(size, 3)),
+        shared_gradient(Eigen::MatrixX2d::Zero(size, 2)) {}
+
+  void add(const Eigen::Matrix2Xd& by_shared, const Eigen::Matrix<double, 2, 3>& by_pose,
+           const Eigen::Matrix2d& common_errors, double weight) {
+    shared += weight * by_shared.transpose() * by_shared;
+    mixed += weight * by_shared.transpose() * by_pose;
+    pose += weight * by_pose.transpose() * by_pose;
+    shared_gradient += weight * by_shared.transpose() * common_errors;
+    pose_gradient += weight * by_pose.transpose() * common_errors;
+    ++corners;
+  }
 };
 
 }  // namespace
@@ -223,6 +237,8 @@ AdjustmentInformation BundleAdjustment::information(const CalibrationState& stat
   const Eigen::Index size = cameras.size();
   AdjustmentInformation information;
   information.matrix = Eigen::MatrixXd::Zero(size, size);
+  information.common_error_gradient = Eigen::MatrixX2d::Zero(size, 2);
+  const Eigen::Vector2d centre = model_.mounted(state.values).model().imagePlane().principalPoint();
   double weighted_squares = 0.0;
   double freedom = -static_cast<double>(size);
   for (std::size_t i = 0; i < frames_.size(); ++i) {
@@ -236,15 +252,17 @@ AdjustmentInformation BundleAdjustment::information(const CalibrationState& stat
         if (!image) continue;
         const double squares = (*image - observation.corners[k]).squaredNorm();
         const double weight = 1.0 / (1.0 + squares / width_square);
-        frame.shared += weight * by_shared.transpose() * by_shared;
-        frame.mixed += weight * by_shared.transpose() * by_pose;
-        frame.pose += weight * by_pose.transpose() * by_pose;
+        Eigen::Matrix2d common_errors;
+        common_errors.col(0) = (observation.corners[k] - centre).normalized();
+        common_errors.col(1) = (observation.corners[k] - observation.center).normalized();
+        frame.add(by_shared, by_pose, common_errors, weight);
         frame.weighted_squares += weight * squares;
-        ++frame.corners;
       }
     }
     const Eigen::LDLT<Eigen::Matrix3d> factors(frame.pose);
     if (frame.corners < 2 || !factors.isPositive()) continue;
+    information.common_error_gradient +=
+        frame.shared_gradient - frame.mixed * factors.solve(frame.pose_gradient);
     information.matrix += frame.shared - frame.mixed * factors.solve(frame.mixed.transpose());
     weighted_squares += frame.weighted_squares;
     freedom += 2.0 * frame.corners - kPoseSize;

@@ -343,7 +343,10 @@ class Calibrator {
     AdjustmentConfig adjustment;
     adjustment.robust_width = config_.robust_width;
     adjustment.free = observed_;
-    const AdjustmentInformation information = adjustment_.information(state_, adjustment);
+    AdjustmentInformation information = adjustment_.information(state_, adjustment);
+    // Where the edges of blurred markers seem to be.
+    constexpr double kCommonError = 0.01;  // pixels
+    information.common_error = kCommonError;
     const ParameterUncertainty uncertainty = uncertaintyOf(model_, observed_, information);
 
     CalibrationResult result;

@@ -75,7 +75,13 @@ ParameterUncertainty uncertaintyOf(const CalibrationModel& model,
   if (free.empty()) return {};
   const Eigen::MatrixXd covariance = covarianceOf(information.matrix);
   const Eigen::VectorXd deviations = covariance.diagonal().cwiseSqrt();
-  ParameterUncertainty uncertainty{free, information.noise * deviations, covariance};
+  Eigen::VectorXd variances = std::pow(information.noise, 2) * covariance.diagonal();
+  if (information.common_error > 0.0) {
+    const Eigen::MatrixX2d shifts =
+        information.common_error * covariance * information.common_error_gradient;
+    variances += shifts.rowwise().squaredNorm();
+  }
+  ParameterUncertainty uncertainty{free, variances.cwiseSqrt(), covariance};
   for (Eigen::Index i = 0; i < deviations.size(); ++i) {
     uncertainty.deviations(i) *= parameterAt(model, free[static_cast<std::size_t>(i)]).scale;
   }
@@ -95,7 +101,7 @@ Observability observability(const CalibrationModel& model,
   result.observed = candidates;
   while (!result.observed.empty()) {
     const ParameterUncertainty uncertainty = uncertaintyOf(
-        model, result.observed, {part(information.matrix, places), information.noise});
+        model, result.observed, {part(information.matrix, places), information.noise, {}, 0.0});
     const std::ptrdiff_t first = firstToHold(model, uncertainty);
     if (first < 0) break;
     result.held.emplace_back(result.observed[static_cast<std::size_t>(first)],

@@ -164,6 +164,36 @@ TEST_F(BundleAdjustmentTest, DeviationsAreThoseOfManyDrives) {
   }
 }
 
+TEST_F(BundleAdjustmentTest, KnowsWhatACommonErrorDoes) {
+  constexpr double kError = 0.02;  // pixels, along the radius
+  std::vector<CalibrationFrame> frames = data.frames;
+  const Eigen::Vector2d centre(251.2, 248.4);
+  for (CalibrationFrame& frame : frames) {
+    for (MarkerObservation& observation : frame.observations) {
+      for (Eigen::Vector2d& corner : observation.corners) {
+        corner += kError * (corner - centre).normalized();
+      }
+    }
+  }
+  AdjustmentConfig config = allBut("conic_constant");
+  config.robust_width = 10.0;
+  const BundleAdjustment truth(map, data.frames, model);
+  AdjustmentInformation information = truth.information({model.guess(), poses}, config);
+  information.noise = 0.0;
+  information.common_error = kError;
+  information.common_error_gradient.col(1).setZero();
+  const Eigen::VectorXd predicted = uncertaintyOf(model, config.free, information).deviations;
+
+  const BundleAdjustment adjustment(map, frames, model);
+  const CalibrationState found = adjustment.minimize({model.guess(), poses}, config);
+  for (const char* name : {"fx", "fy", "apex_distance", "z"}) {
+    const Eigen::Index index = *model.indexOf(name);
+    const auto place = std::find(config.free.begin(), config.free.end(), index);
+    const double shift = std::abs(found.values(index) - model.guess()(index));
+    EXPECT_NEAR(shift / predicted(place - config.free.begin()), 1.0, 0.1) << name;
+  }
+}
+
 TEST_F(BundleAdjustmentTest, ACornerFarOffHardlyCounts) {
   std::vector<CalibrationFrame> frames = data.frames;
   frames[3].observations[0].corners[1] += Eigen::Vector2d(20.0, -15.0);

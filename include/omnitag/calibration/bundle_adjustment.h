@@ -48,6 +48,11 @@ struct AdjustmentInformation {
   Eigen::MatrixXd matrix;
   /// Pixels, along each axis: the noise that the residuals show.
   double noise = 0.0;
+  /// Errors that all corners have in common do not average out. What the gradient would be if all
+  /// were off by one pixel, a column for each way: along the image's radius, and out of the marker.
+  Eigen::MatrixX2d common_error_gradient;
+  /// Pixels, of such errors.
+  double common_error = 0.0;
 };
 
 /// The bundle adjustment of a recording: the camera, its mounting and the robot's pose in every
