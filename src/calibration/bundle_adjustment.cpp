@@ -45,7 +45,7 @@ class CornerCost final : public ceres::CostFunction {
     const auto image = cameras_->project({pose[0], pose[1], pose[2]}, point_,
                                          by_shared != nullptr ? &shared_jacobian : nullptr,
                                          by_pose != nullptr ? &pose_jacobian : nullptr);
-    const Eigen::Vector2d residual = image ? Eigen::Vector2d(*image - pixel_) : kHiddenResidual();
+    const Eigen::Vector2d residual = image ? Eigen::Vector2d(*image - pixel_) : hiddenResidual();
     std::copy_n(residual.data(), 2, residuals);
     copyRows(shared_jacobian, by_shared);
     copyRows(pose_jacobian, by_pose);
@@ -53,7 +53,7 @@ class CornerCost final : public ceres::CostFunction {
   }
 
  private:
-  static Eigen::Vector2d kHiddenResidual() { return {kHidden, 0.0}; }
+  static Eigen::Vector2d hiddenResidual() { return {kHidden, 0.0}; }
 
   /// Ceres stores row by row.
   template <typename Matrix>

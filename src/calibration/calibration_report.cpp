@@ -3,46 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
-#include <limits>
 #include <sstream>
 
+#include "omnitag/common/error.h"
+#include "outliers.h"
+
 namespace omnitag {
-
-double lengthOf(const CornerResidual& corner) {
-  return corner.residual ? corner.residual->norm() : std::numeric_limits<double>::infinity();
-}
-
-double medianOf(std::vector<double> sample) {
-  if (sample.empty()) return 0.0;
-  const auto middle = sample.begin() + static_cast<std::ptrdiff_t>(sample.size() / 2);
-  std::nth_element(sample.begin(), middle, sample.end());
-  return *middle;
-}
-
-double farLimit(const std::vector<CornerResidual>& residuals) {
-  constexpr double kMedians = 8.0;
-  constexpr double kLeast = 1.0;
-  std::vector<double> lengths;
-  for (const CornerResidual& corner : residuals) lengths.push_back(lengthOf(corner));
-  return std::max(kLeast, kMedians * medianOf(std::move(lengths)));
-}
-
-ResidualSummary summarize(const std::vector<CornerResidual>& residuals) {
-  const double limit = farLimit(residuals);
-  ResidualSummary summary;
-  double squares = 0.0;
-  for (const CornerResidual& corner : residuals) {
-    const double length = lengthOf(corner);
-    if (std::isfinite(length) && length <= limit) {
-      ++summary.counted;
-      squares += length * length;
-    } else {
-      ++summary.left_out;
-    }
-  }
-  if (summary.counted > 0) summary.rms = std::sqrt(squares / static_cast<double>(summary.counted));
-  return summary;
-}
 
 std::string decimals(double number, int count) {
   std::ostringstream text;
@@ -84,6 +50,32 @@ void addTradeOffs(const CalibrationModel& model, const ParameterUncertainty& unc
   if (pairs.empty()) return;
   remarks->push_back("trade off against each other (correlation): " + pairs +
                      "; each alone may be off by its deviation, together they image alike");
+}
+
+std::optional<double> rimOf(const CameraTemplate& camera, const CalibrationResult& result) {
+  if (!camera.hasMirror()) return std::nullopt;
+  const auto radiusOf = [](const CameraModel& model) {
+    return model.maxRadius() * model.imagePlane().scale();
+  };
+  const Eigen::VectorXd& values = result.camera_values;
+  const Eigen::Vector2d centre = camera.widened(values)->imagePlane().principalPoint();
+  const double limit = farLimit(result.residuals);
+  double farthest = 0.0;
+  for (const CornerResidual& corner : result.residuals) {
+    if (lengthOf(corner) > limit) continue;
+    farthest = std::max(farthest, (corner.pixel - centre).norm());
+  }
+  const double guessed = camera.circle();
+  constexpr double kMargin = 2.0;  // pixels
+  constexpr double kFarOff = 0.25;
+  try {
+    const double now = radiusOf(*camera.camera(values));
+    const bool is_well = now >= farthest + kMargin && std::abs(now / guessed - 1.0) <= kFarOff;
+    if (is_well) return std::nullopt;
+  } catch (const InputError&) {
+    // The guess's rim is none of this mirror.
+  }
+  return camera.rimAt(values, std::max(guessed, farthest + kMargin));
 }
 
 }  // namespace omnitag

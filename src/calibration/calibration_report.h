@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,18 +9,6 @@
 
 /// Numbers and words about a calibration.
 namespace omnitag {
-
-/// Pixels; infinity for a corner that should not be seen.
-double lengthOf(const CornerResidual& corner);
-
-/// 0 of none.
-double medianOf(std::vector<double> sample);
-
-/// Pixels: corners beyond say nothing about the camera; they are covered, misread or hang
-/// elsewhere.
-double farLimit(const std::vector<CornerResidual>& residuals);
-
-ResidualSummary summarize(const std::vector<CornerResidual>& residuals);
 
 /// A number with so many decimals, or so many significant digits.
 std::string decimals(double number, int count);
@@ -31,5 +20,10 @@ std::string namesOf(const CalibrationModel& model);
 /// A line about each pair of parameters of which the images hardly tell the one without the other.
 void addTradeOffs(const CalibrationModel& model, const ParameterUncertainty& uncertainty,
                   std::vector<std::string>* remarks);
+
+/// The rim (m) to write. The guess's in metres stays (nothing), as somebody may have measured it,
+/// unless it then images elsewhere than the guess's circle by far, or hides corners that were seen:
+/// then the circle stays.
+std::optional<double> rimOf(const CameraTemplate& camera, const CalibrationResult& result);
 
 }  // namespace omnitag

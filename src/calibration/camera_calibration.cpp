@@ -14,6 +14,7 @@
 #include "omnitag/calibration/observability.h"
 #include "omnitag/calibration/pose_from_bearings.h"
 #include "omnitag/common/error.h"
+#include "outliers.h"
 
 namespace omnitag {
 namespace {
@@ -50,8 +51,7 @@ class Calibrator {
     checkMotion(state_.poses);
     const ResidualSummary before = summaryOfGuess();
     approach();
-    leaveOutFrames();
-    leaveOutMarkers();
+    leaveOutOutliers();
     decideProfile();
     decideSize();
     holdUnobserved();
@@ -184,56 +184,12 @@ class Calibrator {
     return indices;
   }
 
-  /// Frames whose pose started too far off to be found.
-  void leaveOutFrames() {
-    const std::vector<CornerResidual> residuals = adjustment_.residuals(state_);
-    const double limit = farLimit(residuals);
-    std::vector<std::vector<double>> lengths(data_.frames.size());
-    for (const CornerResidual& corner : residuals)
-      lengths[corner.frame].push_back(lengthOf(corner));
-    std::vector<CalibrationFrame> frames;
-    std::vector<Pose2> poses;
-    for (std::size_t i = 0; i < lengths.size(); ++i) {
-      if (medianOf(std::move(lengths[i])) > limit) continue;
-      frames.push_back(std::move(data_.frames[i]));
-      poses.push_back(state_.poses[i]);
-    }
-    const std::size_t left_out = data_.frames.size() - frames.size();
-    data_.frames = std::move(frames);
-    state_.poses = std::move(poses);
-    if (left_out > 0) {
-      data_.remarks.push_back("left out, as no pose explains what was read in them: " +
-                              std::to_string(left_out) + (left_out == 1 ? " image" : " images"));
-    }
+  void leaveOutOutliers() {
+    leaveOutFrames(adjustment_.residuals(state_), &data_, &state_);
     if (data_.frames.size() < kMinFrames) {
       throw InputError("no camera explains the images: look at the map, and at the guess's model");
     }
-  }
-
-  /// Markers that hang elsewhere than the map says.
-  void leaveOutMarkers() {
-    const std::vector<CornerResidual> residuals = adjustment_.residuals(state_);
-    const double limit = farLimit(residuals);
-    std::map<std::size_t, std::vector<double>> lengths;
-    for (const CornerResidual& corner : residuals) {
-      lengths[corner.map_entry].push_back(lengthOf(corner));
-    }
-    for (auto& [entry, of_entry] : lengths) {
-      const double median = medianOf(std::move(of_entry));
-      if (median <= limit) continue;
-      for (CalibrationFrame& frame : data_.frames) {
-        auto& observations = frame.observations;
-        const std::size_t marker = entry;
-        observations.erase(std::remove_if(observations.begin(), observations.end(),
-                                          [marker](const MarkerObservation& observation) {
-                                            return observation.map_entry == marker;
-                                          }),
-                           observations.end());
-      }
-      data_.remarks.push_back("left out: marker " + std::to_string(map_.markers[entry].id) +
-                              ", which is not where the map has it (" + decimals(median, 1) +
-                              " px off)");
-    }
+    leaveOutMarkers(adjustment_.residuals(state_), map_, &data_);
   }
 
   /// Whether the corners fit clearly better once `*doubts` adds a parameter to the candidates; if
@@ -371,7 +327,7 @@ class Calibrator {
     std::map<std::size_t, int> markers;
     for (const CornerResidual& corner : result.residuals) ++markers[corner.map_entry];
     result.markers = markers.size();
-    result.rim_radius = rimOf(result);
+    result.rim_radius = rimOf(model_.camera(), result);
     result.remarks = data_.remarks;
     addTradeOffs(model_, uncertainty, &result.remarks);
     return result;
@@ -389,35 +345,6 @@ class Calibrator {
         std::to_string(after.counted + after.left_out) + " corners are far off, the others by " +
         decimals(after.rms, 2) +
         " px (RMS); look at the map (positions, sizes), at the guess's model and at the mounting");
-  }
-
-  /// The rim in metres is the guess's, as somebody may have measured it, unless it then images
-  /// elsewhere than the guess's circle by far, or hides corners that were seen: then the circle is.
-  std::optional<double> rimOf(const CalibrationResult& result) const {
-    const CameraTemplate& camera = model_.camera();
-    if (!camera.hasMirror()) return std::nullopt;
-    const auto radiusOf = [](const CameraModel& model) {
-      return model.maxRadius() * model.imagePlane().scale();
-    };
-    const Eigen::VectorXd& values = result.camera_values;
-    const Eigen::Vector2d centre = camera.widened(values)->imagePlane().principalPoint();
-    const double limit = farLimit(result.residuals);
-    double farthest = 0.0;
-    for (const CornerResidual& corner : result.residuals) {
-      if (lengthOf(corner) > limit) continue;
-      farthest = std::max(farthest, (corner.pixel - centre).norm());
-    }
-    const double guessed = camera.circle();
-    constexpr double kMargin = 2.0;  // pixels
-    constexpr double kFarOff = 0.25;
-    try {
-      const double now = radiusOf(*camera.camera(values));
-      if (now >= farthest + kMargin && std::abs(now / guessed - 1.0) <= kFarOff)
-        return std::nullopt;
-    } catch (const InputError&) {
-      // The guess's rim is none of this mirror.
-    }
-    return camera.rimAt(values, std::max(guessed, farthest + kMargin));
   }
 
   const MarkerMap& map_;

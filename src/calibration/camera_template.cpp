@@ -143,8 +143,8 @@ CameraTemplate CameraTemplate::fromText(const std::string& text, const std::stri
   return {YAML::Load(text), origin};
 }
 
-CameraTemplate::CameraTemplate(YAML::Node file, std::string origin)
-    : file_(std::move(file)), origin_(std::move(origin)) {
+CameraTemplate::CameraTemplate(const YAML::Node& file, std::string origin)
+    : file_(file), origin_(std::move(origin)) {
   const YamlReader reader(file_, origin_);
   const std::string model = reader.text("model");
   if (model == "ocam") {

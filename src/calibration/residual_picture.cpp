@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "calibration_report.h"
+#include "outliers.h"
 
 namespace omnitag {
 namespace {

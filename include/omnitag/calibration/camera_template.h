@@ -68,7 +68,7 @@ class CameraTemplate {
   double rimAt(const Eigen::VectorXd& values, double pixels) const;
 
  private:
-  CameraTemplate(YAML::Node file, std::string origin);
+  CameraTemplate(const YAML::Node& file, std::string origin);
 
   YAML::Node withValues(const Eigen::VectorXd& values) const;
   double silhouette(const Eigen::VectorXd& values) const;
