@@ -213,7 +213,8 @@ class Calibrator {
   void decideProfile() {
     adjust("everything", candidates());
     if (doubts_profile_) {
-      data_.remarks.push_back("the mirror does not have the guess's profile, which fits nowhere");
+      data_.remarks.emplace_back(
+          "the mirror does not have the guess's profile, which fits nowhere");
     } else if (mayDoubtProfile() && fitsBetter("another profile", &doubts_profile_)) {
       data_.remarks.push_back(
           "the mirror does not have the guess's profile: another conic constant brings the "

@@ -74,10 +74,16 @@ DescribedCamera cameraOf(const BagOptions& options, const BagInput& input) {
   return options.camera.empty() ? input.describedCamera() : cameraFromFile(options.camera);
 }
 
+/// Where the bag's own transform is not right.
+void mountCamera(const BagOptions& options, const LocalizerParameters& parameters,
+                 BagInput* input) {
+  if (options.mounting) input->replaceMounting(parameters.frames.base, *options.mounting);
+}
+
 void run(const BagOptions& options) {
   const LocalizerParameters parameters = parametersOf(options);
   BagInput input(options.bag, options.image_topic);
-  if (options.mounting) input.replaceMounting(parameters.frames.base, *options.mounting);
+  mountCamera(options, parameters, &input);
   ImageLocalizer localizer(parameters, cameraOf(options, input));
   ResultFiles files(options.trajectory, options.poses, options.detections);
   std::optional<ResultBag> output;
