@@ -37,6 +37,7 @@ target_link_libraries(localizer_node PRIVATE omnitag_ros)
 add_library(omnitag_bag_tools STATIC
   src/ros/bag_tools/bag_input.cpp
   src/ros/bag_tools/command_line.cpp
+  src/ros/bag_tools/mounting_option.cpp
   src/ros/bag_tools/progress.cpp
 )
 target_link_libraries(omnitag_bag_tools PUBLIC omnitag_ros Boost::program_options)
@@ -57,12 +58,20 @@ add_executable(build_map
 )
 target_link_libraries(build_map PRIVATE omnitag_bag_tools opencv_imgcodecs)
 
+add_executable(calibrate_camera
+  src/ros/calibrate_camera/camera_output.cpp
+  src/ros/calibrate_camera/main.cpp
+  src/ros/calibrate_camera/options.cpp
+  src/ros/calibrate_camera/recording.cpp
+)
+target_link_libraries(calibrate_camera PRIVATE omnitag_bag_tools opencv_imgcodecs)
+
 install(TARGETS omnitag_core omnitag_ros omnitag_nodelet
   ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
   LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
   RUNTIME DESTINATION ${CATKIN_GLOBAL_BIN_DESTINATION}
 )
-install(TARGETS localizer_node localize_bag build_map
+install(TARGETS localizer_node localize_bag build_map calibrate_camera
   RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION}
 )
 install(DIRECTORY include/${PROJECT_NAME}/

@@ -18,6 +18,12 @@ Ray inSpace(const MeridionalRay& ray, const Eigen::Vector2d& ideal, double radiu
 
 std::optional<Eigen::Vector2d> CameraModel::pixelFromPoint(
     const Eigen::Vector3d& point, Eigen::Matrix<double, 2, 3>* jacobian) const {
+  const std::optional<Eigen::Vector2d> pixel = pixelBeyondImage(point, jacobian);
+  return pixel && isInImage(*pixel) ? pixel : std::nullopt;
+}
+
+std::optional<Eigen::Vector2d> CameraModel::pixelBeyondImage(
+    const Eigen::Vector3d& point, Eigen::Matrix<double, 2, 3>* jacobian) const {
   const double distance = std::hypot(point.x(), point.y());
   const std::optional<RadialImage> image = imageFromPoint(distance, point.z());
   if (!image) return std::nullopt;
@@ -26,14 +32,10 @@ std::optional<Eigen::Vector2d> CameraModel::pixelFromPoint(
   const Eigen::Vector2d radial =
       distance > 0.0 ? Eigen::Vector2d(point.head<2>() / distance) : Eigen::Vector2d::UnitX();
   const Eigen::Vector2d ideal = image->radius * radial;
-  if (jacobian == nullptr) {
-    const Eigen::Vector2d pixel = image_plane_.pixelFromIdeal(ideal);
-    return isInImage(pixel) ? std::optional(pixel) : std::nullopt;
-  }
+  if (jacobian == nullptr) return image_plane_.pixelFromIdeal(ideal);
 
   Eigen::Matrix2d pixel_by_ideal;
   const Eigen::Vector2d pixel = image_plane_.pixelFromIdeal(ideal, &pixel_by_ideal);
-  if (!isInImage(pixel)) return std::nullopt;
   const double radius_per_distance =
       distance > 0.0 ? image->radius / distance : image->radius_by_distance;
   const Eigen::Vector2d tangential(-radial.y(), radial.x());

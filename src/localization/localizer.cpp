@@ -201,8 +201,8 @@ bool Localizer::markersAgree(const MountedCamera& camera, const PoseEstimate& pr
     worst_residual = std::max(worst_residual, detection.residual);
   }
   // One or two that the robot was carried toward or away from are nearly where they were.
-  constexpr std::size_t kFew = 2;
-  if (observations.size() <= kFew && worst_residual > config_.relocalization.max_residual_of_one) {
+  if (result.acceptedMarkers() <= kFew &&
+      worst_residual > config_.relocalization.max_residual_of_one) {
     return false;
   }
   if (observations.size() == 1) return true;

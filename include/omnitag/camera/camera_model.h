@@ -60,6 +60,11 @@ class CameraModel {
   std::optional<Eigen::Vector2d> pixelFromPoint(
       const Eigen::Vector3d& point, Eigen::Matrix<double, 2, 3>* jacobian = nullptr) const;
 
+  /// The same, also where that pixel lies off the image: for a camera whose numbers are not known
+  /// yet.
+  std::optional<Eigen::Vector2d> pixelBeyondImage(
+      const Eigen::Vector3d& point, Eigen::Matrix<double, 2, 3>* jacobian = nullptr) const;
+
   /// The line of sight of a pixel. Nothing where the pixel is off the image or shows something
   /// else than the world through the optics, e.g. beyond the mirror's rim.
   std::optional<Ray> rayFromPixel(const Eigen::Vector2d& pixel) const;

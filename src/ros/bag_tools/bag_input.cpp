@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "omnitag/common/error.h"
+#include "omnitag/ros/conversions.h"
 #include "omnitag/ros/image_conversion.h"
 
 namespace omnitag {
@@ -121,6 +122,19 @@ void BagInput::loadTransforms() {
     for (const geometry_msgs::TransformStamped& transform : transforms->transforms) {
       transforms_->setTransform(transform, "bag", endsWith(message.getTopic(), "tf_static"));
     }
+  }
+}
+
+void BagInput::replaceMounting(const std::string& base_frame,
+                               const Eigen::Isometry3d& base_from_camera) {
+  rosbag::View view(bag_, rosbag::TopicQuery(image_topic_));
+  geometry_msgs::TransformStamped transform;
+  transform.header.frame_id = base_frame;
+  transform.child_frame_id = grayImageOf(*view.begin())->header.frame_id;
+  transform.transform = toMessage(base_from_camera);
+  if (!transforms_->setTransform(transform, "option", true)) {
+    throw InputError(path_ + ": cannot replace the mounting of '" + transform.child_frame_id +
+                     "' on '" + base_frame + "'");
   }
 }
 

@@ -5,6 +5,7 @@
 #include <rosbag/message_instance.h>
 #include <tf2/buffer_core.h>
 
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -24,6 +25,9 @@ class BagInput {
   const std::string& imageTopic() const { return image_topic_; }
   /// All transforms of /tf and /tf_static.
   const tf2::BufferCore& transforms() const { return *transforms_; }
+
+  /// Has the images' frame stand on `base_frame` as said here, whatever the bag's transforms say.
+  void replaceMounting(const std::string& base_frame, const Eigen::Isometry3d& base_from_camera);
 
   /// The camera that the bag's first camera_info, beside the image topic, describes. Throws
   /// InputError where there is none, or it describes no camera.

@@ -85,9 +85,16 @@ void saveMap(const BagOptions& options, const ImageLocalizer& localizer) {
   replaceFile(options.mapped, withEntries(readTextFile(options.map), entries, options.map));
 }
 
+/// Where the bag's own transform is not right.
+void mountCamera(const BagOptions& options, const LocalizerParameters& parameters,
+                 BagInput* input) {
+  if (options.mounting) input->replaceMounting(parameters.frames.base, *options.mounting);
+}
+
 void run(const BagOptions& options) {
   const LocalizerParameters parameters = parametersOf(options);
-  const BagInput input(options.bag, options.image_topic);
+  BagInput input(options.bag, options.image_topic);
+  mountCamera(options, parameters, &input);
   ImageLocalizer localizer(parameters, cameraOf(options, input));
   ResultFiles files(options.trajectory, options.poses, options.detections);
   std::optional<ResultBag> output;

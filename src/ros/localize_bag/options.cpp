@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "../bag_tools/command_line.h"
+#include "../bag_tools/mounting_option.h"
 #include "omnitag/common/error.h"
 
 namespace omnitag {
@@ -56,6 +57,13 @@ std::optional<BagOptions> parseOptions(int argc, char** argv) {
       po::value<std::string>()->value_name("F")->notifier(
           [&options](const std::string& frame) { options.odom_frame = frame; }),
       "odometry frame of the bag's tf; default: none")(
+      "mounting",
+      po::value<std::string>()
+          ->value_name("X,Y,Z,R,P,Y")
+          ->notifier([&options](const std::string& text) {
+            options.mounting = parseMounting("--mounting", text);
+          }),
+      "the camera on the robot (m, and roll, pitch, yaw in rad); default: as the bag's tf says")(
       "params", textOption(&options.params, "P.yaml"), "parameters, as in config/localizer.yaml")(
       "poses", textOption(&options.poses, "OUT.csv"), "every frame with its covariance and mode")(
       "detections", textOption(&options.detections, "OUT.csv"), "every marker that was read")(

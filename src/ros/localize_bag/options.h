@@ -17,6 +17,8 @@ struct BagOptions {
   std::string image_topic;
   std::optional<Pose2> initial_pose;
   std::optional<std::string> odom_frame;
+  /// base_from_camera, in place of the bag's.
+  std::optional<Eigen::Isometry3d> mounting;
   std::string params;
   std::string poses;
   std::string detections;

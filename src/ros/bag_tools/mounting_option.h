@@ -1,0 +1,19 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <string>
+
+namespace omnitag {
+
+/// A mounting as an option has it: X,Y,Z,ROLL,PITCH,YAW in metres and radians, the camera's optical
+/// frame in the robot's (base_from_camera), with tf's angles. Throws InputError, which names the
+/// option.
+Eigen::Isometry3d parseMounting(const std::string& option, const std::string& text);
+
+/// The same the other way round, to a micrometre and a microradian.
+std::string mountingText(const Eigen::Isometry3d& base_from_camera);
+
+/// The mounting as tf2_ros's static_transform_publisher takes it: x y z yaw pitch roll.
+std::string publisherArguments(const Eigen::Isometry3d& base_from_camera);
+
+}  // namespace omnitag

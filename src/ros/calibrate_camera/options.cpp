@@ -1,0 +1,77 @@
+#include "options.h"
+
+#include <boost/program_options.hpp>
+#include <filesystem>
+#include <sstream>
+
+#include "../bag_tools/command_line.h"
+#include "../bag_tools/mounting_option.h"
+#include "omnitag/common/error.h"
+
+namespace omnitag {
+namespace {
+
+namespace po = boost::program_options;
+
+const char* const kUsage =
+    "usage: calibrate_camera --bag B.bag --map M.yaml --camera GUESS.yaml --output C.yaml "
+    "[options]\n"
+    "\n"
+    "Estimates the lens, the mirror and how the camera is mounted (height, roll, pitch) from a\n"
+    "drive among mapped markers. The guess is a camera file that may be 10 % off, or that only "
+    "has\n"
+    "the image's circle right. What the images do not tell is held as the guess has it, and said.\n"
+    "Where the recording cannot calibrate a camera, no file is written. Needs no roscore.\n";
+
+std::set<std::string> splitNames(const std::string& text) {
+  std::istringstream stream(text);
+  std::set<std::string> names;
+  for (std::string name; std::getline(stream, name, ',');) names.insert(name);
+  return names;
+}
+
+}  // namespace
+
+std::optional<CalibrationOptions> parseCalibrationOptions(int argc, char** argv) {
+  CalibrationOptions options;
+  po::options_description description("options");
+  description.add_options()("help,h", "print this")(
+      "bag", textOption(&options.bag, "B.bag")->required(), "bag with images and transforms")(
+      "map", textOption(&options.map, "M.yaml")->required(), "marker map")(
+      "camera", textOption(&options.camera, "GUESS.yaml")->required(), "camera file to start from")(
+      "output", textOption(&options.output, "C.yaml")->required(), "camera file to write")(
+      "picture", textOption(&options.picture, "P.png"),
+      "picture of the residuals to write; default: beside the output, C_residuals.png")(
+      "image-topic", textOption(&options.image_topic, "T"),
+      "with or without /compressed; default: the bag's only image topic")(
+      "mounting",
+      po::value<std::string>()
+          ->value_name("X,Y,Z,R,P,Y")
+          ->notifier([&options](const std::string& text) {
+            options.mounting = parseMounting("--mounting", text);
+          }),
+      "guess of the camera on the robot (m, and roll, pitch, yaw in rad); default: as the bag's tf "
+      "says")(
+      "fix",
+      po::value<std::string>()
+          ->value_name("NAME,...")
+          ->notifier([&options](const std::string& text) { options.fixed = splitNames(text); }),
+      "parameters to keep as the guess has them, e.g. apex_distance,roll,pitch")(
+      "images", po::value<int>(&options.images)->value_name("N"),
+      "how many images to look at, spread over the bag; default: 150")(
+      "params", textOption(&options.params, "P.yaml"),
+      "parameters, as in config/localizer.yaml: base_frame and the detector's count");
+  if (!parseCommandLine(argc, argv, kUsage, description)) return std::nullopt;
+  if (options.images < 1) {
+    throw InputError("--images: expected at least 1, found " + std::to_string(options.images));
+  }
+  if (options.picture.empty()) {
+    const std::filesystem::path output(options.output);
+    options.picture = (output.parent_path() / (output.stem().string() + "_residuals.png")).string();
+  }
+  checkOutputs({options.camera, options.map, options.bag, options.params},
+               {{"--output", options.output}, {"--picture", options.picture}});
+  return options;
+}
+
+}  // namespace omnitag
