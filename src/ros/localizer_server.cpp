@@ -84,13 +84,7 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
   save_map_server_ =
       node_.advertiseService<std_srvs::Trigger::Request, std_srvs::Trigger::Response>(
           "save_map", [this](auto& /*request*/, auto& response) {
-            try {
-              response.message = saveMap();
-              response.success = 1;
-            } catch (const std::exception& error) {
-              response.message = error.what();
-            }
-            ROS_INFO_STREAM(name_ << ": save_map: " << response.message);
+            onSaveMap(&response);
             return true;
           });
 
@@ -262,6 +256,16 @@ void LocalizerServer::publishMap(bool is_changed) {
   health_.mapChanged(localizer_.map(), provisional_);
   map_markers_ = mapMarkers(localizer_.map(), provisional_, localizer_.frames().map);
   markers_publisher_.publish(map_markers_);
+}
+
+void LocalizerServer::onSaveMap(std_srvs::Trigger::Response* response) {
+  try {
+    response->message = saveMap();
+    response->success = 1;
+  } catch (const std::exception& error) {
+    response->message = error.what();
+  }
+  ROS_INFO_STREAM(name_ << ": save_map: " << response->message);
 }
 
 std::string LocalizerServer::saveMap() {

@@ -58,6 +58,7 @@ class LocalizerServer {
   /// map_from_frame of a message's frame, as tf has it now. Throws InputError.
   Eigen::Isometry3d mapFrom(const std::string& frame) const;
   void forgetPose();
+  void onSaveMap(std_srvs::Trigger::Response* response);
   /// Says what was done. Throws InputError.
   std::string saveMap();
   /// Shows what mapping has found; `is_changed`: markers that the localizer uses, too.
