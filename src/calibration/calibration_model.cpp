@@ -40,7 +40,7 @@ MountedCamera CalibrationModel::mounted(const Eigen::VectorXd& values) const {
 }
 
 Eigen::VectorXd CalibrationModel::cameraValues(const Eigen::VectorXd& values) const {
-  return values.head(values.size() - kMountingSize);
+  return values.head(static_cast<Eigen::Index>(camera_.parameters().size()));
 }
 
 Eigen::Isometry3d CalibrationModel::baseFromCamera(const Eigen::VectorXd& values) const {

@@ -27,6 +27,7 @@ double farLimit(const std::vector<CornerResidual>& residuals) {
   constexpr double kMedians = 8.0;
   constexpr double kLeast = 1.0;
   std::vector<double> lengths;
+  lengths.reserve(residuals.size());
   for (const CornerResidual& corner : residuals) lengths.push_back(lengthOf(corner));
   return std::max(kLeast, kMedians * medianOf(std::move(lengths)));
 }

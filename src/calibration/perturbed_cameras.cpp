@@ -78,8 +78,8 @@ std::optional<Eigen::Vector2d> PerturbedCameras::project(
   const double dy = point.y() - map_from_base.y;
   const Eigen::Vector3d in_base(c * dx + s * dy, c * dy - s * dx, point.z());
   Eigen::Matrix<double, 2, 3> by_point;
-  const auto pixel = camera_->model().pixelBeyondImage(inCamera(*camera_, in_base),
-                                                       by_pose == nullptr ? nullptr : &by_point);
+  std::optional<Eigen::Vector2d> pixel = camera_->model().pixelBeyondImage(
+      inCamera(*camera_, in_base), by_pose == nullptr ? nullptr : &by_point);
   if (!pixel) return std::nullopt;
   if (by_pose != nullptr) {
     Eigen::Matrix3d in_base_by_pose;
