@@ -93,31 +93,22 @@ class Aligner {
     return patches;
   }
 
-  Linearization linearize(const std::vector<MarkerPatch>& patches,
-                          const std::optional<PoseEstimate>& prior,
-                          const Alignment& alignment) const {
-    Linearization all;
-    if (prior) {
-      all.information = prior->covariance.inverse();
-      all.gradient = -all.information * difference(alignment.pose, prior->pose);
-    }
+  /// What each marker says at the alignment's pose and noise; nothing where it is not seen.
+  std::vector<std::optional<MarkerFit>> fits(const std::vector<MarkerPatch>& patches,
+                                             const Alignment& alignment) const {
+    std::vector<std::optional<MarkerFit>> fits(patches.size());
     for (std::size_t i = 0; i < patches.size(); ++i) {
       std::vector<MarkerPixel> pixels = patches[i].pixels(panorama_, alignment.pose);
       const std::optional<LitPatch> lit = fitLight(pixels, alignment.noise);
-      if (!lit) {
-        all.fits.emplace_back();
-        continue;
-      }
+      if (!lit) continue;
       const Eigen::Matrix3d misplacement =
           misplacementOf(map_.markers[entries_[i]], camera_, alignment.pose, config_);
       // (information^-1 + misplacement)^-1, also where the information has no inverse.
       const Eigen::Matrix3d share =
           (Eigen::Matrix3d::Identity() + lit->information * misplacement).inverse();
-      all.fits.push_back(MarkerFit{std::move(pixels), *lit, misplacement, share});
-      all.information += alignment.weights[i] * all.fits.back()->information();
-      all.gradient += alignment.weights[i] * all.fits.back()->gradient();
+      fits[i] = MarkerFit{std::move(pixels), *lit, misplacement, share};
     }
-    return all;
+    return fits;
   }
 
   /// What all markers' residuals say about the pixels' noise; there must be some.
@@ -139,6 +130,23 @@ class Aligner {
   const PhotometricConfig& config_;
 };
 
+/// Adds up what the markers and the prior say, each marker with its weight.
+Linearization combine(std::vector<std::optional<MarkerFit>> fits,
+                      const std::optional<PoseEstimate>& prior, const Alignment& alignment) {
+  Linearization all;
+  if (prior) {
+    all.information = prior->covariance.inverse();
+    all.gradient = -all.information * difference(alignment.pose, prior->pose);
+  }
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    if (!fits[i]) continue;
+    all.information += alignment.weights[i] * fits[i]->information();
+    all.gradient += alignment.weights[i] * fits[i]->gradient();
+  }
+  all.fits = std::move(fits);
+  return all;
+}
+
 /// How much a marker counts whose own optimum is, with `information`, `off` away from the pose: one
 /// that disagrees with the others, since it hangs a little elsewhere or something shades it, counts
 /// less.
@@ -149,6 +157,13 @@ double weightOf(const MarkerFit& fit, const Eigen::Vector3d& change) {
   const Eigen::Matrix3d information = fit.information();
   const Eigen::Vector3d gradient = fit.gradient() - information * change;
   return std::min(1.0, kDisagreement / gradient.dot(information.ldlt().solve(gradient)));
+}
+
+/// Weighs the markers by how well they agree on a change of the pose.
+void weigh(const Linearization& all, const Eigen::Vector3d& change, Alignment* alignment) {
+  for (std::size_t i = 0; i < all.fits.size(); ++i) {
+    if (all.fits[i]) alignment->weights[i] = weightOf(*all.fits[i], change);
+  }
 }
 
 Pose2 moved(const Pose2& pose, const Eigen::Vector3d& change) {
@@ -173,7 +188,7 @@ bool converge(const Aligner& aligner, const std::vector<MarkerPatch>& patches,
   // would it gain anything.
   constexpr double kConverged = 0.3;
   for (int step = 0; step < kMaxSteps; ++step) {
-    const Linearization all = aligner.linearize(patches, prior, *alignment);
+    const Linearization all = combine(aligner.fits(patches, *alignment), prior, *alignment);
     const std::optional<Eigen::Vector3d> change = changeOf(all);
     if (!change) return false;
     alignment->pose = moved(alignment->pose, *change);
@@ -182,9 +197,7 @@ bool converge(const Aligner& aligner, const std::vector<MarkerPatch>& patches,
     const bool is_settled = step > 0 && std::abs(noise.flat - before.flat) < 0.1 * noise.flat &&
                             std::abs(noise.edge - before.edge) < 0.1 * noise.edge + 0.01;
     if (is_settled && change->dot(all.information * *change) < kConverged * kConverged) return true;
-    for (std::size_t i = 0; i < patches.size(); ++i) {
-      if (all.fits[i]) alignment->weights[i] = weightOf(*all.fits[i], *change);
-    }
+    weigh(all, *change, alignment);
   }
   return false;
 }
@@ -232,11 +245,17 @@ std::optional<PhotometricFit> refinePhotometrically(
   if (!converge(aligner, aligner.patches(initial, config.max_pixels), prior, &alignment)) {
     return std::nullopt;
   }
-  // From so near, one step with many more pixels is enough.
-  const Linearization all =
-      aligner.linearize(aligner.patches(alignment.pose, config.max_final_pixels), prior, alignment);
-
-  const std::optional<Eigen::Vector3d> change = changeOf(all);
+  // From so near, one step with many more pixels is enough. They tell better, too, which markers
+  // disagree.
+  Linearization all =
+      combine(aligner.fits(aligner.patches(alignment.pose, config.max_final_pixels), alignment),
+              prior, alignment);
+  std::optional<Eigen::Vector3d> change = changeOf(all);
+  for (int round = 0; round < 2 && change; ++round) {
+    weigh(all, *change, &alignment);
+    all = combine(std::move(all.fits), prior, alignment);
+    change = changeOf(all);
+  }
   if (!change) return std::nullopt;
   alignment.noise = aligner.noise(all);
   PhotometricFit result;

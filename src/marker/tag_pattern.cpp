@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
@@ -82,13 +83,19 @@ bool TagPattern::isWhiteAt(const Eigen::Vector2d& position) const {
 }
 
 bool TagPattern::isEven(const Eigen::Vector2d& low, const Eigen::Vector2d& high) const {
-  const double limit = width_;
-  const Eigen::Vector2d from = low.cwiseMax(0.0);
-  const Eigen::Vector2d until = high.cwiseMin(limit);
-  const Eigen::Vector2d size = until - from;
-  const double share = average(0.5 * (from + until), size).share;
-  constexpr double kRounding = 1e-9;
-  return share < kRounding || share > 1.0 - kRounding;
+  const auto first = [this](double coordinate) {
+    return std::clamp(static_cast<int>(coordinate), 0, width_ - 1);
+  };
+  const auto end = [this](double coordinate) {
+    return std::clamp(static_cast<int>(std::ceil(coordinate)), 1, width_);
+  };
+  const int left = first(low.x());
+  const int top = first(low.y());
+  const int right = end(high.x());
+  const int bottom = end(high.y());
+  const double white =
+      sumAt(right, bottom) - sumAt(left, bottom) - sumAt(right, top) + sumAt(left, top);
+  return white < 0.5 || white > (right - left) * (bottom - top) - 0.5;
 }
 
 bool TagPattern::isDataWhite(int module) const {
@@ -97,18 +104,20 @@ bool TagPattern::isDataWhite(int module) const {
   return isWhite(index % width_, index / width_);
 }
 
-TagPattern::Area TagPattern::whiteAbove(double x, double y) const {
-  const int column = std::clamp(static_cast<int>(x), 0, width_ - 1);
-  const int row = std::clamp(static_cast<int>(y), 0, width_ - 1);
-  const double a = x - column;
-  const double b = y - row;
+TagPattern::Place TagPattern::placeOf(double coordinate) const {
+  const int module = std::clamp(static_cast<int>(coordinate), 0, width_ - 1);
+  return {module, coordinate - module};
+}
+
+TagPattern::Area TagPattern::whiteAbove(const Place& x, const Place& y) const {
   // Within a module the area grows bilinearly, since the module is all black or all white.
-  const double upper_left = sumAt(column, row);
-  const double right = sumAt(column + 1, row) - upper_left;
-  const double down = sumAt(column, row + 1) - upper_left;
-  const double across = sumAt(column + 1, row + 1) - upper_left - right - down;
-  return {upper_left + a * right + b * down + a * b * across, right + b * across,
-          down + a * across};
+  const double* const upper = &sums_[indexOf(x.module, y.module)];
+  const double* const lower = upper + width_ + 1;
+  const double right = upper[1] - upper[0];
+  const double down = lower[0] - upper[0];
+  const double across = lower[1] - lower[0] - right;
+  const double by_x = right + y.within * across;
+  return {upper[0] + x.within * by_x + y.within * down, by_x, down + x.within * across};
 }
 
 TagPattern::White TagPattern::average(const Eigen::Vector2d& position,
@@ -116,10 +125,14 @@ TagPattern::White TagPattern::average(const Eigen::Vector2d& position,
   const Eigen::Vector2d low = position - 0.5 * size;
   const Eigen::Vector2d high = position + 0.5 * size;
   if (isWithinModule(low, high)) return {isWhiteAt(low) ? 1.0 : 0.0, Eigen::Vector2d::Zero()};
-  const Area a = whiteAbove(low.x(), low.y());
-  const Area b = whiteAbove(high.x(), low.y());
-  const Area c = whiteAbove(low.x(), high.y());
-  const Area d = whiteAbove(high.x(), high.y());
+  const Place left = placeOf(low.x());
+  const Place right = placeOf(high.x());
+  const Place top = placeOf(low.y());
+  const Place bottom = placeOf(high.y());
+  const Area a = whiteAbove(left, top);
+  const Area b = whiteAbove(right, top);
+  const Area c = whiteAbove(left, bottom);
+  const Area d = whiteAbove(right, bottom);
   const double scale = 1.0 / (size.x() * size.y());
   White white;
   white.share = scale * (d.area - b.area - c.area + a.area);

@@ -69,7 +69,13 @@ class TagPattern {
     double by_x;
     double by_y;
   };
-  Area whiteAbove(double x, double y) const;
+  /// A coordinate as the module that it lies in and how far in.
+  struct Place {
+    int module;
+    double within;
+  };
+  Place placeOf(double coordinate) const;
+  Area whiteAbove(const Place& x, const Place& y) const;
   bool isWhiteAt(const Eigen::Vector2d& position) const;
   double sumAt(int column, int row) const { return sums_[indexOf(column, row)]; }
   std::size_t moduleIndex(int column, int row) const {
