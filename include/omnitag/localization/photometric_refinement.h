@@ -25,7 +25,7 @@ struct PhotometricConfig {
   double placement_deviation = 0.00002;
   /// Pixels of the panorama: standard deviation of what all of a marker's pixels err by together,
   /// since neither the camera model nor the pattern's is perfect.
-  double alignment_deviation = 0.004;
+  double alignment_deviation = 0.003;
   /// Pixels at the edges of a marker's modules that are used, at most: from step to step until the
   /// pose stays, and for the last step from there. More of the latter make the pose more exact.
   int max_pixels = 400;
