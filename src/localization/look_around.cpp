@@ -206,4 +206,19 @@ std::vector<View> viewsOfEverything(const MountedCamera& camera, const ContourTa
   return planner.takeViews();
 }
 
+std::vector<MarkerReading> readEverything(const MarkerReader& reader, const MountedCamera& camera,
+                                          const cv::Mat& panorama, LookAroundConfig config) {
+  constexpr int kAllThatIsResolved = 4096;  // pixels
+  config.max_size = kAllThatIsResolved;
+  const std::vector<View> views = viewsOfEverything(camera, reader.warper().table(), config);
+  std::vector<MarkerReading> readings;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    for (MarkerReading& reading : reader.read(reader.warper().warp(panorama, views[v]), views[v])) {
+      reading.view = v;
+      readings.push_back(std::move(reading));
+    }
+  }
+  return withoutRepetitions(readings, views, reader.warper());
+}
+
 }  // namespace omnitag

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <opencv2/core/mat.hpp>
 #include <vector>
 
 #include "omnitag/camera/mounted_camera.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/common/yaml_reader.h"
 #include "omnitag/marker/marker_map.h"
+#include "omnitag/marker/marker_reader.h"
 #include "omnitag/view/contour_table.h"
 #include "omnitag/view/view.h"
 #include "omnitag/view/view_planner.h"
@@ -44,5 +46,10 @@ std::vector<View> viewsAllAround(const MarkerMap& map, const MountedCamera& came
 /// of the axis where the camera sees that. Around the axis they do not reach into kNearAxis.
 std::vector<View> viewsOfEverything(const MountedCamera& camera, const ContourTable& table,
                                     const LookAroundConfig& config);
+
+/// All markers that a panorama (CV_8UC1) shows anywhere, each once, where there is time to look at
+/// all that it resolves: for recordings.
+std::vector<MarkerReading> readEverything(const MarkerReader& reader, const MountedCamera& camera,
+                                          const cv::Mat& panorama, LookAroundConfig config);
 
 }  // namespace omnitag

@@ -16,27 +16,11 @@ constexpr std::size_t kMaxWarnings = 5;
 /// m, as the localizer has it.
 constexpr double kWorkingDistance = 3.0;
 
-std::vector<MarkerReading> readEverything(const MarkerReader& reader, const MountedCamera& camera,
-                                          const cv::Mat& panorama, const LookAroundConfig& config) {
-  const std::vector<View> views = viewsOfEverything(camera, reader.warper().table(), config);
-  std::vector<MarkerReading> readings;
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    for (MarkerReading& reading : reader.read(reader.warper().warp(panorama, views[v]), views[v])) {
-      reading.view = v;
-      readings.push_back(std::move(reading));
-    }
-  }
-  return withoutRepetitions(readings, views, reader.warper());
-}
-
 }  // namespace
 
 ReadRecording readRecording(const BagInput& input, const std::shared_ptr<const CameraModel>& camera,
                             const FrameAssembler& assembler, const LocalizerConfig& config,
                             const std::set<std::string>& families, std::size_t max_images) {
-  // There is time to look at all that the panorama resolves.
-  LookAroundConfig look_around = config.look_around;
-  look_around.max_size = 4096;
   const MarkerReader reader(camera, kWorkingDistance, config.detector, families);
   ReadRecording recording;
   recording.view =
@@ -60,8 +44,9 @@ ReadRecording readRecording(const BagInput& input, const std::shared_ptr<const C
         }
         last_stamp = frame.stamp;
         const MountedCamera mounted(camera, frame.base_from_camera);
-        recording.frames.push_back({frame.stamp, frame.base_from_camera, frame.odom_from_base,
-                                    readEverything(reader, mounted, frame.image, look_around)});
+        recording.frames.push_back(
+            {frame.stamp, frame.base_from_camera, frame.odom_from_base,
+             readEverything(reader, mounted, frame.image, config.look_around)});
         recording.messages.push_back(message);
         recording.with_odometry += frame.odom_from_base ? 1 : 0;
       } catch (const InputError& error) {

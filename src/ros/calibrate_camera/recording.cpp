@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "../bag_tools/progress.h"
-#include "omnitag/calibration/ring_views.h"
 #include "omnitag/common/error.h"
+#include "omnitag/localization/look_around.h"
 #include "omnitag/marker/marker_reader.h"
 #include "omnitag/ros/frame_assembler.h"
 
@@ -31,27 +31,6 @@ LocalizerParameters parametersOf(const CalibrationOptions& options) {
   return parameters;
 }
 
-/// Whether markers may be above or below the camera, where upright ones cannot be read.
-bool hasLyingMarkers(const MarkerMap& map) {
-  const double lying = std::sin(radians(45.0));
-  return std::any_of(map.markers.begin(), map.markers.end(), [lying](const Marker& marker) {
-    return std::abs(marker.normal().z()) > lying;
-  });
-}
-
-std::vector<MarkerReading> readAllAround(const MarkerReader& reader, const MountedCamera& camera,
-                                         const cv::Mat& image, bool shows_axis) {
-  const std::vector<View> views = viewsOfRing(camera, reader.warper().table(), shows_axis);
-  std::vector<MarkerReading> readings;
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    for (MarkerReading& reading : reader.read(reader.warper().warp(image, views[i]), views[i])) {
-      reading.view = i;
-      readings.push_back(std::move(reading));
-    }
-  }
-  return withoutRepetitions(readings, views, reader.warper());
-}
-
 }  // namespace
 
 Recording::Recording(const CalibrationOptions& options, const MarkerMap& map)
@@ -68,7 +47,6 @@ std::vector<FrameReadings> Recording::read(const std::shared_ptr<const CameraMod
   for (const Marker& marker : map_.markers) families.insert(marker.family);
   const MarkerReader reader(camera, kWorkingDistance, parameters_.localizer.detector, families);
   const FrameAssembler assembler(origin, camera->imageSize(), parameters_.frames);
-  const bool shows_axis = hasLyingMarkers(map_);
 
   rosbag::View view(input_.bag(), rosbag::TopicQuery(input_.imageTopic()));
   const std::size_t all = view.size();
@@ -88,8 +66,8 @@ std::vector<FrameReadings> Recording::read(const std::shared_ptr<const CameraMod
       FrameReadings frame;
       frame.stamp = assembled.frame.stamp;
       frame.base_from_camera = assembled.frame.base_from_camera;
-      frame.readings = readAllAround(reader, MountedCamera(camera, frame.base_from_camera),
-                                     assembled.frame.image, shows_axis);
+      frame.readings = readEverything(reader, MountedCamera(camera, frame.base_from_camera),
+                                      assembled.frame.image, parameters_.localizer.look_around);
       frames.push_back(std::move(frame));
       sample_image_ = assembled.frame.image.clone();
       camera_frame_ = assembled.header.frame_id;
