@@ -7,6 +7,7 @@
 #include "camera_output.h"
 #include "omnitag/calibration/camera_calibration.h"
 #include "omnitag/calibration/camera_template.h"
+#include "omnitag/calibration/reading_alignment.h"
 #include "omnitag/calibration/residual_picture.h"
 #include "omnitag/camera/camera_file.h"
 #include "omnitag/common/error.h"
@@ -38,9 +39,9 @@ void run(const CalibrationOptions& options) {
   config.fixed = options.fixed;
 
   const auto calibrate = [&](const std::shared_ptr<const CameraModel>& camera, const char* what,
-                             bool is_rough) {
+                             bool is_rough, const Recording::Refinement& refine) {
     config.is_rough = is_rough;
-    const auto frames = recording.read(camera, options.camera, what);
+    const auto frames = recording.read(camera, options.camera, what, refine);
     return calibrateCamera(guess, map, frames, config, StepLog());
   };
   const auto cameraOf = [&](const CalibrationResult& result) {
@@ -48,9 +49,17 @@ void run(const CalibrationOptions& options) {
   };
   // A camera that is wrong bends the edges of markers in the views that they are read in.
   const CalibrationResult rough =
-      calibrate(loadCamera(options.camera), "images, with the guess", true);
+      calibrate(loadCamera(options.camera), "images, with the guess", true, {});
+  const CalibrationResult better =
+      calibrate(cameraOf(rough), "images again, with the camera found", false, {});
+  // Known so well, all pixels of a marker tell where its corners are.
+  const TagPatterns patterns(map);
+  const MountedCamera found(cameraOf(better), better.base_from_camera);
   const CalibrationResult result =
-      calibrate(cameraOf(rough), "images again, with the camera found", false);
+      calibrate(cameraOf(better), "images once more, by all pixels", false,
+                [&](const cv::Mat& image, std::vector<MarkerReading> readings) {
+                  return alignReadings(image, map, patterns, found, std::move(readings));
+                });
 
   const MountingFrames frames{recording.baseFrame(), recording.cameraFrame()};
   writePicture(options.picture,

@@ -42,7 +42,8 @@ Recording::Recording(const CalibrationOptions& options, const MarkerMap& map)
 }
 
 std::vector<FrameReadings> Recording::read(const std::shared_ptr<const CameraModel>& camera,
-                                           const std::string& origin, const std::string& what) {
+                                           const std::string& origin, const std::string& what,
+                                           const Refinement& refine) {
   std::set<std::string> families;
   for (const Marker& marker : map_.markers) families.insert(marker.family);
   const MarkerReader reader(camera, kWorkingDistance, parameters_.localizer.detector, families);
@@ -68,6 +69,7 @@ std::vector<FrameReadings> Recording::read(const std::shared_ptr<const CameraMod
       frame.base_from_camera = assembled.frame.base_from_camera;
       frame.readings = readEverything(reader, MountedCamera(camera, frame.base_from_camera),
                                       assembled.frame.image, parameters_.localizer.look_around);
+      if (refine) frame.readings = refine(assembled.frame.image, std::move(frame.readings));
       frames.push_back(std::move(frame));
       sample_image_ = assembled.frame.image.clone();
       camera_frame_ = assembled.header.frame_id;

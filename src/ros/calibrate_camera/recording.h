@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <opencv2/core/mat.hpp>
 #include <string>
@@ -17,14 +18,18 @@ namespace omnitag {
 /// The bag of a drive, whose images can be looked at as often as the camera gets better.
 class Recording {
  public:
+  using Refinement = std::function<std::vector<MarkerReading>(const cv::Mat& image,
+                                                              std::vector<MarkerReading> readings)>;
+
   /// Throws InputError where the bag cannot be read.
   Recording(const CalibrationOptions& options, const MarkerMap& map);
 
   /// What is read all around in some of its images, evenly spread. `origin` describes the camera in
-  /// errors, `what` the images in the progress. Images that cannot be used are warned about; throws
-  /// InputError where none can.
+  /// errors, `what` the images in the progress; `refine` betters what was read in an image. Images
+  /// that cannot be used are warned about; throws InputError where none can.
   std::vector<FrameReadings> read(const std::shared_ptr<const CameraModel>& camera,
-                                  const std::string& origin, const std::string& what);
+                                  const std::string& origin, const std::string& what,
+                                  const Refinement& refine = {});
 
   /// One of the images that were read last.
   const cv::Mat& sampleImage() const { return sample_image_; }
