@@ -107,6 +107,17 @@ std::optional<PoseEstimate> alignWithPixels(const TrackingTools& tools, const cv
   return mixture(fit->map_from_base, misfit(*fit), other->map_from_base, misfit(*other));
 }
 
+PoseEstimate standingOnCorners(const PoseEstimate& pose, std::size_t markers,
+                               const LocalizerConfig& config) {
+  constexpr std::size_t kFew = 2;
+  const double ratio =
+      config.relocalization.corner_noise / config.estimation.reprojection.corner_noise;
+  const bool was_to_be_aligned = config.estimation.kind == EstimatorKind::kPhotometric;
+  PoseEstimate standing = pose;
+  if (was_to_be_aligned && markers <= kFew && ratio > 1.0) standing.covariance *= ratio * ratio;
+  return standing;
+}
+
 FrameTracker::FrameTracker(const TrackingTools& tools, const Frame& frame,
                            const MountedCamera& camera, const PoseEstimate& predicted,
                            FrameResult* result)
@@ -258,14 +269,8 @@ void FrameTracker::align() {
   const auto aligned = alignWithPixels(tools_, frame_.image, camera_, entries,
                                        solution_->map_from_base.pose, predicted_);
   if (!aligned) {
-    // With a marker or two alone, corners may be much farther off than they are where many agree.
-    constexpr std::size_t kFew = 2;
-    const double ratio = tools_.config.relocalization.corner_noise /
-                         tools_.config.estimation.reprojection.corner_noise;
-    const bool was_asked_for = tools_.config.estimation.kind == EstimatorKind::kPhotometric;
-    if (was_asked_for && entries.size() <= kFew && ratio > 1.0) {
-      solution_->map_from_base.covariance *= ratio * ratio;
-    }
+    solution_->map_from_base =
+        standingOnCorners(solution_->map_from_base, entries.size(), tools_.config);
     return;
   }
   std::vector<double> residuals =

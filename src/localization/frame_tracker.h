@@ -93,4 +93,9 @@ std::optional<PoseEstimate> alignWithPixels(const TrackingTools& tools, const cv
                                             const Pose2& initial,
                                             const std::optional<PoseEstimate>& prior);
 
+/// A pose that stands on the corners of so many markers, although it was to be aligned with pixels:
+/// of a marker or two alone, corners may be much farther off than they are where many agree.
+PoseEstimate standingOnCorners(const PoseEstimate& pose, std::size_t markers,
+                               const LocalizerConfig& config);
+
 }  // namespace omnitag

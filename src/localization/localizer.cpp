@@ -299,7 +299,12 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
           alignWithPixels(trackingTools(), frame.image, camera, explaining, pose.pose, prior);
       // Where the two contradict each other, something covers a marker or the map is not exact
       // enough to align pixels with: corners bear more.
-      if (aligned && agree(*aligned, pose)) pose = *aligned;
+      pose = aligned && agree(*aligned, pose) ? *aligned
+                                              : standingOnCorners(pose, explaining.size(), config_);
+      // Two markers without a prediction have no third to contradict them where something shades or
+      // covers one of them: a pose to start from is to be modest.
+      constexpr double kDoubt = 2.0;
+      if (!is_expected && result->acceptedMarkers() <= kFew) pose.covariance *= kDoubt * kDoubt;
     }
     if (is_expected) {
       motion_.correct(pose);

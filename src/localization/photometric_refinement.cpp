@@ -202,17 +202,36 @@ bool converge(const Aligner& aligner, const std::vector<MarkerPatch>& patches,
   return false;
 }
 
+/// How many times more than their pixels say the markers disagree about a change of the pose, at
+/// least 1: where that is not by chance, something hides, shades or displaces one of them.
+double excessOf(const Linearization& all, const Eigen::Vector3d& change, const PixelNoise& noise) {
+  constexpr int kUnknowns = 3;
+  double chi_square = 0.0;
+  int freedom = -kUnknowns;
+  for (const auto& fit : all.fits) {
+    if (!fit) continue;
+    const Eigen::Vector3d gradient = fit->gradient() - fit->information() * change;
+    chi_square += gradient.dot(fit->gradientCovariance(noise).ldlt().solve(gradient));
+    freedom += kUnknowns;
+  }
+  // By chance, chi-square is beyond this in one of a hundred frames.
+  constexpr double kDeviations = 2.6;
+  const bool is_by_chance = chi_square < freedom + kDeviations * std::sqrt(2.0 * freedom);
+  return freedom <= 0 || is_by_chance ? 1.0 : chi_square / freedom;
+}
+
 /// Covariance of the pose: of an estimate whose terms count as `all.information` says, and err as
 /// the residuals say (the sandwich of Huber and White).
-Eigen::Matrix3d covarianceOf(const Linearization& all, const std::optional<PoseEstimate>& prior,
-                             const Alignment& alignment) {
-  Eigen::Matrix3d gradient_covariance = Eigen::Matrix3d::Zero();
-  if (prior) gradient_covariance = prior->covariance.inverse();
+Eigen::Matrix3d covarianceOf(const Linearization& all, const Eigen::Vector3d& change,
+                             const std::optional<PoseEstimate>& prior, const Alignment& alignment) {
+  Eigen::Matrix3d by_markers = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < all.fits.size(); ++i) {
     if (!all.fits[i]) continue;
-    gradient_covariance += alignment.weights[i] * alignment.weights[i] *
-                           all.fits[i]->gradientCovariance(alignment.noise);
+    by_markers += alignment.weights[i] * alignment.weights[i] *
+                  all.fits[i]->gradientCovariance(alignment.noise);
   }
+  Eigen::Matrix3d gradient_covariance = excessOf(all, change, alignment.noise) * by_markers;
+  if (prior) gradient_covariance += prior->covariance.inverse();
   const Eigen::Matrix3d inverse = all.information.inverse();
   return inverse * gradient_covariance * inverse;
 }
@@ -259,7 +278,8 @@ std::optional<PhotometricFit> refinePhotometrically(
   if (!change) return std::nullopt;
   alignment.noise = aligner.noise(all);
   PhotometricFit result;
-  result.map_from_base = {moved(alignment.pose, *change), covarianceOf(all, prior, alignment)};
+  result.map_from_base = {moved(alignment.pose, *change),
+                          covarianceOf(all, *change, prior, alignment)};
   result.noise = alignment.noise.flat;
   result.edge_noise = alignment.noise.edge;
   result.weights = std::move(alignment.weights);
