@@ -157,7 +157,8 @@ MarkerPatch::Cells MarkerPatch::cellsAt(const Pose2& map_from_base) const {
     }
   }
   const auto nodeAt = [&nodes](int i, int j) -> const std::optional<Eigen::Vector2d>& {
-    return nodes[static_cast<std::size_t>(i * (kCells + 1) + j)];
+    constexpr std::size_t kNodes = kCells + 1;
+    return nodes[static_cast<std::size_t>(i) * kNodes + static_cast<std::size_t>(j)];
   };
   Cells cells;
   for (int i = 0; i < kCells; ++i) {
