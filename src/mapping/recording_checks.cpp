@@ -12,11 +12,13 @@
 namespace omnitag {
 namespace {
 
-template <typename... Values>
-[[noreturn]] void refuse(const char* pattern, Values... values) {
+[[noreturn]] void refuse(const char* text) { throw DegenerateRecording(text); }
+
+template <typename Value, typename... Values>
+[[noreturn]] void refuse(const char* pattern, Value value, Values... values) {
   std::array<char, 512> text{};
-  std::snprintf(text.data(), text.size(), pattern, values...);
-  throw DegenerateRecording(text.data());
+  std::snprintf(text.data(), text.size(), pattern, value, values...);
+  refuse(text.data());
 }
 
 using Key = std::pair<std::string, int>;
