@@ -1,8 +1,5 @@
 #include "recording_reader.h"
 
-#include <algorithm>
-#include <iostream>
-
 #include "../bag_tools/progress.h"
 #include "omnitag/common/error.h"
 #include "omnitag/localization/look_around.h"

@@ -3,7 +3,6 @@
 #include <rosbag/view.h>
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 #include <utility>
 
