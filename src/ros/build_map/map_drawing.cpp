@@ -66,13 +66,15 @@ class Sheet {
   }
 
   void grid() {
-    for (double x = std::ceil(low_.x()); x <= high_.x(); x += 1.0) {
+    const Eigen::Vector2i first = low_.array().ceil().matrix().cast<int>();
+    const Eigen::Vector2i last = high_.array().floor().matrix().cast<int>();
+    for (int x = first.x(); x <= last.x(); ++x) {
       line({x, low_.y()}, {x, high_.y()}, kGrid, 1);
-      text({x, low_.y() + 0.15}, std::to_string(static_cast<int>(x)), kText);
+      text({x, low_.y() + 0.15}, std::to_string(x), kText);
     }
-    for (double y = std::ceil(low_.y()); y <= high_.y(); y += 1.0) {
+    for (int y = first.y(); y <= last.y(); ++y) {
       line({low_.x(), y}, {high_.x(), y}, kGrid, 1);
-      text({low_.x() + 0.15, y}, std::to_string(static_cast<int>(y)), kText);
+      text({low_.x() + 0.15, y}, std::to_string(y), kText);
     }
   }
 
