@@ -25,7 +25,13 @@ struct PixelResidual {
 };
 
 /// 1 / variance, and less for pixels that are off by more than 3.5 deviations.
-double weightOf(const PixelResidual& residual, const PixelNoise& noise);
+inline double weightOf(const PixelResidual& residual, const PixelNoise& noise) {
+  constexpr double kOutlier = 3.5;
+  const double variance = noise.variance(residual.grey_gradient);
+  const double limit = kOutlier * kOutlier * variance;
+  const double square = residual.grey * residual.grey;
+  return square <= limit ? 1.0 / variance : limit / (variance * square);
+}
 
 /// Tells both kinds of noise apart by the pixels on even ground and those on edges. There must be
 /// at least one residual. `least_flat`: grey levels, the least that the noise is taken for.

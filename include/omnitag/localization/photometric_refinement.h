@@ -26,10 +26,11 @@ struct PhotometricConfig {
   /// Pixels of the panorama: standard deviation of what all of a marker's pixels err by together,
   /// since neither the camera model nor the pattern's is perfect.
   double alignment_deviation = 0.003;
-  /// Pixels at the edges of a marker's modules that are used, at most: from step to step until the
-  /// pose stays, and for the last step from there. More of the latter make the pose more exact.
-  int max_pixels = 400;
-  int max_final_pixels = 1500;
+  /// Pixels at edges of modules that are used, at most, of all markers together: from step to step
+  /// until the pose stays, and for the last step from there. More of the latter make the pose more
+  /// exact. Of each marker up to 75 are used all the same.
+  int max_pixels = 600;
+  int max_final_pixels = 4000;
 };
 
 /// A pose that was aligned with the panorama.
