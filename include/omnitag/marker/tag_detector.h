@@ -49,9 +49,14 @@ struct TagDetection {
   int id = 0;
   int hamming = 0;
   double decision_margin = 0.0;
+  /// Between two corners.
+  int modules_per_edge = 0;
   Corners<Eigen::Vector2d> corners;
   Eigen::Vector2d center;
 };
+
+/// Where the diagonals of a quadrilateral meet.
+Eigen::Vector2d centerOf(const Corners<Eigen::Vector2d>& corners);
 
 /// Finds AprilTags in small grey images. Not safe to use from two threads at once: give each thread
 /// its own (the library's own threads are not used).
