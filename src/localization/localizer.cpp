@@ -100,8 +100,8 @@ Localizer::Localizer(std::shared_ptr<const CameraModel> camera, MarkerMap map,
     : camera_(std::move(camera)),
       map_(std::move(map)),
       config_(config),
-      reader_(camera_, kWorkingDistance, config.detector, familiesOf(map_)),
-      glance_reader_(camera_, config.detector, familiesOf(map_)),
+      reader_(camera_, kWorkingDistance, config.detector, familiesOf(map_), config.threads),
+      glance_reader_(camera_, config.detector, familiesOf(map_), config.threads),
       patterns_(map_),
       motion_(config.motion) {}
 

@@ -9,6 +9,7 @@
 
 #include "lit_patch.h"
 #include "omnitag/common/angle.h"
+#include "omnitag/common/parallel.h"
 #include "omnitag/localization/marker_patch.h"
 #include "pixel_noise.h"
 
@@ -71,13 +72,14 @@ class Aligner {
  public:
   Aligner(const cv::Mat& panorama, const MarkerMap& map, const MountedCamera& camera,
           const TagPatterns& patterns, const std::vector<std::size_t>& entries,
-          const PhotometricConfig& config)
+          const PhotometricConfig& config, int threads)
       : panorama_(panorama),
         map_(map),
         camera_(camera),
         patterns_(patterns),
         entries_(entries),
-        config_(config) {}
+        config_(config),
+        threads_(threads) {}
 
   /// The parts of the panorama that show the markers, to find the pose from an initial one.
   std::vector<MarkerPatch> roughPatches(const Pose2& pose) const {
@@ -98,17 +100,8 @@ class Aligner {
   std::vector<std::optional<MarkerFit>> fits(const std::vector<MarkerPatch>& patches,
                                              const Alignment& alignment) const {
     std::vector<std::optional<MarkerFit>> fits(patches.size());
-    for (std::size_t i = 0; i < patches.size(); ++i) {
-      std::vector<MarkerPixel> pixels = patches[i].pixels(panorama_, alignment.pose);
-      const std::optional<LitPatch> lit = fitLight(pixels, alignment.noise);
-      if (!lit) continue;
-      const Eigen::Matrix3d misplacement =
-          misplacementOf(map_.markers[entries_[i]], camera_, alignment.pose, config_);
-      // (information^-1 + misplacement)^-1, also where the information has no inverse.
-      const Eigen::Matrix3d share =
-          (Eigen::Matrix3d::Identity() + lit->information * misplacement).inverse();
-      fits[i] = MarkerFit{std::move(pixels), *lit, misplacement, share};
-    }
+    forEachIndex(patches.size(), threads_,
+                 [&](std::size_t i) { fits[i] = fitOf(patches[i], entries_[i], alignment); });
     return fits;
   }
 
@@ -128,6 +121,19 @@ class Aligner {
   }
 
  private:
+  std::optional<MarkerFit> fitOf(const MarkerPatch& patch, std::size_t entry,
+                                 const Alignment& alignment) const {
+    std::vector<MarkerPixel> pixels = patch.pixels(panorama_, alignment.pose);
+    const std::optional<LitPatch> lit = fitLight(pixels, alignment.noise);
+    if (!lit) return std::nullopt;
+    const Eigen::Matrix3d misplacement =
+        misplacementOf(map_.markers[entry], camera_, alignment.pose, config_);
+    // (information^-1 + misplacement)^-1, also where the information has no inverse.
+    const Eigen::Matrix3d share =
+        (Eigen::Matrix3d::Identity() + lit->information * misplacement).inverse();
+    return MarkerFit{std::move(pixels), *lit, misplacement, share};
+  }
+
   /// With so many pixels at edges at most, all together, but for what a marker needs.
   std::vector<MarkerPatch> patches(const Pose2& pose, int max_pixels,
                                    MarkerPatch::Choice choice) const {
@@ -138,12 +144,14 @@ class Aligner {
         kLeast, static_cast<std::size_t>(max_pixels) / std::max<std::size_t>(1, entries_.size()));
     choice.max_on_even_ground = choice.max_at_edges / 8;
     choice.max_considered = kLookedAt * choice.max_at_edges;
+    std::vector<std::optional<MarkerPatch>> made(entries_.size());
+    forEachIndex(entries_.size(), threads_, [&](std::size_t i) {
+      const Marker& marker = map_.markers[entries_[i]];
+      made[i].emplace(marker, patterns_.of(marker), camera_, pose, config_.blur, choice);
+    });
     std::vector<MarkerPatch> patches;
-    patches.reserve(entries_.size());
-    for (const std::size_t entry : entries_) {
-      const Marker& marker = map_.markers[entry];
-      patches.emplace_back(marker, patterns_.of(marker), camera_, pose, config_.blur, choice);
-    }
+    patches.reserve(made.size());
+    for (std::optional<MarkerPatch>& patch : made) patches.push_back(std::move(*patch));
     return patches;
   }
 
@@ -153,6 +161,7 @@ class Aligner {
   const TagPatterns& patterns_;
   const std::vector<std::size_t>& entries_;
   const PhotometricConfig& config_;
+  int threads_;
 };
 
 /// Adds up what the markers and the prior say, each marker with its weight.
@@ -271,7 +280,7 @@ double photometricMisfit(const cv::Mat& panorama, const MarkerMap& map, const Mo
                          const TagPatterns& patterns, const std::vector<std::size_t>& entries,
                          const Pose2& map_from_base, const PhotometricFit& fit,
                          const PhotometricConfig& config) {
-  const Aligner aligner(panorama, map, camera, patterns, entries, config);
+  const Aligner aligner(panorama, map, camera, patterns, entries, config, 1);
   const PixelNoise noise{fit.noise, fit.edge_noise};
   double misfit = 0.0;
   for (const MarkerPatch& patch : aligner.roughPatches(map_from_base)) {
@@ -287,8 +296,8 @@ double photometricMisfit(const cv::Mat& panorama, const MarkerMap& map, const Mo
 std::optional<PhotometricFit> refinePhotometrically(
     const cv::Mat& panorama, const MarkerMap& map, const MountedCamera& camera,
     const TagPatterns& patterns, const std::vector<std::size_t>& entries, const Pose2& initial,
-    const std::optional<PoseEstimate>& prior, const PhotometricConfig& config) {
-  const Aligner aligner(panorama, map, camera, patterns, entries, config);
+    const std::optional<PoseEstimate>& prior, const PhotometricConfig& config, int threads) {
+  const Aligner aligner(panorama, map, camera, patterns, entries, config, threads);
   Alignment alignment{initial, {}, std::vector<double>(entries.size(), 1.0)};
   if (!converge(aligner, aligner.roughPatches(initial), prior, &alignment)) {
     return std::nullopt;
@@ -304,12 +313,12 @@ std::optional<PhotometricFit> refinePhotometrically(
     change = changeOf(all);
   }
   if (!change) return std::nullopt;
-  alignment.noise = aligner.noise(all);
+  const PixelNoise noise = aligner.noise(all);
   PhotometricFit result;
   result.map_from_base = {moved(alignment.pose, *change),
                           covarianceOf(all, *change, prior, alignment)};
-  result.noise = alignment.noise.flat;
-  result.edge_noise = alignment.noise.edge;
+  result.noise = noise.flat;
+  result.edge_noise = noise.edge;
   result.weights = std::move(alignment.weights);
   return result;
 }

@@ -82,7 +82,8 @@ bool isMirrored(const CameraModel& camera) {
 }
 
 GlanceReader::GlanceReader(std::shared_ptr<const CameraModel> camera,
-                           const TagDetectorConfig& config, const std::set<std::string>& families)
+                           const TagDetectorConfig& config, const std::set<std::string>& families,
+                           int threads)
     : camera_(std::move(camera)), is_mirrored_(isMirrored(*camera_)) {
   const ImageSize& size = camera_->imageSize();
   for (int reduction = std::max(1, std::min(size.width, size.height) / kFirstSize); reduction >= 1;
@@ -92,7 +93,7 @@ GlanceReader::GlanceReader(std::shared_ptr<const CameraModel> camera,
     if (reduction > 1) {
       reduced.quad_decimate = std::min(8.0, std::round(config.quad_decimate * reduction));
     }
-    detectors_.emplace_back(reduced, families);
+    detectors_.emplace_back(reduced, families, threads);
   }
 }
 

@@ -96,12 +96,12 @@ TagDetectorConfig readTagDetectorConfig(const YamlReader& reader) {
 }
 
 struct TagDetector::Library {
-  Library(const TagDetectorConfig& config, const std::set<std::string>& family_names)
+  Library(const TagDetectorConfig& config, const std::set<std::string>& family_names, int threads)
       : min_decision_margin(config.min_decision_margin),
         blurs(config.quad_sigma != 0.0 && config.quad_decimate <= 1.0),
         deglitches(config.deglitch && config.quad_decimate <= 1.0),
         smallest_side(8.0 * std::max(1.0, config.quad_decimate)) {
-    detector->nthreads = 1;
+    detector->nthreads = threads;
     detector->quad_decimate = static_cast<float>(config.quad_decimate);
     detector->quad_sigma = static_cast<float>(config.quad_sigma);
     detector->refine_edges = config.refine_edges;
@@ -131,8 +131,9 @@ struct TagDetector::Library {
   std::unique_ptr<apriltag_detector_t, DestroyDetector> detector{apriltag_detector_create()};
 };
 
-TagDetector::TagDetector(const TagDetectorConfig& config, const std::set<std::string>& families)
-    : library_(std::make_unique<Library>(config, families)) {}
+TagDetector::TagDetector(const TagDetectorConfig& config, const std::set<std::string>& families,
+                         int threads)
+    : library_(std::make_unique<Library>(config, families, threads)) {}
 
 TagDetector::~TagDetector() = default;
 TagDetector::TagDetector(TagDetector&&) noexcept = default;

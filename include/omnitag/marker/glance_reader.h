@@ -30,9 +30,10 @@ struct Glance {
 /// since the panorama bends their edges. Not safe to use from two threads at once.
 class GlanceReader {
  public:
-  /// Throws InputError for a family that the AprilTag library does not have.
+  /// `threads`: as in TagDetector. Throws InputError for a family that the AprilTag library does
+  /// not have.
   GlanceReader(std::shared_ptr<const CameraModel> camera, const TagDetectorConfig& config,
-               const std::set<std::string>& families);
+               const std::set<std::string>& families, int threads = 1);
 
   /// How many glances there are, each at twice the resolution of the one before, the last at that
   /// of the detector's settings.

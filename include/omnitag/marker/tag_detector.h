@@ -58,12 +58,13 @@ struct TagDetection {
 /// Where the diagonals of a quadrilateral meet.
 Eigen::Vector2d centerOf(const Corners<Eigen::Vector2d>& corners);
 
-/// Finds AprilTags in small grey images. Not safe to use from two threads at once: give each thread
-/// its own (the library's own threads are not used).
+/// Finds AprilTags in grey images. Not safe to use from two threads at once: give each thread its
+/// own.
 class TagDetector {
  public:
-  /// Throws InputError for a family that the library does not have.
-  TagDetector(const TagDetectorConfig& config, const std::set<std::string>& families);
+  /// `threads`: how many the library may use. Throws InputError for a family that it does not have.
+  TagDetector(const TagDetectorConfig& config, const std::set<std::string>& families,
+              int threads = 1);
   ~TagDetector();
   TagDetector(TagDetector&& other) noexcept;
   TagDetector& operator=(TagDetector&& other) noexcept;
