@@ -8,6 +8,7 @@
 #include "omnitag/localization/frame_result.h"
 #include "omnitag/localization/localizer_config.h"
 #include "omnitag/localization/pose_estimator.h"
+#include "omnitag/marker/glance_reader.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/marker/marker_reader.h"
 #include "omnitag/marker/tag_pattern.h"
@@ -19,6 +20,7 @@ struct TrackingTools {
   const MarkerMap& map;
   const LocalizerConfig& config;
   const MarkerReader& reader;
+  const GlanceReader& glance_reader;
   const TagPatterns& patterns;
 };
 

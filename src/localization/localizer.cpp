@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "frame_search.h"
 #include "frame_tracker.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
@@ -56,41 +57,12 @@ std::string describe(const cv::Mat& image) {
          cv::typeToString(image.type());
 }
 
-/// How many detections are of the map's markers and yet not accepted.
-int contradictions(const FrameResult& result, const MarkerMap& map) {
-  return static_cast<int>(std::count_if(
-      result.detections.begin(), result.detections.end(), [&map](const MarkerDetection& d) {
-        return !d.accepted && !entriesOf(map, d.family, d.id).empty();
-      }));
-}
-
 std::string howFarOff(const Pose2& found, const Pose2& expected) {
   const Eigen::Vector3d off = difference(found, expected);
   std::array<char, 100> text{};
   std::snprintf(text.data(), text.size(), "found %.2f m and %.1f degrees off where it was expected",
                 off.head<2>().norm(), degrees(std::abs(off.z())));
   return text.data();
-}
-
-/// Adds what a search read, and returns the entries that its pose stands on.
-std::vector<std::size_t> addDetections(const std::vector<MarkerReading>& readings,
-                                       const Relocalization& found, const MarkerMap& map,
-                                       FrameResult* result) {
-  std::vector<std::size_t> explaining;
-  for (std::size_t i = 0; i < readings.size(); ++i) {
-    MarkerDetection detection = toDetection(readings[i]);
-    detection.map_entry = found.entries[i];
-    detection.residual = found.residuals[i];
-    detection.accepted = found.entries[i].has_value();
-    if (entriesOf(map, detection.family, detection.id).empty()) {
-      detection.reason = "not in the map";
-    } else if (!detection.accepted) {
-      detection.reason = found.map_from_base ? "disagrees with the other markers" : found.reason;
-    }
-    if (detection.accepted) explaining.push_back(*found.entries[i]);
-    result->detections.push_back(std::move(detection));
-  }
-  return explaining;
 }
 
 }  // namespace
@@ -105,7 +77,9 @@ Localizer::Localizer(std::shared_ptr<const CameraModel> camera, MarkerMap map,
       patterns_(map_),
       motion_(config.motion) {}
 
-TrackingTools Localizer::trackingTools() const { return {map_, config_, reader_, patterns_}; }
+TrackingTools Localizer::trackingTools() const {
+  return {map_, config_, reader_, glance_reader_, patterns_};
+}
 
 void Localizer::setMap(MarkerMap map) {
   patterns_.add(map);
@@ -224,9 +198,9 @@ bool Localizer::isElsewhere(const Frame& frame, const MountedCamera& camera,
   if (!is_weak || frame.stamp < next_doubt_) return false;
   next_doubt_ = frame.stamp + config_.recognition.period;
   FrameResult around;
-  const Relocalization found =
-      relocalize(map_, camera, lookAround(frame, camera, &around), config_.estimation.reprojection,
-                 config_.estimation.max_residual, config_.relocalization);
+  const Relocalization found = relocalize(
+      map_, camera, lookAround(trackingTools(), frame, camera, &around),
+      config_.estimation.reprojection, config_.estimation.max_residual, config_.relocalization);
   const auto explained = std::count_if(found.entries.begin(), found.entries.end(),
                                        [](const auto& entry) { return entry.has_value(); });
   return found.map_from_base && explained >= 2 && !agree(*found.map_from_base, tracked);
@@ -234,7 +208,7 @@ bool Localizer::isElsewhere(const Frame& frame, const MountedCamera& camera,
 
 void Localizer::patrol(const Frame& frame, const MountedCamera& camera, const Pose2& map_from_base,
                        FrameResult* result) {
-  const std::vector<View> all = viewsToSearch(camera);
+  const std::vector<View> all = viewsToSearch(trackingTools(), camera);
   const bool is_exploring = config_.exploring_views > 0;
   const std::size_t count =
       std::min(all.size(), static_cast<std::size_t>(std::max(1, config_.exploring_views)));
@@ -277,11 +251,12 @@ void Localizer::patrol(const Frame& frame, const MountedCamera& camera, const Po
 void Localizer::search(const Frame& frame, const MountedCamera& camera,
                        const std::optional<PoseEstimate>& predicted, bool is_refuted,
                        FrameResult* result) {
-  if (const std::optional<PoseEstimate> seen = glance(frame, camera, result)) {
+  if (const std::optional<PoseEstimate> seen =
+          glance(trackingTools(), frame, camera, frames_, result)) {
     settle(*seen, frame, predicted, predicted && agree(*predicted, *seen), result);
     return;
   }
-  const std::vector<MarkerReading> readings = lookAround(frame, camera, result);
+  const std::vector<MarkerReading> readings = lookAround(trackingTools(), frame, camera, result);
   Stopwatch step;
   const Relocalization found = relocalize(map_, camera, readings, config_.estimation.reprojection,
                                           config_.estimation.max_residual, config_.relocalization);
@@ -320,41 +295,6 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
   result->timings.solve += step.lap();
 }
 
-std::optional<PoseEstimate> Localizer::glance(const Frame& frame, const MountedCamera& camera,
-                                              FrameResult* result) {
-  constexpr std::size_t kEnough = 3;
-  // Pixels are asked next: what corners say of the pose is only to be where to look.
-  constexpr double kDoubt = 3.0;
-  const bool is_asked_for = config_.look_around.glance && config_.exploring_views == 0;
-  for (std::size_t i = 0; is_asked_for && i < glance_reader_.count(); ++i) {
-    Stopwatch step;
-    const Glance seen = glance_reader_.read(frame.image, i, reader_.warper(), camera.axisUp());
-    result->timings.decode += step.lap();
-    if (seen.readings.size() < kEnough) continue;
-    const Relocalization found =
-        relocalize(map_, camera, seen.readings, config_.estimation.reprojection,
-                   config_.estimation.max_residual, config_.relocalization);
-    result->timings.solve += step.lap();
-    if (!found.map_from_base) continue;
-    FrameResult around = *result;
-    around.views = seen.views;
-    around.view_images = seen.view_images;
-    around.detections.clear();
-    const std::size_t explained = addDetections(seen.readings, found, map_, &around).size();
-    if (explained < kEnough || contradictions(around, map_) > 0) continue;
-    around.detections.clear();
-    PoseEstimate start = *found.map_from_base;
-    start.covariance *= kDoubt * kDoubt;
-    around.predicted = predictMarkers(map_, camera, start, config_.visibility);
-    const std::optional<PoseEstimate> pose =
-        FrameTracker(trackingTools(), frame, camera, start, &around).track(frames_++);
-    if (!pose || around.acceptedMarkers() < static_cast<int>(explained)) continue;
-    *result = std::move(around);
-    return pose;
-  }
-  return std::nullopt;
-}
-
 void Localizer::settle(const PoseEstimate& pose, const Frame& frame,
                        const std::optional<PoseEstimate>& predicted, bool is_expected,
                        FrameResult* result) {
@@ -381,26 +321,6 @@ void Localizer::carryOn(const PoseEstimate& predicted, bool is_refuted, FrameRes
   }
   result->mode = Mode::kDeadReckoning;
   result->map_from_base = predicted;
-}
-
-std::vector<MarkerReading> Localizer::lookAround(const Frame& frame, const MountedCamera& camera,
-                                                 FrameResult* result) const {
-  Stopwatch step;
-  result->views.clear();
-  result->view_images.clear();
-  result->detections.clear();
-  std::vector<View> views = viewsToSearch(camera);
-  result->timings.predict += step.lap();
-  std::vector<MarkerReading> readings = withoutRepetitions(
-      readViews(reader_, frame.image, std::move(views), result), result->views, reader_.warper());
-  if (config_.exploring_views > 0) result->explored = readings;
-  return readings;
-}
-
-std::vector<View> Localizer::viewsToSearch(const MountedCamera& camera) const {
-  const ContourTable& table = reader_.warper().table();
-  if (config_.exploring_views > 0) return viewsOfEverything(camera, table, config_.look_around);
-  return viewsAllAround(map_, camera, table, config_.visibility.max_range, config_.look_around);
 }
 
 void Localizer::measure(const MountedCamera& camera, FrameResult* result) {

@@ -75,10 +75,6 @@ class Localizer {
   /// time to time, or with as many of each frame as exploring asks for.
   void patrol(const Frame& frame, const MountedCamera& camera, const Pose2& map_from_base,
               FrameResult* result);
-  /// A pose from a glance at the panorama itself, and what was seen from there; nothing, and an
-  /// unchanged result, where that does not show at least three markers that agree.
-  std::optional<PoseEstimate> glance(const Frame& frame, const MountedCamera& camera,
-                                     FrameResult* result);
   /// Looks all around, and decides between what it finds and the prediction.
   void search(const Frame& frame, const MountedCamera& camera,
               const std::optional<PoseEstimate>& predicted, bool is_refuted, FrameResult* result);
@@ -87,10 +83,6 @@ class Localizer {
               const std::optional<PoseEstimate>& predicted, bool is_expected, FrameResult* result);
   /// Without a marker that agrees: the prediction, unless what was read contradicts it.
   void carryOn(const PoseEstimate& predicted, bool is_refuted, FrameResult* result) const;
-  /// The views in which markers are looked for that are not expected.
-  std::vector<View> viewsToSearch(const MountedCamera& camera) const;
-  std::vector<MarkerReading> lookAround(const Frame& frame, const MountedCamera& camera,
-                                        FrameResult* result) const;
   TrackingTools trackingTools() const;
   /// Fills in what the frame's pose says about its detections.
   void measure(const MountedCamera& camera, FrameResult* result);

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "frame_tracker.h"
+#include "omnitag/localization/frame_result.h"
+#include "omnitag/localization/relocalization.h"
+
+namespace omnitag {
+
+/// The views in which markers are looked for that are not expected.
+std::vector<View> viewsToSearch(const TrackingTools& tools, const MountedCamera& camera);
+
+/// Reads all of these views; they, and nothing else, are then in the result.
+std::vector<MarkerReading> lookAround(const TrackingTools& tools, const Frame& frame,
+                                      const MountedCamera& camera, FrameResult* result);
+
+/// Adds what a search read, and returns the entries that its pose stands on.
+std::vector<std::size_t> addDetections(const std::vector<MarkerReading>& readings,
+                                       const Relocalization& found, const MarkerMap& map,
+                                       FrameResult* result);
+
+/// How many detections are of the map's markers and yet not accepted.
+int contradictions(const FrameResult& result, const MarkerMap& map);
+
+/// A pose from a glance at the panorama itself, and what was seen from there; nothing, and a result
+/// that only knows how long it took, where that does not show at least three markers that agree.
+/// `turn`: as in FrameTracker::track().
+std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& frame,
+                                   const MountedCamera& camera, std::size_t turn,
+                                   FrameResult* result);
+
+}  // namespace omnitag
