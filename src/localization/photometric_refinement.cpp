@@ -10,7 +10,7 @@
 #include "lit_patch.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/localization/marker_patch.h"
-#include "pixel_noise.h"
+#include "omnitag/localization/pixel_noise.h"
 
 namespace omnitag {
 namespace {

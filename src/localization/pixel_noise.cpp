@@ -1,4 +1,4 @@
-#include "pixel_noise.h"
+#include "omnitag/localization/pixel_noise.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +17,12 @@ double varianceOf(std::vector<double> squares) {
 }
 
 }  // namespace
+
+bool isSaturated(double grey, double expected) {
+  constexpr double kDarkest = 3.0;
+  constexpr double kBrightest = 250.0;
+  return std::max(grey, expected) > kBrightest || std::min(grey, expected) < kDarkest;
+}
 
 double weightOf(const PixelResidual& residual, const PixelNoise& noise) {
   constexpr double kOutlier = 3.5;

@@ -24,6 +24,9 @@ struct PixelResidual {
   double grey_gradient = 0.0;
 };
 
+/// Whether a pixel is, or should be, so bright or dark that the image does not tell how much so.
+bool isSaturated(double grey, double expected);
+
 /// 1 / variance, and less for pixels that are off by more than 3.5 deviations.
 double weightOf(const PixelResidual& residual, const PixelNoise& noise);
 
