@@ -301,6 +301,7 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
       // enough to align pixels with: corners bear more.
       pose = aligned && agree(*aligned, pose) ? *aligned
                                               : standingOnCorners(pose, explaining.size(), config_);
+      pose = withUndecoded(frame, camera, pose, explaining, prior, result);
       // Two markers without a prediction have no third to contradict them where something shades or
       // covers one of them: a pose to start from is to be modest.
       constexpr double kDoubt = 2.0;
@@ -321,6 +322,41 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
     result->remark = found.reason;
   }
   result->timings.solve += step.lap();
+}
+
+PoseEstimate Localizer::withUndecoded(const Frame& frame, const MountedCamera& camera,
+                                      const PoseEstimate& found,
+                                      const std::vector<std::size_t>& decoded,
+                                      const std::optional<PoseEstimate>& prior,
+                                      FrameResult* result) const {
+  if (config_.estimation.kind != EstimatorKind::kPhotometric) return found;
+  const TrackingTools tools = trackingTools();
+  Stopwatch step;
+  std::vector<std::size_t> entries = decoded;
+  std::vector<MarkerObservation> recognized;
+  for (const PredictedMarker& marker : predictMarkers(map_, camera, found, config_.visibility)) {
+    if (std::find(decoded.begin(), decoded.end(), marker.map_entry) != decoded.end()) continue;
+    const auto observation = recognizeMarker(tools, frame.image, camera, marker.map_entry, found);
+    if (!observation) continue;
+    recognized.push_back(*observation);
+    entries.push_back(marker.map_entry);
+  }
+  result->timings.recognize += step.lap();
+  if (recognized.empty()) return found;
+  const auto aligned = alignWithPixels(tools, frame.image, camera, entries, found.pose, prior);
+  if (!aligned || !agree(*aligned, found)) return found;
+  const std::vector<double> residuals =
+      reprojectionResiduals(map_, camera, recognized, aligned->pose);
+  for (std::size_t k = 0; k < recognized.size(); ++k) {
+    if (residuals[k] > residualLimit(recognized[k], config_)) return found;
+  }
+  for (std::size_t k = 0; k < recognized.size(); ++k) {
+    MarkerDetection detection = toDetection(recognized[k], map_.markers[recognized[k].map_entry]);
+    detection.accepted = true;
+    detection.residual = residuals[k];
+    result->detections.push_back(std::move(detection));
+  }
+  return *aligned;
 }
 
 void Localizer::carryOn(const PoseEstimate& predicted, bool is_refuted, FrameResult* result) const {

@@ -77,6 +77,11 @@ class Localizer {
   /// Looks all around, and decides between what it finds and the prediction.
   void search(const Frame& frame, const MountedCamera& camera,
               const std::optional<PoseEstimate>& predicted, bool is_refuted, FrameResult* result);
+  /// A pose that a search found by the markers at the entries `decoded`, made more exact by those
+  /// that no view around was right to decode: they are recognized where it has them.
+  PoseEstimate withUndecoded(const Frame& frame, const MountedCamera& camera,
+                             const PoseEstimate& found, const std::vector<std::size_t>& decoded,
+                             const std::optional<PoseEstimate>& prior, FrameResult* result) const;
   /// Without a marker that agrees: the prediction, unless what was read contradicts it.
   void carryOn(const PoseEstimate& predicted, bool is_refuted, FrameResult* result) const;
   /// The views in which markers are looked for that are not expected.
