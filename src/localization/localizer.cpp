@@ -72,10 +72,15 @@ std::string howFarOff(const Pose2& found, const Pose2& expected) {
   return text.data();
 }
 
+/// Why a marker without an entry is not accepted. One that is explored will have an entry.
+const char* whyUnknown(const LocalizerConfig& config) {
+  return config.exploring_views > 0 ? "not in the map yet" : "not in the map";
+}
+
 /// Adds what a search read, and returns the entries that its pose stands on.
 std::vector<std::size_t> addDetections(const std::vector<MarkerReading>& readings,
                                        const Relocalization& found, const MarkerMap& map,
-                                       FrameResult* result) {
+                                       const LocalizerConfig& config, FrameResult* result) {
   std::vector<std::size_t> explaining;
   for (std::size_t i = 0; i < readings.size(); ++i) {
     MarkerDetection detection = toDetection(readings[i]);
@@ -83,7 +88,7 @@ std::vector<std::size_t> addDetections(const std::vector<MarkerReading>& reading
     detection.residual = found.residuals[i];
     detection.accepted = found.entries[i].has_value();
     if (entriesOf(map, detection.family, detection.id).empty()) {
-      detection.reason = "not in the map";
+      detection.reason = whyUnknown(config);
     } else if (!detection.accepted) {
       detection.reason = found.map_from_base ? "disagrees with the other markers" : found.reason;
     }
@@ -262,7 +267,7 @@ void Localizer::patrol(const Frame& frame, const MountedCamera& camera, const Po
     });
     if (is_in_place) continue;
     MarkerDetection detection = toDetection(reading);
-    detection.reason = entries.empty() ? "not in the map" : "hangs elsewhere than the map says";
+    detection.reason = entries.empty() ? whyUnknown(config_) : "hangs elsewhere than the map says";
     is_odd = is_odd || !entries.empty();
     result->detections.push_back(std::move(detection));
   }
@@ -280,7 +285,7 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
   Stopwatch step;
   const Relocalization found = relocalize(map_, camera, readings, config_.estimation.reprojection,
                                           config_.estimation.max_residual, config_.relocalization);
-  const std::vector<std::size_t> explaining = addDetections(readings, found, map_, result);
+  const std::vector<std::size_t> explaining = addDetections(readings, found, map_, config_, result);
 
   // A single marker may hang elsewhere than the map says: it does not overrule a prediction that
   // markers confirmed a moment ago.
