@@ -339,8 +339,19 @@ PoseEstimate Localizer::withUndecoded(const Frame& frame, const MountedCamera& c
   Stopwatch step;
   std::vector<std::size_t> entries = decoded;
   std::vector<MarkerObservation> recognized;
+  // What was read beside its place is not to be recognized there after all.
+  const auto wasRejected = [result](const Marker& marker) {
+    return std::any_of(result->detections.begin(), result->detections.end(),
+                       [&marker](const MarkerDetection& detection) {
+                         return !detection.accepted && detection.id == marker.id &&
+                                detection.family == marker.family;
+                       });
+  };
   for (const PredictedMarker& marker : predictMarkers(map_, camera, found, config_.visibility)) {
-    if (std::find(decoded.begin(), decoded.end(), marker.map_entry) != decoded.end()) continue;
+    if (std::find(decoded.begin(), decoded.end(), marker.map_entry) != decoded.end() ||
+        wasRejected(map_.markers[marker.map_entry])) {
+      continue;
+    }
     const auto observation = recognizeMarker(tools, frame.image, camera, marker.map_entry, found);
     if (!observation) continue;
     recognized.push_back(*observation);
