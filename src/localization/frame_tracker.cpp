@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "omnitag/common/angle.h"
+#include "omnitag/common/parallel.h"
 #include "omnitag/common/stopwatch.h"
 #include "omnitag/localization/marker_pose.h"
 #include "omnitag/marker/marker_association.h"
@@ -114,7 +115,7 @@ std::optional<PoseEstimate> alignWithPixels(const TrackingTools& tools, const cv
   if (tools.config.estimation.kind != EstimatorKind::kPhotometric) return std::nullopt;
   const auto from = [&](const Pose2& start) {
     return refinePhotometrically(panorama, tools.map, camera, tools.patterns, entries, start, prior,
-                                 config);
+                                 config, tools.config.threads);
   };
   std::optional<PhotometricFit> fit = from(initial);
   if (entries.size() > 1) return fit ? std::optional(fit->map_from_base) : std::nullopt;
@@ -175,7 +176,7 @@ std::optional<PoseEstimate> FrameTracker::track(std::size_t glance) {
       solve();
     }
     if (solution_) {
-      recognize(solution_->map_from_base, sightings_.size());
+      recognizeAll(solution_->map_from_base);
       solve();
     }
   }
@@ -199,6 +200,15 @@ void FrameTracker::recognize(const PoseEstimate& belief, std::size_t enough) {
     if (found() >= enough) break;
     sightings_[target].observation = recognizeOne(target, belief);
   }
+  result_->timings.recognize += step.lap();
+}
+
+void FrameTracker::recognizeAll(const PoseEstimate& belief) {
+  Stopwatch step;
+  const std::vector<std::size_t> targets = missing();
+  forEachIndex(targets.size(), tools_.config.threads, [&](std::size_t i) {
+    sightings_[targets[i]].observation = recognizeOne(targets[i], belief);
+  });
   result_->timings.recognize += step.lap();
 }
 

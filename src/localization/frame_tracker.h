@@ -46,6 +46,8 @@ class FrameTracker {
   /// Looks for the patterns of the markers that were not found, the largest first, until so many
   /// are found.
   void recognize(const PoseEstimate& belief, std::size_t enough);
+  /// Looks for the patterns of all markers that were not found.
+  void recognizeAll(const PoseEstimate& belief);
   /// Looks once more, from a better belief, for those that were found from a worse one: they may
   /// have been tilted and scaled a little against what was expected.
   void recognizeAgain(const PoseEstimate& belief);

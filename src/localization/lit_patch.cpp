@@ -11,8 +11,9 @@ Light regressorsOf(const MarkerPixel& pixel) {
   const double x = pixel.position.x();
   const double y = pixel.position.y();
   Light regressors;
-  regressors << 1.0, pixel.white * 1.0, pixel.white * x, pixel.white * y, pixel.white * x * x,
-      pixel.white * x * y, pixel.white * y * y;
+  const double white_x = pixel.white * x;
+  const double white_y = pixel.white * y;
+  regressors << 1.0, pixel.white, white_x, white_y, white_x * x, white_x * y, white_y * y;
   return regressors;
 }
 
@@ -36,46 +37,55 @@ bool isSaturated(const MarkerPixel& pixel, const PixelResidual& residual) {
 
 std::optional<LitPatch> fitLight(const std::vector<MarkerPixel>& pixels, const PixelNoise& noise) {
   constexpr std::size_t kFewestPixels = 24;
+  constexpr std::size_t kEnough = 200;
   if (pixels.size() < kFewestPixels) return std::nullopt;
   LitPatch patch;
   patch.residuals.assign(pixels.size(), {});
   Eigen::LDLT<Eigen::Matrix<double, kLightTerms, kLightTerms>> factors;
-  // The first round weighs all pixels alike, the second knows what is off.
+  // The first round weighs all pixels alike, and some will do; the second knows what is off.
   constexpr int kRounds = 2;
   for (int round = 0; round < kRounds; ++round) {
-    Eigen::Matrix<double, kLightTerms, kLightTerms> normal =
-        Eigen::Matrix<double, kLightTerms, kLightTerms>::Zero();
-    Light right_side = Light::Zero();
-    for (std::size_t i = 0; i < pixels.size(); ++i) {
-      const Light x = regressorsOf(pixels[i]);
+    const std::size_t every = round == 0 ? std::max<std::size_t>(1, pixels.size() / kEnough) : 1;
+    // The last column and row are what the regressors have in common with the grey level.
+    Eigen::Matrix<double, kLightTerms + 1, kLightTerms + 1> sums;
+    sums.setZero();
+    for (std::size_t i = 0; i < pixels.size(); i += every) {
       if (isSaturated(pixels[i], patch.residuals[i])) continue;
-      const double weight = weightOf(patch.residuals[i], noise);
-      normal.noalias() += weight * x * x.transpose();
-      right_side += weight * pixels[i].grey * x;
+      Eigen::Matrix<double, kLightTerms + 1, 1> x;
+      x << regressorsOf(pixels[i]), pixels[i].grey;
+      const Eigen::Matrix<double, kLightTerms + 1, 1> weighted =
+          weightOf(patch.residuals[i], noise) * x;
+      sums.noalias() += weighted * x.transpose();
     }
-    factors.compute(normal);
+    factors.compute(sums.topLeftCorner<kLightTerms, kLightTerms>());
     if (factors.info() != Eigen::Success || !(factors.vectorD().minCoeff() > 1e-9)) {
       return std::nullopt;
     }
-    patch.light = factors.solve(right_side);
+    patch.light = factors.solve(sums.topRightCorner<kLightTerms, 1>());
     for (std::size_t i = 0; i < pixels.size(); ++i) {
       const double contrast = contrastAt(pixels[i].position, patch.light);
-      patch.residuals[i] = {pixels[i].grey - patch.light.dot(regressorsOf(pixels[i])),
+      patch.residuals[i] = {pixels[i].grey - patch.light[0] - pixels[i].white * contrast,
                             pixels[i].gradient, contrast * pixels[i].gradient};
     }
   }
   constexpr double kLowestContrast = 8.0;
   if (patch.light[1] < kLowestContrast) return std::nullopt;
 
-  Eigen::Matrix<double, kLightTerms, 3> mixed = Eigen::Matrix<double, kLightTerms, 3>::Zero();
+  // The rows: what the regressors, a zero, the derivatives by the pose and the residual have in
+  // common with the latter four.
+  Eigen::Matrix<double, kLightTerms + 5, 4> sums;
+  sums.setZero();
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     if (isSaturated(pixels[i], patch.residuals[i])) continue;
-    const Eigen::RowVector3d by_pose = greyByPose(pixels[i], patch.light);
-    const double weight = weightOf(patch.residuals[i], noise);
-    patch.information.noalias() += weight * by_pose.transpose() * by_pose;
-    patch.gradient += weight * patch.residuals[i].grey * by_pose.transpose();
-    mixed.noalias() += weight * regressorsOf(pixels[i]) * by_pose;
+    Eigen::Matrix<double, kLightTerms + 5, 1> x;
+    x << regressorsOf(pixels[i]), 0.0, greyByPose(pixels[i], patch.light).transpose(),
+        patch.residuals[i].grey;
+    const Eigen::Vector4d weighted = weightOf(patch.residuals[i], noise) * x.tail<4>();
+    sums.noalias() += x * weighted.transpose();
   }
+  patch.information = sums.block<3, 3>(kLightTerms + 1, 0);
+  patch.gradient = sums.block<3, 1>(kLightTerms + 1, 3);
+  const auto mixed = sums.topLeftCorner<kLightTerms, 3>();
   // The light is free: what it could explain says nothing about the pose.
   patch.light_by_pose = -factors.solve(mixed);
   patch.information += mixed.transpose() * patch.light_by_pose;

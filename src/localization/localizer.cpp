@@ -105,7 +105,8 @@ Localizer::Localizer(std::shared_ptr<const CameraModel> camera, MarkerMap map,
     : camera_(std::move(camera)),
       map_(std::move(map)),
       config_(config),
-      reader_(camera_, kWorkingDistance, config.detector, familiesOf(map_)),
+      reader_(camera_, kWorkingDistance, config.detector, familiesOf(map_), config.threads),
+      glance_reader_(camera_, config.detector, familiesOf(map_), config.threads),
       patterns_(map_),
       motion_(config.motion) {}
 
@@ -281,6 +282,10 @@ void Localizer::patrol(const Frame& frame, const MountedCamera& camera, const Po
 void Localizer::search(const Frame& frame, const MountedCamera& camera,
                        const std::optional<PoseEstimate>& predicted, bool is_refuted,
                        FrameResult* result) {
+  if (const std::optional<PoseEstimate> seen = glance(frame, camera, result)) {
+    settle(*seen, frame, predicted, predicted && agree(*predicted, *seen), result);
+    return;
+  }
   const std::vector<MarkerReading> readings = lookAround(frame, camera, result);
   Stopwatch step;
   const Relocalization found = relocalize(map_, camera, readings, config_.estimation.reprojection,
@@ -312,15 +317,7 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
       constexpr double kDoubt = 2.0;
       if (!is_expected && result->acceptedMarkers() <= kFew) pose.covariance *= kDoubt * kDoubt;
     }
-    if (is_expected) {
-      motion_.correct(pose);
-      result->mode = Mode::kTracking;
-    } else {
-      motion_.reset(pose, frame.stamp, frame.odom_from_base);
-      if (predicted) result->remark = howFarOff(pose.pose, predicted->pose);
-    }
-    result->map_from_base = pose;
-    has_pose_ = true;
+    settle(pose, frame, predicted, is_expected, result);
   } else if (predicted) {
     carryOn(*predicted, is_refuted, result);
   } else {
@@ -373,6 +370,56 @@ PoseEstimate Localizer::withUndecoded(const Frame& frame, const MountedCamera& c
     result->detections.push_back(std::move(detection));
   }
   return *aligned;
+}
+
+std::optional<PoseEstimate> Localizer::glance(const Frame& frame, const MountedCamera& camera,
+                                              FrameResult* result) {
+  constexpr std::size_t kEnough = 3;
+  // Pixels are asked next: what corners say of the pose is only to be where to look.
+  constexpr double kDoubt = 3.0;
+  const bool is_asked_for = config_.look_around.glance && config_.exploring_views == 0;
+  for (std::size_t i = 0; is_asked_for && i < glance_reader_.count(); ++i) {
+    Stopwatch step;
+    const Glance seen = glance_reader_.read(frame.image, i, reader_.warper(), camera.axisUp());
+    result->timings.decode += step.lap();
+    if (seen.readings.size() < kEnough) continue;
+    const Relocalization found =
+        relocalize(map_, camera, seen.readings, config_.estimation.reprojection,
+                   config_.estimation.max_residual, config_.relocalization);
+    result->timings.solve += step.lap();
+    if (!found.map_from_base) continue;
+    FrameResult around = *result;
+    around.views = seen.views;
+    around.view_images = seen.view_images;
+    around.detections.clear();
+    const std::size_t explained =
+        addDetections(seen.readings, found, map_, config_, &around).size();
+    if (explained < kEnough || contradictions(around, map_) > 0) continue;
+    around.detections.clear();
+    PoseEstimate start = *found.map_from_base;
+    start.covariance *= kDoubt * kDoubt;
+    around.predicted = predictMarkers(map_, camera, start, config_.visibility);
+    const std::optional<PoseEstimate> pose =
+        FrameTracker(trackingTools(), frame, camera, start, &around).track(frames_++);
+    if (!pose || around.acceptedMarkers() < static_cast<int>(explained)) continue;
+    *result = std::move(around);
+    return pose;
+  }
+  return std::nullopt;
+}
+
+void Localizer::settle(const PoseEstimate& pose, const Frame& frame,
+                       const std::optional<PoseEstimate>& predicted, bool is_expected,
+                       FrameResult* result) {
+  if (is_expected) {
+    motion_.correct(pose);
+    result->mode = Mode::kTracking;
+  } else {
+    motion_.reset(pose, frame.stamp, frame.odom_from_base);
+    if (predicted) result->remark = howFarOff(pose.pose, predicted->pose);
+  }
+  result->map_from_base = pose;
+  has_pose_ = true;
 }
 
 void Localizer::carryOn(const PoseEstimate& predicted, bool is_refuted, FrameResult* result) const {

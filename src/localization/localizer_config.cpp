@@ -27,6 +27,7 @@ LocalizerConfig readLocalizerConfig(const YamlReader& reader) {
     config.relocalization = readRelocalizationConfig(reader.mapping("relocalization"));
   }
   if (reader.has("motion")) config.motion = readMotionModelConfig(reader.mapping("motion"));
+  reader.read("threads", &config.threads, {1, 64});
   if (reader.has("estimator")) {
     const std::string estimator = reader.text("estimator");
     if (estimator == "triangulation") {

@@ -175,8 +175,9 @@ class Planner {
 }  // namespace
 
 LookAroundConfig readLookAroundConfig(const YamlReader& reader) {
-  reader.allowOnly({"step", "overlap", "min_range", "oversampling", "max_size"});
+  reader.allowOnly({"glance", "step", "overlap", "min_range", "oversampling", "max_size"});
   LookAroundConfig config;
+  reader.read("glance", &config.glance);
   reader.read("step", &config.step, {radians(5.0), radians(90.0)});
   reader.read("overlap", &config.overlap, {0.0, radians(60.0)});
   reader.read("min_range", &config.min_range, kPositive);

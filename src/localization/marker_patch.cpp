@@ -6,6 +6,59 @@
 #include <cstdint>
 
 namespace omnitag {
+namespace {
+
+/// Pixels.
+constexpr std::size_t kMostReserved = 2000;
+
+}  // namespace
+
+class MarkerPatch::Plane {
+ public:
+  Plane(const MarkerPatch& patch, const Pose2& map_from_base)
+      : half_(0.5 * patch.pattern_.width()),
+        map_from_base_(Eigen::AngleAxisd(map_from_base.yaw, Eigen::Vector3d::UnitZ())) {
+    // The drawing's y runs down.
+    const double modules_per_metre = 1.0 / patch.metres_per_module_;
+    const Eigen::Vector3d scale(modules_per_metre, -modules_per_metre, 1.0);
+    const Eigen::Isometry3d marker_from_map = patch.marker_.map_from_marker.inverse();
+    drawing_from_map_ = scale.asDiagonal() * marker_from_map.linear();
+    drawing_from_base_ = drawing_from_map_ * map_from_base_;
+    translation_ = scale.cwiseProduct(marker_from_map *
+                                      Eigen::Vector3d(map_from_base.x, map_from_base.y, 0.0));
+  }
+
+  /// Where a line of sight meets the drawing, in modules, at its front.
+  std::optional<Eigen::Vector2d> meet(const Ray& in_base) const {
+    const Eigen::Vector3d origin = drawing_from_base_ * in_base.origin + translation_;
+    const Eigen::Vector3d direction = drawing_from_base_ * in_base.direction;
+    if (origin.z() <= 0.0 || direction.z() >= 0.0) return std::nullopt;
+    const double range = -origin.z() / direction.z();
+    return Eigen::Vector2d(half_ + origin.x() + range * direction.x(),
+                           half_ + origin.y() + range * direction.y());
+  }
+
+  /// Derivative of meet() by the pose of the base (x, y, yaw): what is seen moves as the line of
+  /// sight does, which moves with the base, and along it back to the drawing.
+  Eigen::Matrix<double, 2, 3> derivative(const Ray& in_base) const {
+    const Eigen::Vector3d origin = drawing_from_base_ * in_base.origin + translation_;
+    const Eigen::Vector3d direction = drawing_from_base_ * in_base.direction;
+    const double range = -origin.z() / direction.z();
+    const Eigen::Vector3d from_base = map_from_base_ * (in_base.origin + range * in_base.direction);
+    Eigen::Matrix3d moved;
+    moved << 1.0, 0.0, -from_base.y(), 0.0, 1.0, from_base.x(), 0.0, 0.0, 0.0;
+    const Eigen::Matrix3d in_drawing = drawing_from_map_ * moved;
+    return in_drawing.topRows<2>() -
+           direction.head<2>() / direction.z() * in_drawing.bottomRows<1>();
+  }
+
+ private:
+  double half_;
+  Eigen::Matrix3d map_from_base_;
+  Eigen::Matrix3d drawing_from_map_;
+  Eigen::Matrix3d drawing_from_base_;
+  Eigen::Vector3d translation_;
+};
 
 MarkerPatch::MarkerPatch(const Marker& marker, const TagPattern& pattern,
                          const MountedCamera& camera, const Pose2& map_from_base, double blur,
@@ -14,78 +67,149 @@ MarkerPatch::MarkerPatch(const Marker& marker, const TagPattern& pattern,
       pattern_(pattern),
       camera_(camera),
       metres_per_module_(marker.size / pattern.widthBetweenCorners()),
-      // A Gaussian blur and a box have the same variance where the box is sqrt(12) deviations wide.
-      stretch_(std::sqrt(1.0 + 12.0 * blur * blur)) {
-  chooseLinesOfSight(map_from_base, choice);
+      facets_along_(choice.facets) {
+  const Nodes nodes = nodesAt(map_from_base);
+  setFacets(nodes, map_from_base, blur);
+  chooseLinesOfSight(map_from_base, boundingBox(nodes), choice);
 }
 
-MarkerPatch::Box MarkerPatch::boundingBox(const Pose2& map_from_base) const {
+inline const Facet& MarkerPatch::facetOf(const Eigen::Vector2d& position) const {
+  const double facets_per_module = static_cast<double>(facets_along_) / pattern_.width();
+  const auto indexAlong = [&](double coordinate) {
+    return std::clamp(static_cast<int>(coordinate * facets_per_module), 0, facets_along_ - 1);
+  };
+  return facets_[static_cast<std::size_t>(indexAlong(position.y()) * facets_along_ +
+                                          indexAlong(position.x()))];
+}
+
+MarkerPatch::Nodes MarkerPatch::nodesAt(const Pose2& map_from_base) const {
+  const double width = static_cast<double>(pattern_.width()) / facets_along_;
+  Nodes nodes;
+  nodes.reserve(static_cast<std::size_t>((facets_along_ + 1) * (facets_along_ + 1)));
+  for (int row = 0; row <= facets_along_; ++row) {
+    for (int column = 0; column <= facets_along_; ++column) {
+      nodes.push_back(camera_.pixelFromMap(map_from_base, inMap({width * column, width * row})));
+    }
+  }
+  return nodes;
+}
+
+void MarkerPatch::setFacets(const Nodes& nodes, const Pose2& map_from_base, double blur) {
+  const Plane plane(*this, map_from_base);
+  const double width = static_cast<double>(pattern_.width()) / facets_along_;
+  // A Gaussian blur and a box have the same variance where the box is sqrt(12) deviations wide.
+  const double stretch = std::sqrt(1.0 + 12.0 * blur * blur);
+  const auto nodeAt = [&](int column, int row) -> const std::optional<Eigen::Vector2d>& {
+    return nodes[static_cast<std::size_t>(row * (facets_along_ + 1) + column)];
+  };
+  for (int row = 0; row < facets_along_; ++row) {
+    for (int column = 0; column < facets_along_; ++column) {
+      Facet& facet = facets_.emplace_back();
+      const auto& upper_left = nodeAt(column, row);
+      const auto& upper_right = nodeAt(column + 1, row);
+      const auto& lower_left = nodeAt(column, row + 1);
+      const auto& lower_right = nodeAt(column + 1, row + 1);
+      if (!upper_left || !upper_right || !lower_left || !lower_right) continue;
+      Eigen::Matrix2d pixel_by_position;
+      pixel_by_position << *upper_right + *lower_right - *upper_left - *lower_left,
+          *lower_left + *lower_right - *upper_left - *upper_right;
+      pixel_by_position /= 2.0 * width;
+      if (std::abs(pixel_by_position.determinant()) < 1e-6) continue;
+      const auto ray = camera_.tabulatedRayInBase(
+          0.25 * (*upper_left + *upper_right + *lower_left + *lower_right));
+      if (!ray || !plane.meet(*ray)) continue;
+      facet.is_visible = true;
+      facet.by_pixel = pixel_by_position.inverse();
+      facet.by_pose = plane.derivative(*ray);
+      facet.sides = stretch * facet.by_pixel;
+      facet.window = TagPattern::Window(facet.sides.col(0), facet.sides.col(1));
+    }
+  }
+}
+
+MarkerPatch::Box MarkerPatch::boundingBox(const Nodes& nodes) const {
   const ImageSize& size = camera_.model().imageSize();
-  const double cell_width = static_cast<double>(pattern_.width()) / kCells;
   Eigen::Vector2d low(size.width, size.height);
   Eigen::Vector2d high(-1.0, -1.0);
-  for (int i = 0; i <= kCells; ++i) {
-    for (int j = 0; j <= kCells; ++j) {
-      // Edges image as curves, which reach farther than their ends.
-      const bool is_on_outline = i % kCells == 0 || j % kCells == 0;
-      if (!is_on_outline) continue;
-      const auto pixel =
-          camera_.pixelFromMap(map_from_base, inMap(cell_width * Eigen::Vector2d(i, j)));
-      if (!pixel) continue;
-      low = low.cwiseMin(*pixel);
-      high = high.cwiseMax(*pixel);
-    }
+  for (const auto& node : nodes) {
+    if (!node) continue;
+    low = low.cwiseMin(*node);
+    high = high.cwiseMax(*node);
   }
   return {std::max(0, static_cast<int>(low.x()) - 1), std::max(0, static_cast<int>(low.y()) - 1),
           std::min(size.width - 1, static_cast<int>(high.x()) + 2),
           std::min(size.height - 1, static_cast<int>(high.y()) + 2)};
 }
 
-void MarkerPatch::chooseLinesOfSight(const Pose2& map_from_base, const Choice& choice) {
-  const Cells cells = cellsAt(map_from_base);
-  const Eigen::Isometry3d marker_from_base =
-      marker_.map_from_marker.inverse() * map_from_base.toIsometry();
+Eigen::Vector2i MarkerPatch::gridSteps(std::size_t max_considered) const {
+  const double facet_width = static_cast<double>(pattern_.width()) / facets_along_;
+  double area = 0.0;  // pixels
+  for (const Facet& facet : facets_) {
+    if (facet.is_visible) {
+      area += facet_width * facet_width / std::abs(facet.by_pixel.determinant());
+    }
+  }
+  const double wanted = std::max(1.0, area / static_cast<double>(max_considered));
+  const int smaller = std::max(1, static_cast<int>(std::sqrt(wanted)));
+  return {std::max(smaller, static_cast<int>(wanted / smaller)), smaller};
+}
+
+void MarkerPatch::chooseLinesOfSight(const Pose2& map_from_base, const Box& box,
+                                     const Choice& choice) {
+  const Plane plane(*this, map_from_base);
   const auto positionAt = [&](int column, int row) -> std::optional<Eigen::Vector2d> {
     const std::optional<Ray> ray = camera_.tabulatedRayInBase({column, row});
-    return ray ? meet(*ray, marker_from_base) : std::nullopt;
+    return ray ? plane.meet(*ray) : std::nullopt;
   };
   std::vector<Pixel> at_edges;
   std::vector<Pixel> on_even_ground;
-  const auto consider = [&](int column, int row, const Eigen::Vector2d& position) {
-    const Cell& cell = cellOf(cells, position);
-    if (!cell.is_visible) return;
-    // The pose may still move by a pixel or two.
-    constexpr double kReach = 2.0;
-    const Eigen::Vector2d reach = kReach * cell.by_pixel.cwiseAbs().rowwise().sum();
-    if ((position + reach).minCoeff() < 0.0 ||
-        (position - reach).maxCoeff() > static_cast<double>(pattern_.width())) {
-      return;
-    }
-    const bool is_even = pattern_.isEven(position - reach, position + reach);
-    (is_even ? on_even_ground : at_edges).push_back({column, row});
+  const std::size_t most = std::min(choice.max_considered, kMostReserved);
+  at_edges.reserve(most);
+  on_even_ground.reserve(most);
+  const double width = pattern_.width();
+  // `surroundings`: modules around the position that the pixel may turn out to see.
+  const auto consider = [&](int column, int row, const Eigen::Vector2d& position,
+                            const Eigen::Vector2d& surroundings) {
+    const Eigen::Vector2d low = position - surroundings;
+    const Eigen::Vector2d high = position + surroundings;
+    if (high.minCoeff() < 0.0 || low.maxCoeff() > width) return;
+    (pattern_.isEven(low, high) ? on_even_ground : at_edges).push_back({column, row});
+  };
+  const auto surroundingsAt = [&](const Eigen::Vector2d& position) -> Eigen::Vector2d {
+    const Facet& facet = facetOf(position);
+    return facet.window.reach() + choice.reach * facet.by_pixel.cwiseAbs().rowwise().sum();
   };
 
   // Roughly, positions follow from those of nodes around them.
-  const int node_step = 8 * choice.step;
-  const Box box = boundingBox(map_from_base);
-  for (int top = box.top; top <= box.bottom; top += node_step) {
+  const Eigen::Vector2i step = gridSteps(choice.max_considered);
+  const Eigen::Vector2i node_step = 8 * step;
+  for (int top = box.top; top <= box.bottom; top += node_step.y()) {
+    const int below = top + node_step.y();
     auto upper_left = positionAt(box.left, top);
-    auto lower_left = positionAt(box.left, top + node_step);
-    for (int left = box.left; left <= box.right; left += node_step) {
-      const auto upper_right = positionAt(left + node_step, top);
-      const auto lower_right = positionAt(left + node_step, top + node_step);
-      const bool has_nodes = upper_left && lower_left && upper_right && lower_right;
-      for (int row = top; row < std::min(top + node_step, box.bottom + 1); row += choice.step) {
-        for (int column = left; column < std::min(left + node_step, box.right + 1);
-             column += choice.step) {
-          if (has_nodes) {
-            const double a = static_cast<double>(column - left) / node_step;
-            const double b = static_cast<double>(row - top) / node_step;
-            consider(column, row,
-                     (1.0 - b) * ((1.0 - a) * *upper_left + a * *upper_right) +
-                         b * ((1.0 - a) * *lower_left + a * *lower_right));
-          } else if (const auto position = positionAt(column, row)) {
-            consider(column, row, *position);
+    auto lower_left = positionAt(box.left, below);
+    for (int left = box.left; left <= box.right; left += node_step.x()) {
+      const int beyond = left + node_step.x();
+      const auto upper_right = positionAt(beyond, top);
+      const auto lower_right = positionAt(beyond, below);
+      const int right = std::min(beyond, box.right + 1);
+      const int bottom = std::min(below, box.bottom + 1);
+      if (upper_left && lower_left && upper_right && lower_right) {
+        const Eigen::Vector2d surroundings =
+            surroundingsAt(0.25 * (*upper_left + *lower_left + *upper_right + *lower_right));
+        for (int row = top; row < bottom; row += step.y()) {
+          const double b = static_cast<double>(row - top) / node_step.y();
+          const Eigen::Vector2d first = *upper_left + b * (*lower_left - *upper_left);
+          const Eigen::Vector2d last = *upper_right + b * (*lower_right - *upper_right);
+          const Eigen::Vector2d by_column = (last - first) / node_step.x();
+          for (int column = left; column < right; column += step.x()) {
+            consider(column, row, first + (column - left) * by_column, surroundings);
+          }
+        }
+      } else {
+        for (int row = top; row < bottom; row += step.y()) {
+          for (int column = left; column < right; column += step.x()) {
+            const auto position = positionAt(column, row);
+            if (position) consider(column, row, *position, surroundingsAt(*position));
           }
         }
       }
@@ -93,122 +217,71 @@ void MarkerPatch::chooseLinesOfSight(const Pose2& map_from_base, const Choice& c
       lower_left = lower_right;
     }
   }
+  lines_of_sight_.reserve(std::min(at_edges.size(), choice.max_at_edges) +
+                          std::min(on_even_ground.size(), choice.max_on_even_ground));
   keep(at_edges, choice.max_at_edges);
   keep(on_even_ground, choice.max_on_even_ground);
 }
 
 void MarkerPatch::keep(const std::vector<Pixel>& pixels, std::size_t at_most) {
   if (at_most == 0) return;
-  const std::size_t every = (pixels.size() + at_most - 1) / at_most;
-  for (std::size_t i = 0; i < pixels.size(); i += std::max<std::size_t>(1, every)) {
+  const std::size_t every =
+      std::max<std::size_t>(1, pixels.size() / at_most + (pixels.size() % at_most != 0 ? 1 : 0));
+  for (std::size_t i = 0; i < pixels.size(); i += every) {
     const auto ray = camera_.tabulatedRayInBase({pixels[i].column, pixels[i].row});
     if (ray) lines_of_sight_.push_back({pixels[i], *ray});
   }
 }
 
-std::vector<Footprint> MarkerPatch::footprints(const Pose2& map_from_base) const {
-  const Cells cells = cellsAt(map_from_base);
-  const Eigen::Isometry3d marker_from_base =
-      marker_.map_from_marker.inverse() * map_from_base.toIsometry();
+template <typename Visit>
+void MarkerPatch::visit(const Pose2& map_from_base, const Visit& visit) const {
+  const Plane plane(*this, map_from_base);
   const double width = pattern_.width();
+  for (const LineOfSight& line : lines_of_sight_) {
+    const auto position = plane.meet(line.in_base);
+    if (!position) continue;
+    const Facet& facet = facetOf(*position);
+    if (!facet.is_visible) continue;
+    const Eigen::Vector2d& reach = facet.window.reach();
+    if ((*position - reach).minCoeff() < 0.0 || (*position + reach).maxCoeff() > width) continue;
+    visit(line, *position, facet);
+  }
+}
+
+std::vector<Footprint> MarkerPatch::footprints(const Pose2& map_from_base) const {
   std::vector<Footprint> footprints;
   footprints.reserve(lines_of_sight_.size());
-  for (const LineOfSight& line : lines_of_sight_) {
-    const auto position = meet(line.in_base, marker_from_base);
-    if (!position) continue;
-    const Cell& cell = cellOf(cells, *position);
-    if (!cell.is_visible) continue;
-    const Eigen::Matrix2d sides = stretch_ * cell.by_pixel;
-    const Eigen::Vector2d reach = 0.5 * sides.cwiseAbs().rowwise().sum();
-    if ((*position - reach).minCoeff() < 0.0 || (*position + reach).maxCoeff() > width) continue;
-    footprints.push_back(
-        {line.pixel.column, line.pixel.row, *position, sides, cell.by_pixel, cell.by_pose});
-  }
+  visit(map_from_base,
+        [&](const LineOfSight& line, const Eigen::Vector2d& position, const Facet& facet) {
+          footprints.push_back({line.pixel.column, line.pixel.row, position, &facet});
+        });
   return footprints;
 }
 
 std::vector<MarkerPixel> MarkerPatch::pixels(const cv::Mat& panorama,
                                              const Pose2& map_from_base) const {
-  const double width = pattern_.width();
+  const double scale = 1.0 / pattern_.width();
   std::vector<MarkerPixel> pixels;
-  for (const Footprint& footprint : footprints(map_from_base)) {
-    const TagPattern::White white =
-        pattern_.averageOver(footprint.position, footprint.sides.col(0), footprint.sides.col(1));
-    MarkerPixel pixel;
-    pixel.column = footprint.column;
-    pixel.row = footprint.row;
-    pixel.grey = panorama.at<std::uint8_t>(footprint.row, footprint.column);
-    pixel.white = white.share;
-    pixel.gradient = (white.by_position.transpose() * footprint.by_pixel).norm();
-    pixel.position = footprint.position / width - Eigen::Vector2d(0.5, 0.5);
-    pixel.white_by_pose = white.by_position.transpose() * footprint.by_pose;
-    pixels.push_back(pixel);
-  }
+  pixels.reserve(lines_of_sight_.size());
+  visit(map_from_base,
+        [&](const LineOfSight& line, const Eigen::Vector2d& position, const Facet& facet) {
+          const TagPattern::White white = pattern_.averageOver(position, facet.window);
+          MarkerPixel& pixel = pixels.emplace_back();
+          pixel.column = line.pixel.column;
+          pixel.row = line.pixel.row;
+          pixel.grey = panorama.ptr<std::uint8_t>(pixel.row)[pixel.column];
+          pixel.white = white.share;
+          pixel.gradient = (white.by_position.transpose() * facet.by_pixel).norm();
+          pixel.position = scale * position - Eigen::Vector2d(0.5, 0.5);
+          pixel.white_by_pose = white.by_position.transpose() * facet.by_pose;
+        });
   return pixels;
-}
-
-MarkerPatch::Cells MarkerPatch::cellsAt(const Pose2& map_from_base) const {
-  const double cell_width = static_cast<double>(pattern_.width()) / kCells;
-  std::vector<std::optional<Eigen::Vector2d>> nodes;
-  for (int i = 0; i <= kCells; ++i) {
-    for (int j = 0; j <= kCells; ++j) {
-      nodes.push_back(
-          camera_.pixelFromMap(map_from_base, inMap(cell_width * Eigen::Vector2d(i, j))));
-    }
-  }
-  const auto nodeAt = [&nodes](int i, int j) -> const std::optional<Eigen::Vector2d>& {
-    constexpr std::size_t kNodes = kCells + 1;
-    return nodes[static_cast<std::size_t>(i) * kNodes + static_cast<std::size_t>(j)];
-  };
-  Cells cells;
-  for (int i = 0; i < kCells; ++i) {
-    for (int j = 0; j < kCells; ++j) {
-      const auto& upper_left = nodeAt(i, j);
-      const auto& upper_right = nodeAt(i + 1, j);
-      const auto& lower_left = nodeAt(i, j + 1);
-      const auto& lower_right = nodeAt(i + 1, j + 1);
-      if (!upper_left || !upper_right || !lower_left || !lower_right) continue;
-      Eigen::Matrix2d pixel_by_position;
-      pixel_by_position << *upper_right + *lower_right - *upper_left - *lower_left,
-          *lower_left + *lower_right - *upper_left - *upper_right;
-      pixel_by_position /= 2.0 * cell_width;
-      if (std::abs(pixel_by_position.determinant()) < 1e-6) continue;
-      const Eigen::Vector2d middle = cell_width * Eigen::Vector2d(i + 0.5, j + 0.5);
-      Eigen::Matrix<double, 2, 3> pixel_by_pose;
-      if (!camera_.pixelFromMap(map_from_base, inMap(middle), &pixel_by_pose)) continue;
-      Cell& cell = cells[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
-      cell.is_visible = true;
-      cell.by_pixel = pixel_by_position.inverse();
-      cell.by_pose = -cell.by_pixel * pixel_by_pose;
-    }
-  }
-  return cells;
-}
-
-const MarkerPatch::Cell& MarkerPatch::cellOf(const Cells& cells,
-                                             const Eigen::Vector2d& position) const {
-  const auto indexAlong = [this](double coordinate) {
-    return static_cast<std::size_t>(
-        std::clamp(static_cast<int>(coordinate * kCells / pattern_.width()), 0, kCells - 1));
-  };
-  return cells[indexAlong(position.x())][indexAlong(position.y())];
 }
 
 Eigen::Vector3d MarkerPatch::inMap(const Eigen::Vector2d& position) const {
   const double half = 0.5 * pattern_.width();
   return marker_.map_from_marker *
          (metres_per_module_ * Eigen::Vector3d(position.x() - half, half - position.y(), 0.0));
-}
-
-std::optional<Eigen::Vector2d> MarkerPatch::meet(const Ray& in_base,
-                                                 const Eigen::Isometry3d& marker_from_base) const {
-  const Eigen::Vector3d origin = marker_from_base * in_base.origin;
-  const Eigen::Vector3d direction = marker_from_base.linear() * in_base.direction;
-  if (origin.z() <= 0.0 || direction.z() >= 0.0) return std::nullopt;
-  const double range = -origin.z() / direction.z();
-  const double half = 0.5 * pattern_.width();
-  return Eigen::Vector2d(half + (origin.x() + range * direction.x()) / metres_per_module_,
-                         half - (origin.y() + range * direction.y()) / metres_per_module_);
 }
 
 }  // namespace omnitag

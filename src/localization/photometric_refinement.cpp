@@ -9,6 +9,7 @@
 
 #include "lit_patch.h"
 #include "omnitag/common/angle.h"
+#include "omnitag/common/parallel.h"
 #include "omnitag/localization/marker_patch.h"
 #include "omnitag/localization/pixel_noise.h"
 
@@ -71,63 +72,96 @@ class Aligner {
  public:
   Aligner(const cv::Mat& panorama, const MarkerMap& map, const MountedCamera& camera,
           const TagPatterns& patterns, const std::vector<std::size_t>& entries,
-          const PhotometricConfig& config)
+          const PhotometricConfig& config, int threads)
       : panorama_(panorama),
         map_(map),
         camera_(camera),
         patterns_(patterns),
         entries_(entries),
-        config_(config) {}
+        config_(config),
+        threads_(threads) {}
 
-  /// The parts of the panorama that show the markers, with so many pixels at edges at most.
-  std::vector<MarkerPatch> patches(const Pose2& pose, int max_pixels) const {
+  /// The parts of the panorama that show the markers, to find the pose from an initial one.
+  std::vector<MarkerPatch> roughPatches(const Pose2& pose) const {
     MarkerPatch::Choice choice;
-    choice.max_at_edges = static_cast<std::size_t>(max_pixels);
-    choice.max_on_even_ground = choice.max_at_edges / 4;
-    std::vector<MarkerPatch> patches;
-    patches.reserve(entries_.size());
-    for (const std::size_t entry : entries_) {
-      const Marker& marker = map_.markers[entry];
-      patches.emplace_back(marker, patterns_.of(marker), camera_, pose, config_.blur, choice);
-    }
-    return patches;
+    choice.facets = 2;
+    return patches(pose, config_.max_pixels, choice);
+  }
+
+  /// The same, from a pose that is hardly to change any more: only those pixels tell more of it
+  /// that have an edge in them.
+  std::vector<MarkerPatch> finePatches(const Pose2& pose) const {
+    MarkerPatch::Choice choice;
+    choice.reach = 0.0;
+    return patches(pose, config_.max_final_pixels, choice);
   }
 
   /// What each marker says at the alignment's pose and noise; nothing where it is not seen.
   std::vector<std::optional<MarkerFit>> fits(const std::vector<MarkerPatch>& patches,
                                              const Alignment& alignment) const {
     std::vector<std::optional<MarkerFit>> fits(patches.size());
-    for (std::size_t i = 0; i < patches.size(); ++i) {
-      std::vector<MarkerPixel> pixels = patches[i].pixels(panorama_, alignment.pose);
-      const std::optional<LitPatch> lit = fitLight(pixels, alignment.noise);
-      if (!lit) continue;
-      const Eigen::Matrix3d misplacement =
-          misplacementOf(map_.markers[entries_[i]], camera_, alignment.pose, config_);
-      // (information^-1 + misplacement)^-1, also where the information has no inverse.
-      const Eigen::Matrix3d share =
-          (Eigen::Matrix3d::Identity() + lit->information * misplacement).inverse();
-      fits[i] = MarkerFit{std::move(pixels), *lit, misplacement, share};
-    }
+    forEachIndex(patches.size(), threads_,
+                 [&](std::size_t i) { fits[i] = fitOf(patches[i], entries_[i], alignment); });
     return fits;
   }
 
   /// What all markers' residuals say about the pixels' noise; there must be some.
   PixelNoise noise(const Linearization& all) const {
+    constexpr std::size_t kEnough = 1000;
+    std::size_t count = 0;
+    for (const auto& fit : all.fits) count += fit ? fit->patch.residuals.size() : 0;
+    const std::size_t every = 1 + count / kEnough;
     std::vector<PixelResidual> residuals;
     for (const auto& fit : all.fits) {
       if (!fit) continue;
-      residuals.insert(residuals.end(), fit->patch.residuals.begin(), fit->patch.residuals.end());
+      const std::vector<PixelResidual>& of_marker = fit->patch.residuals;
+      for (std::size_t i = 0; i < of_marker.size(); i += every) residuals.push_back(of_marker[i]);
     }
     return noiseOf(std::move(residuals), config_.min_noise);
   }
 
  private:
+  std::optional<MarkerFit> fitOf(const MarkerPatch& patch, std::size_t entry,
+                                 const Alignment& alignment) const {
+    std::vector<MarkerPixel> pixels = patch.pixels(panorama_, alignment.pose);
+    const std::optional<LitPatch> lit = fitLight(pixels, alignment.noise);
+    if (!lit) return std::nullopt;
+    const Eigen::Matrix3d misplacement =
+        misplacementOf(map_.markers[entry], camera_, alignment.pose, config_);
+    // (information^-1 + misplacement)^-1, also where the information has no inverse.
+    const Eigen::Matrix3d share =
+        (Eigen::Matrix3d::Identity() + lit->information * misplacement).inverse();
+    return MarkerFit{std::move(pixels), *lit, misplacement, share};
+  }
+
+  /// With so many pixels at edges at most, all together, but for what a marker needs.
+  std::vector<MarkerPatch> patches(const Pose2& pose, int max_pixels,
+                                   MarkerPatch::Choice choice) const {
+    constexpr std::size_t kLeast = 75;
+    // So many more are looked at to find those at edges.
+    constexpr std::size_t kLookedAt = 3;
+    choice.max_at_edges = std::max(
+        kLeast, static_cast<std::size_t>(max_pixels) / std::max<std::size_t>(1, entries_.size()));
+    choice.max_on_even_ground = choice.max_at_edges / 8;
+    choice.max_considered = kLookedAt * choice.max_at_edges;
+    std::vector<std::optional<MarkerPatch>> made(entries_.size());
+    forEachIndex(entries_.size(), threads_, [&](std::size_t i) {
+      const Marker& marker = map_.markers[entries_[i]];
+      made[i].emplace(marker, patterns_.of(marker), camera_, pose, config_.blur, choice);
+    });
+    std::vector<MarkerPatch> patches;
+    patches.reserve(made.size());
+    for (std::optional<MarkerPatch>& patch : made) patches.push_back(std::move(*patch));
+    return patches;
+  }
+
   const cv::Mat& panorama_;
   const MarkerMap& map_;
   const MountedCamera& camera_;
   const TagPatterns& patterns_;
   const std::vector<std::size_t>& entries_;
   const PhotometricConfig& config_;
+  int threads_;
 };
 
 /// Adds up what the markers and the prior say, each marker with its weight.
@@ -156,7 +190,9 @@ double weightOf(const MarkerFit& fit, const Eigen::Vector3d& change) {
   constexpr double kDisagreement = 7.81;
   const Eigen::Matrix3d information = fit.information();
   const Eigen::Vector3d gradient = fit.gradient() - information * change;
-  return std::min(1.0, kDisagreement / gradient.dot(information.ldlt().solve(gradient)));
+  // Where the marker tells hardly anything in some direction, rounding may make this negative.
+  const double chi_square = gradient.dot(information.ldlt().solve(gradient));
+  return chi_square > kDisagreement ? kDisagreement / chi_square : 1.0;
 }
 
 /// Weighs the markers by how well they agree on a change of the pose.
@@ -184,9 +220,8 @@ std::optional<Eigen::Vector3d> changeOf(const Linearization& all) {
 bool converge(const Aligner& aligner, const std::vector<MarkerPatch>& patches,
               const std::optional<PoseEstimate>& prior, Alignment* alignment) {
   constexpr int kMaxSteps = 25;
-  // Standard deviations. The averages over pixels are not smooth enough to come much closer, nor
-  // would it gain anything.
-  constexpr double kConverged = 0.3;
+  // Standard deviations of what these pixels can tell, which is far less than what is to come.
+  constexpr double kConverged = 1.0;
   for (int step = 0; step < kMaxSteps; ++step) {
     const Linearization all = combine(aligner.fits(patches, *alignment), prior, *alignment);
     const std::optional<Eigen::Vector3d> change = changeOf(all);
@@ -194,8 +229,8 @@ bool converge(const Aligner& aligner, const std::vector<MarkerPatch>& patches,
     alignment->pose = moved(alignment->pose, *change);
     const PixelNoise before = std::exchange(alignment->noise, aligner.noise(all));
     const PixelNoise& noise = alignment->noise;
-    const bool is_settled = step > 0 && std::abs(noise.flat - before.flat) < 0.1 * noise.flat &&
-                            std::abs(noise.edge - before.edge) < 0.1 * noise.edge + 0.01;
+    const bool is_settled = step > 0 && std::abs(noise.flat - before.flat) < 0.2 * noise.flat &&
+                            std::abs(noise.edge - before.edge) < 0.2 * noise.edge + 0.01;
     if (is_settled && change->dot(all.information * *change) < kConverged * kConverged) return true;
     weigh(all, *change, alignment);
   }
@@ -204,14 +239,16 @@ bool converge(const Aligner& aligner, const std::vector<MarkerPatch>& patches,
 
 /// How many times more than their pixels say the markers disagree about a change of the pose, at
 /// least 1: where that is not by chance, something hides, shades or displaces one of them.
-double excessOf(const Linearization& all, const Eigen::Vector3d& change, const PixelNoise& noise) {
+/// `gradient_covariances`: one for each marker.
+double excessOf(const Linearization& all, const std::vector<Eigen::Matrix3d>& gradient_covariances,
+                const Eigen::Vector3d& change) {
   constexpr int kUnknowns = 3;
   double chi_square = 0.0;
   int freedom = -kUnknowns;
-  for (const auto& fit : all.fits) {
-    if (!fit) continue;
-    const Eigen::Vector3d gradient = fit->gradient() - fit->information() * change;
-    chi_square += gradient.dot(fit->gradientCovariance(noise).ldlt().solve(gradient));
+  for (std::size_t i = 0; i < all.fits.size(); ++i) {
+    if (!all.fits[i]) continue;
+    const Eigen::Vector3d gradient = all.fits[i]->gradient() - all.fits[i]->information() * change;
+    chi_square += gradient.dot(gradient_covariances[i].ldlt().solve(gradient));
     freedom += kUnknowns;
   }
   // By chance, chi-square is beyond this in one of a hundred frames.
@@ -224,13 +261,14 @@ double excessOf(const Linearization& all, const Eigen::Vector3d& change, const P
 /// the residuals say (the sandwich of Huber and White).
 Eigen::Matrix3d covarianceOf(const Linearization& all, const Eigen::Vector3d& change,
                              const std::optional<PoseEstimate>& prior, const Alignment& alignment) {
+  std::vector<Eigen::Matrix3d> gradient_covariances(all.fits.size(), Eigen::Matrix3d::Zero());
   Eigen::Matrix3d by_markers = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < all.fits.size(); ++i) {
     if (!all.fits[i]) continue;
-    by_markers += alignment.weights[i] * alignment.weights[i] *
-                  all.fits[i]->gradientCovariance(alignment.noise);
+    gradient_covariances[i] = all.fits[i]->gradientCovariance(alignment.noise);
+    by_markers += alignment.weights[i] * alignment.weights[i] * gradient_covariances[i];
   }
-  Eigen::Matrix3d gradient_covariance = excessOf(all, change, alignment.noise) * by_markers;
+  Eigen::Matrix3d gradient_covariance = excessOf(all, gradient_covariances, change) * by_markers;
   if (prior) gradient_covariance += prior->covariance.inverse();
   const Eigen::Matrix3d inverse = all.information.inverse();
   return inverse * gradient_covariance * inverse;
@@ -242,10 +280,10 @@ double photometricMisfit(const cv::Mat& panorama, const MarkerMap& map, const Mo
                          const TagPatterns& patterns, const std::vector<std::size_t>& entries,
                          const Pose2& map_from_base, const PhotometricFit& fit,
                          const PhotometricConfig& config) {
-  const Aligner aligner(panorama, map, camera, patterns, entries, config);
+  const Aligner aligner(panorama, map, camera, patterns, entries, config, 1);
   const PixelNoise noise{fit.noise, fit.edge_noise};
   double misfit = 0.0;
-  for (const MarkerPatch& patch : aligner.patches(map_from_base, config.max_pixels)) {
+  for (const MarkerPatch& patch : aligner.roughPatches(map_from_base)) {
     const auto lit = fitLight(patch.pixels(panorama, map_from_base), noise);
     if (!lit) return std::numeric_limits<double>::infinity();
     for (const PixelResidual& residual : lit->residuals) {
@@ -258,17 +296,16 @@ double photometricMisfit(const cv::Mat& panorama, const MarkerMap& map, const Mo
 std::optional<PhotometricFit> refinePhotometrically(
     const cv::Mat& panorama, const MarkerMap& map, const MountedCamera& camera,
     const TagPatterns& patterns, const std::vector<std::size_t>& entries, const Pose2& initial,
-    const std::optional<PoseEstimate>& prior, const PhotometricConfig& config) {
-  const Aligner aligner(panorama, map, camera, patterns, entries, config);
+    const std::optional<PoseEstimate>& prior, const PhotometricConfig& config, int threads) {
+  const Aligner aligner(panorama, map, camera, patterns, entries, config, threads);
   Alignment alignment{initial, {}, std::vector<double>(entries.size(), 1.0)};
-  if (!converge(aligner, aligner.patches(initial, config.max_pixels), prior, &alignment)) {
+  if (!converge(aligner, aligner.roughPatches(initial), prior, &alignment)) {
     return std::nullopt;
   }
   // From so near, one step with many more pixels is enough. They tell better, too, which markers
   // disagree.
   Linearization all =
-      combine(aligner.fits(aligner.patches(alignment.pose, config.max_final_pixels), alignment),
-              prior, alignment);
+      combine(aligner.fits(aligner.finePatches(alignment.pose), alignment), prior, alignment);
   std::optional<Eigen::Vector3d> change = changeOf(all);
   for (int round = 0; round < 2 && change; ++round) {
     weigh(all, *change, &alignment);
@@ -276,12 +313,12 @@ std::optional<PhotometricFit> refinePhotometrically(
     change = changeOf(all);
   }
   if (!change) return std::nullopt;
-  alignment.noise = aligner.noise(all);
+  const PixelNoise noise = aligner.noise(all);
   PhotometricFit result;
   result.map_from_base = {moved(alignment.pose, *change),
                           covarianceOf(all, *change, prior, alignment)};
-  result.noise = alignment.noise.flat;
-  result.edge_noise = alignment.noise.edge;
+  result.noise = noise.flat;
+  result.edge_noise = noise.edge;
   result.weights = std::move(alignment.weights);
   return result;
 }

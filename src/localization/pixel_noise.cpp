@@ -18,42 +18,31 @@ double varianceOf(std::vector<double> squares) {
 
 }  // namespace
 
-bool isSaturated(double grey, double expected) {
-  constexpr double kDarkest = 3.0;
-  constexpr double kBrightest = 250.0;
-  return std::max(grey, expected) > kBrightest || std::min(grey, expected) < kDarkest;
-}
-
-double weightOf(const PixelResidual& residual, const PixelNoise& noise) {
-  constexpr double kOutlier = 3.5;
-  const double variance = noise.variance(residual.grey_gradient);
-  const double ratio_square = residual.grey * residual.grey / (kOutlier * kOutlier * variance);
-  return 1.0 / (variance * std::max(1.0, ratio_square));
-}
-
 PixelNoise noiseOf(std::vector<PixelResidual> residuals, double least_flat) {
   constexpr double kFlat = 0.05;  // share of white per pixel
   constexpr double kEdge = 0.25;
   constexpr std::ptrdiff_t kFewest = 30;
   constexpr PixelNoise kTypical;
-  std::sort(residuals.begin(), residuals.end(),
-            [](const PixelResidual& a, const PixelResidual& b) { return a.gradient < b.gradient; });
-  const auto firstFrom = [&residuals](double gradient) {
-    return std::partition_point(
-        residuals.begin(), residuals.end(),
-        [gradient](const PixelResidual& r) { return r.gradient < gradient; });
+  const auto below = [](double gradient) {
+    return [gradient](const PixelResidual& residual) { return residual.gradient < gradient; };
   };
   // Small markers have hardly any even ground: the most even pixels must do.
   const auto count = static_cast<std::ptrdiff_t>(residuals.size());
-  const auto flat_end = residuals.begin() + std::max(firstFrom(kFlat) - residuals.begin(),
-                                                     std::min(kFewest, (count + 4) / 5));
+  const std::ptrdiff_t fewest = std::min(kFewest, (count + 4) / 5);
+  auto flat_end = std::partition(residuals.begin(), residuals.end(), below(kFlat));
+  if (flat_end - residuals.begin() < fewest) {
+    flat_end = residuals.begin() + fewest;
+    std::nth_element(
+        residuals.begin(), flat_end - 1, residuals.end(),
+        [](const PixelResidual& a, const PixelResidual& b) { return a.gradient < b.gradient; });
+  }
   std::vector<double> flat_squares;
   std::for_each(residuals.begin(), flat_end,
                 [&](const PixelResidual& r) { flat_squares.push_back(r.grey * r.grey); });
   PixelNoise noise;
   noise.flat = std::max(std::sqrt(varianceOf(std::move(flat_squares))), least_flat);
 
-  const auto edge_begin = firstFrom(kEdge);
+  const auto edge_begin = std::partition(residuals.begin(), residuals.end(), below(kEdge));
   noise.edge = kTypical.edge;
   if (residuals.end() - edge_begin < kFewest) return noise;
   std::vector<double> edge_squares;

@@ -1,7 +1,7 @@
 #include "omnitag/localization/recognition.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -13,17 +13,15 @@
 namespace omnitag {
 namespace {
 
-/// A pixel's share of white in the marker as it should image, and how that changes from pixel to
-/// pixel.
+/// A pixel's share of white in the marker as it should image.
 struct Sample {
   int column;
   int row;
   double white;
-  Eigen::Vector2d by_pixel;
 };
 
 /// Pixels of the marker that are looked at, about: more would only make it slower.
-constexpr double kPixels = 300.0;
+constexpr std::size_t kPixels = 200;
 
 /// Where its place is searched for, one of so many of those, if there are enough.
 constexpr std::size_t kCoarse = 2;
@@ -32,82 +30,122 @@ constexpr std::size_t kEnough = 150;
 /// Pixels; however small the marker, it is worth to look for it so far around.
 constexpr double kLeastMargin = 3.0;
 
-int stepFor(const PredictedMarker& predicted, const TagPattern& pattern) {
-  const double edge = meanEdge(predicted.corners) * pattern.width() / pattern.widthBetweenCorners();
-  return std::max(1, static_cast<int>(std::sqrt(edge * edge / kPixels)));
-}
-
 /// What is seen of a marker that is displaced: the pixels move as far as whole pixels go, and what
-/// they see of the marker by the rest. (Grey levels between pixels would be blurred.) Leaves out
-/// what is then off the marker or the panorama.
-std::vector<Footprint> displaced(const std::vector<Footprint>& footprints,
-                                 const Eigen::Vector2d& displacement, const cv::Size& panorama,
-                                 double width) {
+/// they see of the marker by the rest. (Grey levels between pixels would be blurred.) Calls back
+/// with the footprint of each, but for what is then off the marker or the
+/// panorama.
+template <typename Visit>
+void visitDisplaced(const std::vector<Footprint>& footprints, const Eigen::Vector2d& displacement,
+                    const cv::Size& panorama, double width, const Visit& visit) {
   const Eigen::Vector2d whole = displacement.array().round();
   const cv::Point offset(static_cast<int>(whole.x()), static_cast<int>(whole.y()));
   const cv::Rect image({0, 0}, panorama);
-  std::vector<Footprint> moved;
-  moved.reserve(footprints.size());
   for (Footprint footprint : footprints) {
     footprint.column += offset.x;
     footprint.row += offset.y;
-    footprint.position += footprint.by_pixel * (whole - displacement);
-    const Eigen::Vector2d reach = 0.5 * footprint.sides.cwiseAbs().rowwise().sum();
+    footprint.position += footprint.facet->by_pixel * (whole - displacement);
+    const Eigen::Vector2d& reach = footprint.facet->window.reach();
     if (!image.contains({footprint.column, footprint.row}) ||
         (footprint.position - reach).minCoeff() < 0.0 ||
         (footprint.position + reach).maxCoeff() > width) {
       continue;
     }
-    moved.push_back(footprint);
+    visit(footprint);
   }
-  return moved;
 }
 
 std::vector<Sample> samplesOf(const std::vector<Footprint>& footprints, const TagPattern& pattern) {
   std::vector<Sample> samples;
   samples.reserve(footprints.size());
   for (const Footprint& footprint : footprints) {
-    const TagPattern::White white =
-        pattern.averageOver(footprint.position, footprint.sides.col(0), footprint.sides.col(1));
-    samples.push_back({footprint.column, footprint.row, white.share,
-                       footprint.by_pixel.transpose() * white.by_position});
+    const double white = pattern.average(footprint.position, footprint.facet->window.size()).share;
+    samples.push_back({footprint.column, footprint.row, white});
   }
   return samples;
 }
 
-/// Moves the marker by whole pixels and returns where its pattern correlates best with the
-/// panorama.
-Eigen::Vector2i bestPlace(const cv::Mat& panorama, const std::vector<Sample>& samples,
-                          const Eigen::Vector2i& reach, int step) {
-  std::vector<Sample> coarse;
-  double white_sum = 0.0;
-  for (std::size_t i = 0; i<samples.size(); i += samples.size()> kEnough ? kCoarse : 1) {
-    coarse.push_back(samples[i]);
-    white_sum += samples[i].white;
+/// Where a marker may be, relative to where it is predicted.
+class SearchArea {
+ public:
+  SearchArea(const PredictedMarker& predicted, const CameraModel& camera)
+      : radial_((predicted.center - camera.imagePlane().principalPoint()).stableNormalized()),
+        tangential_margin_(predicted.tangential_margin),
+        radial_margin_(predicted.radial_margin) {}
+
+  /// Whether it may be so many pixels away, give or take some.
+  bool contains(const Eigen::Vector2d& displacement, double tolerance) const {
+    const double tangential = radial_.x() * displacement.y() - radial_.y() * displacement.x();
+    return std::abs(tangential) <= tangential_margin_ + tolerance &&
+           std::abs(radial_.dot(displacement)) <= radial_margin_ + tolerance;
   }
-  const auto count = static_cast<double>(coarse.size());
-  const double white_mean = white_sum / count;
+
+  /// A grid of whole pixels that leaves none of it farther than a step away.
+  std::vector<Eigen::Vector2i> places(int step) const {
+    const double reach = std::hypot(tangential_margin_, radial_margin_);
+    const int steps = static_cast<int>(std::ceil(reach / step));
+    std::vector<Eigen::Vector2i> places;
+    for (int row = -steps; row <= steps; ++row) {
+      for (int column = -steps; column <= steps; ++column) {
+        const Eigen::Vector2i place(column * step, row * step);
+        if (contains(place.cast<double>(), 0.5 * step)) places.push_back(place);
+      }
+    }
+    return places;
+  }
+
+ private:
+  Eigen::Vector2d radial_;
+  double tangential_margin_;
+  double radial_margin_;
+};
+
+/// Moves the marker by whole pixels and returns at which of the places its pattern correlates best
+/// with the panorama, of those where all of it is in the image.
+Eigen::Vector2i bestPlace(const cv::Mat& panorama, const std::vector<Sample>& samples,
+                          const std::vector<Eigen::Vector2i>& places) {
+  struct Pixel {
+    std::ptrdiff_t index;
+    float white;
+  };
+  std::vector<Pixel> pixels;
+  const std::size_t every = samples.size() > kEnough ? kCoarse : 1;
+  pixels.reserve(samples.size() / every + 1);
+  const auto stride = static_cast<std::ptrdiff_t>(panorama.step[0]);
+  float white_sum = 0.0F;
+  Eigen::Vector2i low(panorama.cols, panorama.rows);
+  Eigen::Vector2i high(0, 0);
+  for (std::size_t i = 0; i < samples.size(); i += every) {
+    const Sample& sample = samples[i];
+    pixels.push_back({sample.row * stride + sample.column, static_cast<float>(sample.white)});
+    white_sum += pixels.back().white;
+    low = low.cwiseMin(Eigen::Vector2i(sample.column, sample.row));
+    high = high.cwiseMax(Eigen::Vector2i(sample.column, sample.row));
+  }
+  const auto count = static_cast<float>(pixels.size());
+  for (Pixel& pixel : pixels) pixel.white -= white_sum / count;
   Eigen::Vector2i best = Eigen::Vector2i::Zero();
-  double best_correlation = -1.0;
-  for (int dv = -reach.y(); dv <= reach.y(); dv += step) {
-    for (int du = -reach.x(); du <= reach.x(); du += step) {
-      double sum = 0.0;
-      double squares = 0.0;
-      double product = 0.0;
-      for (const Sample& sample : coarse) {
-        const int row = std::clamp(sample.row + dv, 0, panorama.rows - 1);
-        const int column = std::clamp(sample.column + du, 0, panorama.cols - 1);
-        const double grey = panorama.ptr<std::uint8_t>(row)[column];
-        sum += grey;
-        squares += grey * grey;
-        product += grey * (sample.white - white_mean);
-      }
-      const double variance = squares - sum * sum / count;
-      const double correlation = variance > 0.0 ? product / std::sqrt(variance) : -1.0;
-      if (correlation > best_correlation) {
-        best_correlation = correlation;
-        best = {du, dv};
-      }
+  float best_correlation = -1.0F;
+  for (const Eigen::Vector2i& place : places) {
+    if ((low + place).minCoeff() < 0 || high.x() + place.x() >= panorama.cols ||
+        high.y() + place.y() >= panorama.rows) {
+      continue;
+    }
+    const std::uint8_t* const moved = panorama.data + place.y() * stride + place.x();
+    int sum = 0;
+    int squares = 0;
+    float product = 0.0F;
+    for (const Pixel& pixel : pixels) {
+      const int grey = moved[pixel.index];
+      sum += grey;
+      squares += grey * grey;
+      product += static_cast<float>(grey) * pixel.white;
+    }
+    const float mean = static_cast<float>(sum) / count;
+    const float variance = static_cast<float>(squares) - static_cast<float>(sum) * mean;
+    const float correlation = variance > 0.0F ? product / std::sqrt(variance) : -1.0F;
+    if (correlation > best_correlation) {
+      best_correlation = correlation;
+      best = place;
     }
   }
   return best;
@@ -126,17 +164,21 @@ std::optional<Fit> align(const cv::Mat& panorama, const std::vector<Footprint>& 
   constexpr double kConverged = 0.1;  // pixels; the last step leaves far less
   Fit fit{start, 0.0};
   for (int i = 0; i < kMaxSteps; ++i) {
-    const std::vector<Sample> samples = samplesOf(
-        displaced(footprints, fit.displacement, panorama.size(), pattern.width()), pattern);
     // The unknowns: black, contrast, and contrast times the change of the displacement.
     Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
     Eigen::Vector4d right_side = Eigen::Vector4d::Zero();
-    for (const Sample& sample : samples) {
-      const Eigen::Vector4d x(1.0, sample.white, -sample.by_pixel.x(), -sample.by_pixel.y());
-      const double grey = panorama.ptr<std::uint8_t>(sample.row)[sample.column];
-      normal += x * x.transpose();
-      right_side += grey * x;
-    }
+    visitDisplaced(footprints, fit.displacement, panorama.size(), pattern.width(),
+                   [&](const Footprint& footprint) {
+                     const TagPattern::White white =
+                         pattern.average(footprint.position, footprint.facet->window.size());
+                     const Eigen::Vector2d by_pixel =
+                         footprint.facet->by_pixel.transpose() * white.by_position;
+                     const Eigen::Vector4d x(1.0, white.share, -by_pixel.x(), -by_pixel.y());
+                     const double grey =
+                         panorama.ptr<std::uint8_t>(footprint.row)[footprint.column];
+                     normal.noalias() += x * x.transpose();
+                     right_side += grey * x;
+                   });
     const Eigen::LDLT<Eigen::Matrix4d> factors(normal);
     if (factors.info() != Eigen::Success || !(factors.vectorD().minCoeff() > 1e-9)) {
       return std::nullopt;
@@ -159,56 +201,113 @@ struct Comparison {
   double dimensions = 0.0;
 };
 
+constexpr int kNuisances = 5;
+using Nuisances = Eigen::Matrix<double, kNuisances, 1>;
+
+/// A pixel that sees something of data modules.
+struct DataPixel {
+  double grey;
+  /// What it would see of the data modules if black were -1.
+  double expected;
+  /// What else may have made it so bright: the light, and what the layout fixes.
+  Nuisances nuisances;
+  std::vector<TagPattern::DataShare> shares;
+};
+
+std::vector<DataPixel> dataPixels(const cv::Mat& panorama, const std::vector<Footprint>& footprints,
+                                  const Eigen::Vector2d& displacement, const TagPattern& pattern,
+                                  const std::vector<double>& signs) {
+  std::vector<DataPixel> pixels;
+  pixels.reserve(footprints.size());
+  DataPixel pixel;
+  visitDisplaced(footprints, displacement, panorama.size(), pattern.width(),
+                 [&](const Footprint& footprint) {
+                   const Eigen::Vector2d& size = footprint.facet->window.size();
+                   pattern.dataShares(footprint.position, size, &pixel.shares);
+                   double data = 0.0;
+                   pixel.expected = 0.0;
+                   for (const TagPattern::DataShare& share : pixel.shares) {
+                     data += share.share;
+                     pixel.expected += signs[static_cast<std::size_t>(share.module)] * share.share;
+                   }
+                   constexpr double kLeastData = 0.05;
+                   if (data < kLeastData) return;
+                   const double white = pattern.average(footprint.position, size).share;
+                   const double data_white = 0.5 * (data + pixel.expected);
+                   const Eigen::Vector2d place = footprint.position / pattern.width();
+                   pixel.nuisances << 1.0, place.x(), place.y(), white - data_white, data;
+                   pixel.grey = panorama.ptr<std::uint8_t>(footprint.row)[footprint.column];
+                   pixels.push_back(pixel);
+                 });
+  return pixels;
+}
+
+/// Takes the nuisances to independent ones whose sums of squares are 1; those that the others
+/// explain become zero.
+Eigen::Matrix<double, kNuisances, kNuisances> normalizing(
+    const Eigen::Matrix<double, kNuisances, kNuisances>& gram) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, kNuisances, kNuisances>> eigen(gram);
+  constexpr double kSame = 1e-9;
+  const double least = kSame * eigen.eigenvalues().maxCoeff();
+  const Nuisances scales = eigen.eigenvalues().unaryExpr(
+      [least](double value) { return value > least ? 1.0 / std::sqrt(value) : 0.0; });
+  return scales.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
 /// Compares the data modules with the panorama, whatever the light and the other modules are.
 std::optional<Comparison> compareData(const cv::Mat& panorama,
                                       const std::vector<Footprint>& footprints,
+                                      const Eigen::Vector2d& displacement,
                                       const TagPattern& pattern) {
-  const Eigen::Index bits = pattern.dataModules();
-  Eigen::VectorXd signs(bits);
-  for (int bit = 0; bit < bits; ++bit) signs[bit] = pattern.isDataWhite(bit) ? 1.0 : -1.0;
-
-  constexpr Eigen::Index kNuisances = 5;
-  const auto count = static_cast<Eigen::Index>(footprints.size());
-  // One column for each pixel.
-  Eigen::MatrixXd shares = Eigen::MatrixXd::Zero(bits, count);
-  Eigen::MatrixXd nuisances(kNuisances, count);
-  Eigen::VectorXd greys(count);
-  Eigen::Index used = 0;
-  for (const Footprint& footprint : footprints) {
-    shares.col(used).setZero();
-    pattern.addDataShares(footprint.position, footprint.sides.col(0), footprint.sides.col(1),
-                          shares.col(used));
-    const double data = shares.col(used).sum();
-    constexpr double kLeastData = 0.05;
-    if (data < kLeastData) continue;
-    const double white =
-        pattern.averageOver(footprint.position, footprint.sides.col(0), footprint.sides.col(1))
-            .share;
-    const double data_white = 0.5 * (data + shares.col(used).dot(signs));
-    const Eigen::Vector2d place = footprint.position / pattern.width();
-    nuisances.col(used) << 1.0, place.x(), place.y(), white - data_white, data;
-    greys[used] = panorama.ptr<std::uint8_t>(footprint.row)[footprint.column];
-    ++used;
+  std::vector<double> signs;
+  for (int module = 0; module < pattern.dataModules(); ++module) {
+    signs.push_back(pattern.isDataWhite(module) ? 1.0 : -1.0);
   }
-  if (used <= kNuisances + 2) return std::nullopt;
-  shares.conservativeResize(Eigen::NoChange, used);
-  nuisances.conservativeResize(Eigen::NoChange, used);
-  greys.conservativeResize(used);
+  std::vector<DataPixel> pixels = dataPixels(panorama, footprints, displacement, pattern, signs);
+  if (pixels.size() <= kNuisances + 2) return std::nullopt;
 
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> decomposition(nuisances.transpose());
-  const Eigen::MatrixXd basis =
-      decomposition.householderQ() * Eigen::MatrixXd::Identity(used, decomposition.rank());
-  shares -= (shares * basis) * basis.transpose();
-  greys -= basis * (basis.transpose() * greys);
-  const Eigen::VectorXd expected = shares.transpose() * signs;
-  const double norms = expected.norm() * greys.norm();
+  // All that follows leaves out what the nuisances explain.
+  Eigen::Matrix<double, kNuisances, kNuisances> gram;
+  gram.setZero();
+  for (const DataPixel& pixel : pixels) gram += pixel.nuisances * pixel.nuisances.transpose();
+  const auto independent = normalizing(gram);
+  Nuisances in_grey = Nuisances::Zero();
+  Nuisances in_expected = Nuisances::Zero();
+  Eigen::Matrix<double, kNuisances, Eigen::Dynamic> in_shares(kNuisances, signs.size());
+  in_shares.setZero();
+  double share_squares = 0.0;
+  for (DataPixel& pixel : pixels) {
+    pixel.nuisances = independent * pixel.nuisances;
+    in_grey += pixel.grey * pixel.nuisances;
+    in_expected += pixel.expected * pixel.nuisances;
+    for (const TagPattern::DataShare& share : pixel.shares) {
+      in_shares.col(share.module) += share.share * pixel.nuisances;
+      share_squares += share.share * share.share;
+    }
+  }
+  share_squares -= in_shares.squaredNorm();
+
+  double product = 0.0;
+  double grey_squares = 0.0;
+  double expected_squares = 0.0;
+  Eigen::VectorXd along_expected = Eigen::VectorXd::Zero(pattern.dataModules());
+  for (const DataPixel& pixel : pixels) {
+    const double grey = pixel.grey - in_grey.dot(pixel.nuisances);
+    const double expected = pixel.expected - in_expected.dot(pixel.nuisances);
+    product += expected * grey;
+    grey_squares += grey * grey;
+    expected_squares += expected * expected;
+    for (const TagPattern::DataShare& share : pixel.shares) {
+      along_expected[share.module] += share.share * expected;
+    }
+  }
+  const double norms = std::sqrt(expected_squares * grey_squares);
   if (!(norms > 1e-9)) return std::nullopt;
   Comparison comparison;
-  comparison.correlation = expected.dot(greys) / norms;
+  comparison.correlation = product / norms;
   // Of random signs r, the correlation with the expected ones s has the variance
   // |G s|^2 / (s'G s tr G), G = A'A; of n independent dimensions it would be 1 / n.
-  comparison.dimensions =
-      expected.squaredNorm() * shares.squaredNorm() / (shares * expected).squaredNorm();
+  comparison.dimensions = expected_squares * share_squares / along_expected.squaredNorm();
   return comparison;
 }
 
@@ -237,7 +336,8 @@ std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& mark
   const double margin = std::max(predicted.tangential_margin, predicted.radial_margin);
   if (margin > std::max(kLeastMargin, config.max_margin * module)) return std::nullopt;
   MarkerPatch::Choice choice;
-  choice.step = stepFor(predicted, pattern);
+  choice.max_considered = kPixels;
+  choice.facets = 3;
   const MarkerPatch patch(marker, pattern, camera, map_from_base, blur, choice);
   const std::vector<Footprint> footprints = patch.footprints(map_from_base);
   constexpr std::size_t kFewestPixels = 24;
@@ -246,21 +346,17 @@ std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& mark
 
   // Alignment finds its way from a third of a module.
   const int step = std::max(1, static_cast<int>(0.5 * module));
-  const int steps = static_cast<int>(std::ceil(margin / step));
-  const Eigen::Vector2i reach(steps * step, steps * step);
-  const Eigen::Vector2i place = bestPlace(panorama, samples, reach, step);
+  const SearchArea area(predicted, camera.model());
+  const std::vector<Eigen::Vector2i> places = area.places(step);
+  const Eigen::Vector2i place = bestPlace(panorama, samples, places);
   const std::optional<Fit> fit = align(panorama, footprints, pattern, place.cast<double>());
   if (!fit || fit->contrast < config.min_contrast) return std::nullopt;
-  const double limit = reach.x() + 1.0;
-  if (fit->displacement.cwiseAbs().maxCoeff() > limit) return std::nullopt;
-  const auto comparison = compareData(
-      panorama, displaced(footprints, fit->displacement, panorama.size(), pattern.width()),
-      pattern);
+  if (!area.contains(fit->displacement, step + 1.0)) return std::nullopt;
+  const auto comparison = compareData(panorama, footprints, fit->displacement, pattern);
   if (!comparison) return std::nullopt;
-  const double trials = (2.0 * steps + 1.0) * (2.0 * steps + 1.0);
-  return Recognition{
-      fit->displacement, comparison->correlation,
-      correlationThreshold(comparison->dimensions, config.false_accept_rate / trials)};
+  const double rate = config.false_accept_rate / static_cast<double>(places.size());
+  return Recognition{fit->displacement, comparison->correlation,
+                     correlationThreshold(comparison->dimensions, rate)};
 }
 
 }  // namespace omnitag

@@ -55,13 +55,13 @@ std::vector<Sample> samplesAt(const Unknowns& unknowns, const std::vector<Footpr
     const Eigen::Vector4d share = shares(footprint.position, pattern);
     Eigen::Vector2d shift = Eigen::Vector2d::Zero();
     for (Eigen::Index k = 0; k < 4; ++k) shift += share(k) * unknowns.segment<2>(shiftOf(k));
-    const Eigen::Vector2d position = footprint.position - footprint.by_pixel * shift;
+    const Eigen::Vector2d position = footprint.position - footprint.facet->by_pixel * shift;
     if (position.minCoeff() < 0.0 || position.maxCoeff() > width) continue;
-    const TagPattern::White white =
-        pattern.averageOver(position, footprint.sides.col(0), footprint.sides.col(1));
+    const TagPattern::White white = pattern.averageOver(position, footprint.facet->window);
     const Eigen::Vector2d place = position / width - Eigen::Vector2d(0.5, 0.5);
     const GridLight by_light = greyByLight(white.share, place);
-    const Eigen::RowVector2d white_by_shift = -white.by_position.transpose() * footprint.by_pixel;
+    const Eigen::RowVector2d white_by_shift =
+        -white.by_position.transpose() * footprint.facet->by_pixel;
     const Eigen::RowVector2d by_shift = contrastAt(place, light) * white_by_shift;
     Sample sample;
     sample.grey = panorama.at<std::uint8_t>(footprint.row, footprint.column);
@@ -131,8 +131,8 @@ std::optional<AlignedCorners> alignCorners(const cv::Mat& panorama, const Marker
   MarkerPatch::Choice choice;
   choice.max_at_edges = kMaxPixels;
   choice.max_on_even_ground = kMaxPixels / 4;
-  const std::vector<Footprint> footprints =
-      MarkerPatch(marker, pattern, camera, map_from_base, blur, choice).footprints(map_from_base);
+  const MarkerPatch patch(marker, pattern, camera, map_from_base, blur, choice);
+  const std::vector<Footprint> footprints = patch.footprints(map_from_base);
   constexpr std::size_t kFewestPixels = 60;
   if (footprints.size() < kFewestPixels) return std::nullopt;
   Unknowns unknowns = fitLight(footprints, panorama, pattern);

@@ -50,18 +50,13 @@ int affordableHamming(const apriltag_family_t& family, int wanted) {
 /// The library has the centre of the top-left pixel at (0.5, 0.5).
 Eigen::Vector2d toPixel(double x, double y) { return {x - 0.5, y - 0.5}; }
 
-/// Where the diagonals meet.
-Eigen::Vector2d centerOf(const Corners<Eigen::Vector2d>& corners) {
-  using Line = Eigen::Hyperplane<double, 2>;
-  return Line::Through(corners[0], corners[2]).intersection(Line::Through(corners[1], corners[3]));
-}
-
 TagDetection toTagDetection(const apriltag_detection_t& detection) {
   TagDetection result;
   result.family = detection.family->name;
   result.id = detection.id;
   result.hamming = detection.hamming;
   result.decision_margin = detection.decision_margin;
+  result.modules_per_edge = detection.family->width_at_border;
   for (std::size_t i = 0; i < result.corners.size(); ++i) {
     result.corners[i] = toPixel(detection.p[i][0], detection.p[i][1]);
   }
@@ -69,6 +64,11 @@ TagDetection toTagDetection(const apriltag_detection_t& detection) {
 }
 
 }  // namespace
+
+Eigen::Vector2d centerOf(const Corners<Eigen::Vector2d>& corners) {
+  using Line = Eigen::Hyperplane<double, 2>;
+  return Line::Through(corners[0], corners[2]).intersection(Line::Through(corners[1], corners[3]));
+}
 
 TagDetectorConfig readTagDetectorConfig(const YamlReader& reader) {
   reader.allowOnly({"quad_decimate", "quad_sigma", "refine_edges", "decode_sharpening",
@@ -96,12 +96,12 @@ TagDetectorConfig readTagDetectorConfig(const YamlReader& reader) {
 }
 
 struct TagDetector::Library {
-  Library(const TagDetectorConfig& config, const std::set<std::string>& family_names)
+  Library(const TagDetectorConfig& config, const std::set<std::string>& family_names, int threads)
       : min_decision_margin(config.min_decision_margin),
         blurs(config.quad_sigma != 0.0 && config.quad_decimate <= 1.0),
         deglitches(config.deglitch && config.quad_decimate <= 1.0),
         smallest_side(8.0 * std::max(1.0, config.quad_decimate)) {
-    detector->nthreads = 1;
+    detector->nthreads = threads;
     detector->quad_decimate = static_cast<float>(config.quad_decimate);
     detector->quad_sigma = static_cast<float>(config.quad_sigma);
     detector->refine_edges = config.refine_edges;
@@ -131,8 +131,9 @@ struct TagDetector::Library {
   std::unique_ptr<apriltag_detector_t, DestroyDetector> detector{apriltag_detector_create()};
 };
 
-TagDetector::TagDetector(const TagDetectorConfig& config, const std::set<std::string>& families)
-    : library_(std::make_unique<Library>(config, families)) {}
+TagDetector::TagDetector(const TagDetectorConfig& config, const std::set<std::string>& families,
+                         int threads)
+    : library_(std::make_unique<Library>(config, families, threads)) {}
 
 TagDetector::~TagDetector() = default;
 TagDetector::TagDetector(TagDetector&&) noexcept = default;

@@ -1,7 +1,6 @@
 #include "omnitag/marker/tag_pattern.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -13,25 +12,20 @@
 namespace omnitag {
 namespace {
 
-/// The middles of the four parts of a parallelogram, and the size of the rectangle along the
-/// modules that stands for each of them.
-std::array<Eigen::Vector2d, 4> partsOf(const Eigen::Vector2d& middle, const Eigen::Vector2d& side_u,
-                                       const Eigen::Vector2d& side_v) {
-  const Eigen::Vector2d sum = 0.25 * (side_u + side_v);
-  const Eigen::Vector2d difference = 0.25 * (side_u - side_v);
-  return {middle - sum, middle - difference, middle + difference, middle + sum};
-}
-
 bool isWithinModule(const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
   return static_cast<int>(low.x()) == static_cast<int>(high.x()) &&
          static_cast<int>(low.y()) == static_cast<int>(high.y());
 }
 
-Eigen::Vector2d partSize(const Eigen::Vector2d& side_u, const Eigen::Vector2d& side_v) {
-  return 0.5 * (side_u.cwiseAbs2() + side_v.cwiseAbs2()).cwiseSqrt();
-}
-
 }  // namespace
+
+TagPattern::Window::Window(const Eigen::Vector2d& side_u, const Eigen::Vector2d& side_v)
+    : reach_(0.5 * (side_u.cwiseAbs() + side_v.cwiseAbs())),
+      size_((side_u.cwiseAbs2() + side_v.cwiseAbs2()).cwiseSqrt()) {
+  const Eigen::Vector2d sum = 0.25 * (side_u + side_v);
+  const Eigen::Vector2d difference = 0.25 * (side_u - side_v);
+  parts_ = {-sum, -difference, difference, sum};
+}
 
 TagPattern::TagPattern(const std::string& family, int id)
     : TagPattern(*createAprilTagFamily(family), id) {}
@@ -83,19 +77,18 @@ bool TagPattern::isWhiteAt(const Eigen::Vector2d& position) const {
 }
 
 bool TagPattern::isEven(const Eigen::Vector2d& low, const Eigen::Vector2d& high) const {
-  const auto first = [this](double coordinate) {
+  const auto module = [this](double coordinate) {
     return std::clamp(static_cast<int>(coordinate), 0, width_ - 1);
   };
-  const auto end = [this](double coordinate) {
-    return std::clamp(static_cast<int>(std::ceil(coordinate)), 1, width_);
-  };
-  const int left = first(low.x());
-  const int top = first(low.y());
-  const int right = end(high.x());
-  const int bottom = end(high.y());
+  const int left = module(low.x());
+  const int top = module(low.y());
+  const int right = module(high.x()) + 1;
+  const int bottom = module(high.y()) + 1;
+  const int modules = (right - left) * (bottom - top);
+  if (modules == 1) return true;
   const double white =
       sumAt(right, bottom) - sumAt(left, bottom) - sumAt(right, top) + sumAt(left, top);
-  return white < 0.5 || white > (right - left) * (bottom - top) - 0.5;
+  return white < 0.5 || white > modules - 0.5;
 }
 
 bool TagPattern::isDataWhite(int module) const {
@@ -120,10 +113,9 @@ TagPattern::Area TagPattern::whiteAbove(const Place& x, const Place& y) const {
   return {upper[0] + x.within * by_x + y.within * down, by_x, down + x.within * across};
 }
 
-TagPattern::White TagPattern::average(const Eigen::Vector2d& position,
-                                      const Eigen::Vector2d& size) const {
-  const Eigen::Vector2d low = position - 0.5 * size;
-  const Eigen::Vector2d high = position + 0.5 * size;
+inline TagPattern::White TagPattern::averageBetween(const Eigen::Vector2d& low,
+                                                    const Eigen::Vector2d& high,
+                                                    double area) const {
   if (isWithinModule(low, high)) return {isWhiteAt(low) ? 1.0 : 0.0, Eigen::Vector2d::Zero()};
   const Place left = placeOf(low.x());
   const Place right = placeOf(high.x());
@@ -133,7 +125,7 @@ TagPattern::White TagPattern::average(const Eigen::Vector2d& position,
   const Area b = whiteAbove(right, top);
   const Area c = whiteAbove(left, bottom);
   const Area d = whiteAbove(right, bottom);
-  const double scale = 1.0 / (size.x() * size.y());
+  const double scale = 1.0 / area;
   White white;
   white.share = scale * (d.area - b.area - c.area + a.area);
   white.by_position =
@@ -141,39 +133,40 @@ TagPattern::White TagPattern::average(const Eigen::Vector2d& position,
   return white;
 }
 
-void TagPattern::addDataShares(const Eigen::Vector2d& position, const Eigen::Vector2d& side_u,
-                               const Eigen::Vector2d& side_v,
-                               Eigen::Ref<Eigen::VectorXd> shares) const {
-  const Eigen::Vector2d size = partSize(side_u, side_v);
-  for (const Eigen::Vector2d& part : partsOf(position, side_u, side_v)) {
-    const Eigen::Vector2d low = part - 0.5 * size;
-    const Eigen::Vector2d high = part + 0.5 * size;
-    const auto overlap = [&low, &high](int module, int axis) {
-      return std::min(high[axis], module + 1.0) - std::max(low[axis], static_cast<double>(module));
-    };
-    for (int row = std::max(0, static_cast<int>(low.y())); row < std::min<double>(width_, high.y());
-         ++row) {
-      for (int column = std::max(0, static_cast<int>(low.x()));
-           column < std::min<double>(width_, high.x()); ++column) {
-        const int module = data_module_[moduleIndex(column, row)];
-        if (module < 0) continue;
-        shares[module] += overlap(column, 0) * overlap(row, 1) / (4.0 * size.prod());
-      }
+TagPattern::White TagPattern::average(const Eigen::Vector2d& position,
+                                      const Eigen::Vector2d& size) const {
+  return averageBetween(position - 0.5 * size, position + 0.5 * size, size.prod());
+}
+
+void TagPattern::dataShares(const Eigen::Vector2d& position, const Eigen::Vector2d& size,
+                            std::vector<DataShare>* shares) const {
+  shares->clear();
+  const Eigen::Vector2d low = (position - 0.5 * size).cwiseMax(0.0);
+  const Eigen::Vector2d high = (position + 0.5 * size).cwiseMin(width_);
+  const auto overlap = [&low, &high](int module, int axis) {
+    return std::min(high[axis], module + 1.0) - std::max(low[axis], static_cast<double>(module));
+  };
+  const double scale = 1.0 / size.prod();
+  for (int row = static_cast<int>(low.y()); row < high.y(); ++row) {
+    const double share_of_row = scale * overlap(row, 1);
+    for (int column = static_cast<int>(low.x()); column < high.x(); ++column) {
+      const int module = data_module_[moduleIndex(column, row)];
+      if (module >= 0) shares->push_back({module, share_of_row * overlap(column, 0)});
     }
   }
 }
 
 TagPattern::White TagPattern::averageOver(const Eigen::Vector2d& position,
-                                          const Eigen::Vector2d& side_u,
-                                          const Eigen::Vector2d& side_v) const {
-  const Eigen::Vector2d reach = 0.5 * (side_u.cwiseAbs() + side_v.cwiseAbs());
-  if (isWithinModule(position - reach, position + reach)) {
+                                          const Window& window) const {
+  if (isWithinModule(position - window.reach_, position + window.reach_)) {
     return {isWhiteAt(position) ? 1.0 : 0.0, Eigen::Vector2d::Zero()};
   }
-  const Eigen::Vector2d size = partSize(side_u, side_v);
+  const Eigen::Vector2d half = 0.25 * window.size_;
+  const double area = 0.25 * window.size_.prod();
   White white;
-  for (const Eigen::Vector2d& part : partsOf(position, side_u, side_v)) {
-    const White of_part = average(part, size);
+  for (const Eigen::Vector2d& part : window.parts_) {
+    const Eigen::Vector2d middle = position + part;
+    const White of_part = averageBetween(middle - half, middle + half, area);
     white.share += 0.25 * of_part.share;
     white.by_position += 0.25 * of_part.by_position;
   }

@@ -47,7 +47,7 @@ LocalizerParameters readParameters(const YamlReader& reader) {
                     "transform_tolerance", "transform_period", "restart_time_jump", "path_min_step",
                     "path_max_poses", "robot_radius", "visibility", "view", "detector",
                     "association", "recognition", "estimation", "look_around", "relocalization",
-                    "motion", "estimator", "mapping", "mapper",
+                    "motion", "threads", "estimator", "mapping", "mapper",
                     // Read by others in the same namespace: diagnostic_updater and nodelet.
                     "diagnostic_period", "num_worker_threads"});
   LocalizerParameters parameters;

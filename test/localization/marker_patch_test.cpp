@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <opencv2/core/mat.hpp>
@@ -21,6 +22,22 @@
 namespace omnitag {
 namespace {
 
+/// A footprint that outlives its patch.
+struct Seen {
+  int column;
+  int row;
+  Eigen::Vector2d position;
+  Facet facet;
+};
+
+std::vector<Seen> seen(const MarkerPatch& patch, const Pose2& pose) {
+  std::vector<Seen> all;
+  for (const Footprint& footprint : patch.footprints(pose)) {
+    all.push_back({footprint.column, footprint.row, footprint.position, *footprint.facet});
+  }
+  return all;
+}
+
 /// A marker as a camera sees it from a pose, and what the tests know of that by the camera's
 /// projection alone.
 struct Scene {
@@ -32,6 +49,10 @@ struct Scene {
 
   MarkerPatch patch(const MarkerPatch::Choice& choice = {}, double blur = 0.0) const {
     return {marker, pattern, camera, pose, blur, choice};
+  }
+
+  std::vector<Seen> footprints(const MarkerPatch::Choice& choice = {}, double blur = 0.0) const {
+    return seen(patch(choice, blur), pose);
   }
 
   double metresPerModule() const { return marker.size / pattern.widthBetweenCorners(); }
@@ -110,12 +131,12 @@ std::vector<Scene> scenes() {
   return scenes;
 }
 
-using ByPixel = std::map<std::pair<int, int>, Footprint>;
+using ByPixel = std::map<std::pair<int, int>, Seen>;
 
 /// Each pixel must be there but once.
-ByPixel byPixel(const std::vector<Footprint>& footprints) {
+ByPixel byPixel(const std::vector<Seen>& footprints) {
   ByPixel by_pixel;
-  for (const Footprint& footprint : footprints) {
+  for (const Seen& footprint : footprints) {
     by_pixel[{footprint.column, footprint.row}] = footprint;
   }
   EXPECT_EQ(by_pixel.size(), footprints.size());
@@ -138,10 +159,10 @@ class MarkerPatchTest : public testing::TestWithParam<Scene> {};
 
 TEST_P(MarkerPatchTest, PositionsAreWhatThePixelsSee) {
   const Scene& scene = GetParam();
-  const std::vector<Footprint> footprints = scene.patch().footprints(scene.pose);
+  const std::vector<Seen> footprints = scene.footprints();
   ASSERT_GT(footprints.size(), 100U);
   double largest = 0.0;
-  for (const Footprint& footprint : footprints) {
+  for (const Seen& footprint : footprints) {
     const auto pixel = scene.pixelOf(footprint.position, scene.pose);
     ASSERT_TRUE(pixel);
     const Eigen::Vector2d expected(footprint.column, footprint.row);
@@ -154,7 +175,7 @@ TEST_P(MarkerPatchTest, PositionsFollowThePose) {
   const Scene& scene = GetParam();
   const MarkerPatch patch = scene.patch();
   const Pose2 moved{scene.pose.x + 0.004, scene.pose.y - 0.003, scene.pose.yaw + 0.004};
-  for (const Footprint& footprint : patch.footprints(moved)) {
+  for (const Seen& footprint : seen(patch, moved)) {
     const auto pixel = scene.pixelOf(footprint.position, moved);
     ASSERT_TRUE(pixel);
     EXPECT_LT((*pixel - Eigen::Vector2d(footprint.column, footprint.row)).norm(), 2e-3);
@@ -168,11 +189,11 @@ TEST_P(MarkerPatchTest, DerivativesAreThoseOfTheProjection) {
   double largest = 0.0;
   double largest_in_middle = 0.0;
   int in_middle = 0;
-  for (const Footprint& footprint : scene.patch().footprints(scene.pose)) {
+  for (const Seen& footprint : scene.footprints()) {
     const Eigen::Matrix2d by_pixel = scene.pixelByPosition(footprint.position).inverse();
     const Eigen::Matrix<double, 2, 3> by_pose = -by_pixel * scene.pixelByPose(footprint.position);
-    const double error = std::max((footprint.by_pixel - by_pixel).norm() / by_pixel.norm(),
-                                  (footprint.by_pose - by_pose).norm() / by_pose.norm());
+    const double error = std::max((footprint.facet.by_pixel - by_pixel).norm() / by_pixel.norm(),
+                                  (footprint.facet.by_pose - by_pose).norm() / by_pose.norm());
     largest = std::max(largest, error);
     const Eigen::Vector2d in_cell = footprint.position / cell;
     const Eigen::Vector2d off = in_cell.array() - in_cell.array().floor() - 0.5;
@@ -189,26 +210,27 @@ TEST_P(MarkerPatchTest, DerivativesAreThoseOfTheProjection) {
 
 TEST_P(MarkerPatchTest, BlurMakesTheFootprintsLarger) {
   const Scene& scene = GetParam();
-  const ByPixel sharp = byPixel(scene.patch().footprints(scene.pose));
+  const ByPixel sharp = byPixel(scene.footprints());
   constexpr double kBlur = 0.6;
-  const std::vector<Footprint> blurred = scene.patch({}, kBlur).footprints(scene.pose);
+  const std::vector<Seen> blurred = scene.footprints({}, kBlur);
   ASSERT_GT(blurred.size(), 50U);
   EXPECT_LT(blurred.size(), sharp.size());
-  for (const Footprint& footprint : blurred) {
-    const Footprint& other = sharp.at({footprint.column, footprint.row});
-    EXPECT_TRUE(other.sides.isApprox(other.by_pixel, 1e-12));
-    EXPECT_TRUE(footprint.by_pixel.isApprox(other.by_pixel, 1e-12));
+  for (const Seen& footprint : blurred) {
+    const Seen& other = sharp.at({footprint.column, footprint.row});
+    EXPECT_TRUE(other.facet.sides.isApprox(other.facet.by_pixel, 1e-12));
+    EXPECT_TRUE(footprint.facet.by_pixel.isApprox(other.facet.by_pixel, 1e-12));
     // The variance of a box of width w is w^2 / 12; those of blur and pixel add up.
     for (int side = 0; side < 2; ++side) {
-      EXPECT_NEAR(footprint.sides.col(side).squaredNorm() / 12.0,
-                  other.by_pixel.col(side).squaredNorm() * (1.0 / 12.0 + kBlur * kBlur), 1e-9);
+      EXPECT_NEAR(footprint.facet.sides.col(side).squaredNorm() / 12.0,
+                  other.facet.by_pixel.col(side).squaredNorm() * (1.0 / 12.0 + kBlur * kBlur),
+                  1e-9);
     }
   }
 }
 
 TEST_P(MarkerPatchTest, HoldsEveryPixelThatSeesNothingButTheDrawing) {
   const Scene& scene = GetParam();
-  const ByPixel held = byPixel(scene.patch().footprints(scene.pose));
+  const ByPixel held = byPixel(scene.footprints());
   // What a pixel sees is known from the middle of a quarter of the drawing, to a fifth.
   constexpr double kTolerance = 0.2;
   for (const auto& [pixel, footprint] : held) {
@@ -231,25 +253,38 @@ TEST_P(MarkerPatchTest, HoldsEveryPixelThatSeesNothingButTheDrawing) {
   EXPECT_EQ(missing, 0) << "of " << inside;
 }
 
-TEST_P(MarkerPatchTest, StepsLeaveAGridOfPixels) {
-  const Scene& scene = GetParam();
-  MarkerPatch::Choice choice;
-  choice.step = 3;
-  const ByPixel grid = byPixel(scene.patch(choice).footprints(scene.pose));
-  ASSERT_FALSE(grid.empty());
-  const auto [first_column, first_row] = grid.begin()->first;
-  std::size_t expected = 0;
-  for (const auto& [pixel, footprint] : byPixel(scene.patch().footprints(scene.pose))) {
-    const bool is_on_grid =
-        (pixel.first - first_column) % 3 == 0 && (pixel.second - first_row) % 3 == 0;
-    EXPECT_EQ(grid.count(pixel) > 0, is_on_grid) << pixel.first << ", " << pixel.second;
-    expected += is_on_grid ? 1 : 0;
+/// Distances between neighbours, each once.
+std::set<int> gapsOf(const std::set<int>& coordinates) {
+  std::set<int> gaps;
+  for (auto next = std::next(coordinates.begin()); next != coordinates.end(); ++next) {
+    gaps.insert(*next - *std::prev(next));
   }
-  EXPECT_EQ(grid.size(), expected);
+  return gaps;
+}
+
+TEST_P(MarkerPatchTest, ConsidersAboutAsManyPixelsAsAskedForOnAGrid) {
+  const Scene& scene = GetParam();
+  const ByPixel all = byPixel(scene.footprints());
+  for (const std::size_t most : {60U, 150U, 400U}) {
+    MarkerPatch::Choice choice;
+    choice.max_considered = most;
+    const ByPixel grid = byPixel(scene.footprints(choice));
+    std::set<int> columns;
+    std::set<int> rows;
+    for (const auto& [pixel, footprint] : grid) {
+      EXPECT_EQ(all.count(pixel), 1U);
+      columns.insert(pixel.first);
+      rows.insert(pixel.second);
+    }
+    EXPECT_EQ(gapsOf(columns).size(), 1U) << most;
+    EXPECT_EQ(gapsOf(rows).size(), 1U) << most;
+    EXPECT_GE(grid.size(), std::min(all.size(), most) * 4 / 10) << most;
+    EXPECT_LE(grid.size(), most * 2) << most;
+  }
 }
 
 /// Whether a pixel and those within two pixels of it see but one colour.
-bool seesOneColour(const Scene& scene, const Footprint& footprint, double reach) {
+bool seesOneColour(const Scene& scene, const Seen& footprint, double reach) {
   const Eigen::Matrix2d by_pixel = scene.pixelByPosition(footprint.position).inverse();
   std::set<bool> colours;
   const int width = scene.pattern.width();
@@ -272,7 +307,7 @@ TEST_P(MarkerPatchTest, KeepsNoMoreAtEdgesAndOnEvenGroundThanAskedFor) {
     MarkerPatch::Choice choice;
     choice.max_at_edges = at_edges;
     choice.max_on_even_ground = on_even_ground;
-    return scene.patch(choice).footprints(scene.pose).size();
+    return scene.footprints(choice).size();
   };
   constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
   const std::size_t all = count(kAll, kAll);
@@ -291,12 +326,12 @@ TEST_P(MarkerPatchTest, PixelsNearEdgesAreAtEdges) {
   const Scene& scene = GetParam();
   MarkerPatch::Choice choice;
   choice.max_on_even_ground = 0;
-  for (const Footprint& footprint : scene.patch(choice).footprints(scene.pose)) {
+  for (const Seen& footprint : scene.footprints(choice)) {
     EXPECT_FALSE(seesOneColour(scene, footprint, 4.5)) << footprint.column << ", " << footprint.row;
   }
   choice.max_on_even_ground = std::numeric_limits<std::size_t>::max();
   choice.max_at_edges = 0;
-  for (const Footprint& footprint : scene.patch(choice).footprints(scene.pose)) {
+  for (const Seen& footprint : scene.footprints(choice)) {
     EXPECT_TRUE(seesOneColour(scene, footprint, 1.5)) << footprint.column << ", " << footprint.row;
   }
 }

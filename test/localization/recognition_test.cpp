@@ -365,8 +365,14 @@ TEST(RecognitionTest, AVaguePredictionGivesNothing) {
 
 TEST(RecognitionTest, FindsAMarkerAnywhereWithinItsMargin) {
   const Marker marker = withModulesOf(4.0, markerAt(2.2, radians(30.0)));
-  for (const auto& shift :
-       {Eigen::Vector2d(7.0, -7.0), Eigen::Vector2d(-6.4, 3.2), Eigen::Vector2d(0.4, 6.7)}) {
+  const MountedCamera camera = movedCamera({0.0, 0.0});
+  const Eigen::Vector2d radial = (*camera.pixelFromMap(truth(), marker.center()) -
+                                  camera.model().imagePlane().principalPoint())
+                                     .normalized();
+  const Eigen::Vector2d tangential(-radial.y(), radial.x());
+  for (const auto& [along_tangent, along_radius] :
+       {std::pair(7.0, -7.0), std::pair(-6.4, 3.2), std::pair(0.4, 6.7)}) {
+    const Eigen::Vector2d shift = along_tangent * tangential + along_radius * radial;
     const auto recognition = recognizeIn(imageOf(marker, shift), marker, 7.0);
     ASSERT_TRUE(isAccepted(recognition)) << shift.transpose() << ": " << describe(recognition);
     EXPECT_LT((recognition->displacement - shift).norm(), 0.1) << shift.transpose();

@@ -111,6 +111,8 @@ struct Parallelogram {
   Eigen::Vector2d middle;
   Eigen::Vector2d side_u;
   Eigen::Vector2d side_v;
+
+  TagPattern::Window window() const { return {side_u, side_v}; }
 };
 
 /// What a pixel may see: sides of up to `longest` modules that enclose 30 degrees at least.
@@ -158,8 +160,8 @@ TEST(TagPatternTest, AveragesOverParallelogramsAlongTheModulesAreExact) {
     const double expected = sampledAverage(bitmap, middle, size);
     const Eigen::Vector2d along_x(size.x(), 0.0);
     const Eigen::Vector2d along_y(0.0, size.y());
-    EXPECT_NEAR(pattern.averageOver(middle, along_x, along_y).share, expected, 0.01);
-    EXPECT_NEAR(pattern.averageOver(middle, -along_y, along_x).share, expected, 0.01);
+    EXPECT_NEAR(pattern.averageOver(middle, {along_x, along_y}).share, expected, 0.01);
+    EXPECT_NEAR(pattern.averageOver(middle, {-along_y, along_x}).share, expected, 0.01);
   }
 }
 
@@ -175,7 +177,7 @@ TEST(TagPatternTest, AveragesOverAnyParallelogram) {
       const auto index = static_cast<std::size_t>(row * bitmap.total_width + column);
       expected += bitmap.white[index] ? share : 0.0;
     });
-    const double error = pattern.averageOver(one.middle, one.side_u, one.side_v).share - expected;
+    const double error = pattern.averageOver(one.middle, one.window()).share - expected;
     squares += error * error / kCount;
     largest = std::max(largest, std::abs(error));
   }
@@ -190,11 +192,11 @@ TEST(TagPatternTest, DerivativesAreThoseOfTheAverageOverAParallelogram) {
   constexpr double kStep = 1e-6;
   for (const Parallelogram& one : randomParallelograms(pattern.width(), 200, 2.0)) {
     const Eigen::Vector2d middle = one.middle.cwiseMax(2.1).cwiseMin(pattern.width() - 2.1);
-    const TagPattern::White white = pattern.averageOver(middle, one.side_u, one.side_v);
+    const TagPattern::White white = pattern.averageOver(middle, one.window());
     for (int axis = 0; axis < 2; ++axis) {
       const Eigen::Vector2d step = kStep * Eigen::Vector2d::Unit(axis);
-      const double difference = pattern.averageOver(middle + step, one.side_u, one.side_v).share -
-                                pattern.averageOver(middle - step, one.side_u, one.side_v).share;
+      const double difference = pattern.averageOver(middle + step, one.window()).share -
+                                pattern.averageOver(middle - step, one.window()).share;
       EXPECT_NEAR(white.by_position[axis], difference / (2.0 * kStep), 1e-5);
     }
   }
@@ -233,13 +235,12 @@ TEST(TagPatternTest, TellsWhereTheDrawingIsEven) {
 
 /// Number of the data module at a place of the grid; nothing where the layout fixes the module.
 std::optional<int> dataModuleAt(const TagPattern& pattern, int column, int row) {
-  Eigen::VectorXd shares = Eigen::VectorXd::Zero(pattern.dataModules());
-  pattern.addDataShares({column + 0.5, row + 0.5}, {0.5, 0.1}, {-0.1, 0.5}, shares);
-  Eigen::Index module = 0;
-  if (shares.maxCoeff(&module) <= 0.0) return std::nullopt;
-  EXPECT_NEAR(shares[module], 1.0, 1e-12);
-  EXPECT_NEAR(shares.sum(), 1.0, 1e-12);
-  return static_cast<int>(module);
+  std::vector<TagPattern::DataShare> shares;
+  pattern.dataShares({column + 0.5, row + 0.5}, {0.5, 0.6}, &shares);
+  if (shares.empty()) return std::nullopt;
+  EXPECT_EQ(shares.size(), 1U);
+  EXPECT_NEAR(shares.front().share, 1.0, 1e-12);
+  return shares.front().module;
 }
 
 TEST(TagPatternTest, DataModulesAreThoseWhichDifferAmongTheTagsOfAFamily) {
@@ -283,7 +284,29 @@ TEST(TagPatternTest, DataModulesStandInTheOrderOfTheCodesBits) {
   }
 }
 
-TEST(TagPatternTest, DataSharesAreThoseOfTheParallelogram) {
+/// Rectangles within a drawing.
+std::vector<Parallelogram> randomRectangles(int width, int count, double longest) {
+  std::vector<Parallelogram> rectangles = randomParallelograms(width, count, longest);
+  for (Parallelogram& one : rectangles) {
+    one.side_u = Eigen::Vector2d(one.side_u.norm(), 0.0);
+    one.side_v = Eigen::Vector2d(0.0, one.side_v.norm());
+    const Eigen::Vector2d half(0.5 * one.side_u.x(), 0.5 * one.side_v.y());
+    one.middle = one.middle.cwiseMax(half).cwiseMin(Eigen::Vector2d::Constant(width) - half);
+  }
+  return rectangles;
+}
+
+/// One element for each data module.
+Eigen::VectorXd dataShares(const TagPattern& pattern, const Parallelogram& rectangle) {
+  // What was there before is replaced.
+  std::vector<TagPattern::DataShare> shares = {{0, 7.0}};
+  pattern.dataShares(rectangle.middle, {rectangle.side_u.x(), rectangle.side_v.y()}, &shares);
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(pattern.dataModules());
+  for (const TagPattern::DataShare& share : shares) all[share.module] += share.share;
+  return all;
+}
+
+TEST(TagPatternTest, DataSharesAreThoseOfTheRectangle) {
   for (const char* family : {"tag36h11", "tagCircle21h7", "tagStandard41h12"}) {
     const TagPattern pattern(family, 17);
     std::map<std::pair<int, int>, int> modules;
@@ -293,22 +316,15 @@ TEST(TagPatternTest, DataSharesAreThoseOfTheParallelogram) {
           modules[{column, row}] = *module;
       }
     }
-    double squares = 0.0;
-    constexpr int kCount = 100;
-    for (const Parallelogram& one : randomParallelograms(pattern.width(), kCount, 1.5)) {
+    for (const Parallelogram& one : randomRectangles(pattern.width(), 100, 1.5)) {
       Eigen::VectorXd expected = Eigen::VectorXd::Zero(pattern.dataModules());
       sample(one, [&](int column, int row, double share) {
         const auto module = modules.find({column, row});
         if (module != modules.end()) expected[module->second] += share;
       });
-      Eigen::VectorXd shares = Eigen::VectorXd::Constant(pattern.dataModules(), 2.0);
-      pattern.addDataShares(one.middle, one.side_u, one.side_v, shares);
-      shares.array() -= 2.0;
-      EXPECT_LT((shares - expected).cwiseAbs().maxCoeff(), 0.1) << family;
-      EXPECT_NEAR(shares.sum(), expected.sum(), 0.1) << family;
-      squares += (shares - expected).squaredNorm() / kCount;
+      const Eigen::VectorXd shares = dataShares(pattern, one);
+      EXPECT_LT((shares - expected).cwiseAbs().maxCoeff(), 0.01) << family;
     }
-    EXPECT_LT(std::sqrt(squares), 0.04) << family;
   }
 }
 
@@ -316,17 +332,33 @@ TEST(TagPatternTest, DataSharesAddUpToTheAverageOfWhatTheLayoutLeavesOpen) {
   // Of two tags, averages over the same part can only differ by their data modules.
   const TagPattern a("tag36h11", 3);
   const TagPattern b("tag36h11", 400);
-  for (const Parallelogram& one : randomParallelograms(a.width(), 200, 2.0)) {
-    Eigen::VectorXd shares = Eigen::VectorXd::Zero(a.dataModules());
-    a.addDataShares(one.middle, one.side_u, one.side_v, shares);
+  for (const Parallelogram& one : randomRectangles(a.width(), 200, 2.0)) {
+    const Eigen::VectorXd shares = dataShares(a, one);
     double expected = 0.0;
     for (int module = 0; module < a.dataModules(); ++module) {
       expected += shares[module] * (static_cast<int>(a.isDataWhite(module)) -
                                     static_cast<int>(b.isDataWhite(module)));
     }
-    EXPECT_NEAR(a.averageOver(one.middle, one.side_u, one.side_v).share -
-                    b.averageOver(one.middle, one.side_u, one.side_v).share,
-                expected, 1e-9);
+    const Eigen::Vector2d size(one.side_u.x(), one.side_v.y());
+    EXPECT_NEAR(a.average(one.middle, size).share - b.average(one.middle, size).share, expected,
+                1e-9);
+  }
+}
+
+TEST(TagPatternTest, AWindowsRectangleIsAsWideAsTheWindowAlongEitherAxis) {
+  // In terms of the variance of points spread evenly over it.
+  for (const Parallelogram& one : randomParallelograms(10, 50, 2.0)) {
+    Eigen::Vector2d variance = Eigen::Vector2d::Zero();
+    constexpr int kSamples = 100;
+    for (int i = 0; i < kSamples; ++i) {
+      for (int j = 0; j < kSamples; ++j) {
+        const Eigen::Vector2d off =
+            ((i + 0.5) / kSamples - 0.5) * one.side_u + ((j + 0.5) / kSamples - 0.5) * one.side_v;
+        variance += off.cwiseAbs2() / (kSamples * kSamples);
+      }
+    }
+    const Eigen::Vector2d expected = (12.0 * variance).cwiseSqrt();
+    EXPECT_LT((one.window().size() - expected).norm(), 1e-3 * expected.norm());
   }
 }
 

@@ -72,6 +72,7 @@ TEST(Parameters, ManualHasTheDefaults) {
   EXPECT_EQ(manual.path_min_step, defaults.path_min_step);
   EXPECT_EQ(manual.path_max_poses, defaults.path_max_poses);
   EXPECT_EQ(manual.robot_radius, defaults.robot_radius);
+  EXPECT_EQ(manual.localizer.threads, defaults.localizer.threads);
 
   const VisibilityConfig& visibility = manual.localizer.visibility;
   const VisibilityConfig& visibility_default = defaults.localizer.visibility;
@@ -134,6 +135,7 @@ TEST(Parameters, ManualHasTheDefaults) {
 
   const LookAroundConfig& look_around = manual.localizer.look_around;
   const LookAroundConfig& look_around_default = defaults.localizer.look_around;
+  EXPECT_EQ(look_around.glance, look_around_default.glance);
   EXPECT_DOUBLE_EQ(look_around.step, look_around_default.step);
   EXPECT_DOUBLE_EQ(look_around.overlap, look_around_default.overlap);
   EXPECT_EQ(look_around.min_range, look_around_default.min_range);
@@ -209,6 +211,7 @@ TEST(Parameters, RefusesWhatOneKeyDoesNotTake) {
       {"queue_size: 1.5", "queue_size"},
       {"path_max_poses: 0", "path_max_poses"},
       {"robot_radius: 0", "robot_radius"},
+      {"threads: 0", "threads"},
       {"estimator: magic", "estimator"},
       {"detector: {max_hamming: 99}", "detector.max_hamming"},
   };

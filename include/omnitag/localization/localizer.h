@@ -15,6 +15,7 @@
 #include "omnitag/localization/frame_result.h"
 #include "omnitag/localization/localizer_config.h"
 #include "omnitag/localization/motion_model.h"
+#include "omnitag/marker/glance_reader.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/marker/marker_reader.h"
 #include "omnitag/marker/tag_pattern.h"
@@ -74,6 +75,10 @@ class Localizer {
   /// time to time, or with as many of each frame as exploring asks for.
   void patrol(const Frame& frame, const MountedCamera& camera, const Pose2& map_from_base,
               FrameResult* result);
+  /// A pose from a glance at the panorama itself, and what was seen from there; nothing, and an
+  /// unchanged result, where that does not show at least three markers that agree.
+  std::optional<PoseEstimate> glance(const Frame& frame, const MountedCamera& camera,
+                                     FrameResult* result);
   /// Looks all around, and decides between what it finds and the prediction.
   void search(const Frame& frame, const MountedCamera& camera,
               const std::optional<PoseEstimate>& predicted, bool is_refuted, FrameResult* result);
@@ -82,6 +87,9 @@ class Localizer {
   PoseEstimate withUndecoded(const Frame& frame, const MountedCamera& camera,
                              const PoseEstimate& found, const std::vector<std::size_t>& decoded,
                              const std::optional<PoseEstimate>& prior, FrameResult* result) const;
+  /// Takes a pose that was found without the prediction, or agrees with it.
+  void settle(const PoseEstimate& pose, const Frame& frame,
+              const std::optional<PoseEstimate>& predicted, bool is_expected, FrameResult* result);
   /// Without a marker that agrees: the prediction, unless what was read contradicts it.
   void carryOn(const PoseEstimate& predicted, bool is_refuted, FrameResult* result) const;
   /// The views in which markers are looked for that are not expected.
@@ -98,6 +106,7 @@ class Localizer {
   MarkerMap map_;
   LocalizerConfig config_;
   MarkerReader reader_;
+  GlanceReader glance_reader_;
   TagPatterns patterns_;
   MotionModel motion_;
   /// A pose that was set and waits for the next frame.

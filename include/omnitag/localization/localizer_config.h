@@ -24,15 +24,18 @@ struct LocalizerConfig {
   LookAroundConfig look_around;
   RelocalizationConfig relocalization;
   MotionModelConfig motion;
+  /// How many cores a frame may use at once. One leaves the others to the robot's other nodes; more
+  /// make searches and frames with many markers faster.
+  int threads = 1;
   /// Views of each frame, of those that together show all of the panorama, in which markers are
   /// looked for that the map does not have; all of them while searching. 0: the map has all.
   int exploring_views = 0;
 };
 
 /// Reads the groups `visibility`, `view`, `detector`, `association`, `recognition`, `estimation`,
-/// `look_around`, `relocalization` and `motion`, and the key `estimator` (triangulation |
-/// reprojection | photometric). Absent keys keep their defaults; other keys of the top level are
-/// not looked at. Throws InputError.
+/// `look_around`, `relocalization` and `motion`, and the keys `threads` and `estimator`
+/// (triangulation | reprojection | photometric). Absent keys keep their defaults; other keys of the
+/// top level are not looked at. Throws InputError.
 LocalizerConfig readLocalizerConfig(const YamlReader& reader);
 
 }  // namespace omnitag

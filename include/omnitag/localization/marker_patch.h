@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <array>
 #include <cstddef>
 #include <limits>
 #include <opencv2/core/mat.hpp>
@@ -15,16 +14,28 @@
 
 namespace omnitag {
 
-/// What a pixel of the panorama sees of a marker's drawing: the parallelogram about `position`
-/// (modules) whose sides are the columns of `sides`, which the blur makes longer.
+/// How a part of a marker's drawing images: from pixel to pixel and from pose to pose that hardly
+/// changes within.
+struct Facet {
+  bool is_visible = false;
+  /// Derivatives of the position on the drawing (modules) by the pixel, and by the pose (x, y, yaw)
+  /// where the pixel stays.
+  Eigen::Matrix2d by_pixel = Eigen::Matrix2d::Zero();
+  Eigen::Matrix<double, 2, 3> by_pose = Eigen::Matrix<double, 2, 3>::Zero();
+  /// What a pixel sees of the drawing: a parallelogram whose sides are the columns of this
+  /// (modules), which the blur makes longer.
+  Eigen::Matrix2d sides = Eigen::Matrix2d::Zero();
+  TagPattern::Window window;
+};
+
+/// What a pixel of the panorama sees of a marker's drawing: what the facet's window shows about
+/// `position` (modules).
 struct Footprint {
   int column = 0;
   int row = 0;
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
-  Eigen::Matrix2d sides = Eigen::Matrix2d::Zero();
-  /// Derivatives of the position by the pixel, and by the pose (x, y, yaw) where the pixel stays.
-  Eigen::Matrix2d by_pixel = Eigen::Matrix2d::Zero();
-  Eigen::Matrix<double, 2, 3> by_pose = Eigen::Matrix<double, 2, 3>::Zero();
+  /// The patch's.
+  const Facet* facet = nullptr;
 };
 
 /// A pixel of a marker as it is and as the pattern would have it.
@@ -45,14 +56,18 @@ struct MarkerPixel {
 /// The part of a panorama that shows a marker.
 class MarkerPatch {
  public:
-  /// Which of a marker's pixels are looked at.
+  /// Which of a marker's pixels are looked at, and how closely.
   struct Choice {
-    /// Every how many pixels along both axes.
-    int step = 1;
+    /// About so many at most, on an even grid.
+    std::size_t max_considered = std::numeric_limits<std::size_t>::max();
     /// Of those, at most so many near edges of the pattern, which tell where it is, and so many
     /// with nothing but even black or even white around them, which only tell the light.
     std::size_t max_at_edges = std::numeric_limits<std::size_t>::max();
     std::size_t max_on_even_ground = std::numeric_limits<std::size_t>::max();
+    /// Pixels by which edges may still turn out to be elsewhere.
+    double reach = 1.5;
+    /// Facets along either side of the drawing.
+    int facets = 4;
   };
 
   /// `marker`, `pattern` and `camera` must outlive the patch. `map_from_base` says, to about a
@@ -62,7 +77,7 @@ class MarkerPatch {
               const Pose2& map_from_base, double blur, const Choice& choice);
 
   /// What the pixels see that see nothing but the drawing at a pose near the one of the
-  /// constructor.
+  /// constructor. Valid as long as the patch.
   std::vector<Footprint> footprints(const Pose2& map_from_base) const;
 
   /// The same pixels with their grey levels in the panorama (CV_8UC1).
@@ -84,33 +99,33 @@ class MarkerPatch {
     int right;
     int bottom;
   };
-  /// How the drawing images about the middle of one of its cells: from pixel to pixel and from pose
-  /// to pose that hardly changes within a cell.
-  struct Cell {
-    bool is_visible = false;
-    Eigen::Matrix2d by_pixel;
-    Eigen::Matrix<double, 2, 3> by_pose;
-  };
-  static constexpr int kCells = 4;
-  using Cells = std::array<std::array<Cell, kCells>, kCells>;
+  /// The drawing's place before a robot: takes lines of sight to positions.
+  class Plane;
+  using Nodes = std::vector<std::optional<Eigen::Vector2d>>;
 
-  Cells cellsAt(const Pose2& map_from_base) const;
-  const Cell& cellOf(const Cells& cells, const Eigen::Vector2d& position) const;
+  /// Pixels of the corners of the facets, row by row.
+  Nodes nodesAt(const Pose2& map_from_base) const;
+  void setFacets(const Nodes& nodes, const Pose2& map_from_base, double blur);
+  Box boundingBox(const Nodes& nodes) const;
+  const Facet& facetOf(const Eigen::Vector2d& position) const;
   Eigen::Vector3d inMap(const Eigen::Vector2d& position) const;
-  /// Where a line of sight meets the marker's plane, in modules of the drawing.
-  std::optional<Eigen::Vector2d> meet(const Ray& in_base,
-                                      const Eigen::Isometry3d& marker_from_base) const;
-  Box boundingBox(const Pose2& map_from_base) const;
+  /// Pixels along columns and rows.
+  Eigen::Vector2i gridSteps(std::size_t max_considered) const;
   /// Keeps at most so many of the pixels, evenly spread.
   void keep(const std::vector<Pixel>& pixels, std::size_t at_most);
-  void chooseLinesOfSight(const Pose2& map_from_base, const Choice& choice);
+  void chooseLinesOfSight(const Pose2& map_from_base, const Box& box, const Choice& choice);
+  /// Calls back with the line of sight, the position and the facet of each pixel that sees nothing
+  /// but the drawing.
+  template <typename Visit>
+  void visit(const Pose2& map_from_base, const Visit& visit) const;
 
   const Marker& marker_;
   const TagPattern& pattern_;
   const MountedCamera& camera_;
   double metres_per_module_;
-  /// How much wider a footprint is for the blur.
-  double stretch_;
+  int facets_along_;
+  /// Row by row.
+  std::vector<Facet> facets_;
   std::vector<LineOfSight> lines_of_sight_;
 };
 

@@ -25,11 +25,12 @@ struct PhotometricConfig {
   double placement_deviation = 0.00002;
   /// Pixels of the panorama: standard deviation of what all of a marker's pixels err by together,
   /// since neither the camera model nor the pattern's is perfect.
-  double alignment_deviation = 0.003;
-  /// Pixels at the edges of a marker's modules that are used, at most: from step to step until the
-  /// pose stays, and for the last step from there. More of the latter make the pose more exact.
-  int max_pixels = 400;
-  int max_final_pixels = 1500;
+  double alignment_deviation = 0.0015;
+  /// Pixels at edges of modules that are used, at most, of all markers together: from step to step
+  /// until the pose stays, and for the last step from there. More of the latter make the pose more
+  /// exact. Of each marker up to 75 are used all the same.
+  int max_pixels = 600;
+  int max_final_pixels = 4000;
 };
 
 /// A pose that was aligned with the panorama.
@@ -58,10 +59,11 @@ double photometricMisfit(const cv::Mat& panorama, const MarkerMap& map, const Mo
 ///
 /// The covariance is the Cramer-Rao bound of the pixels at the noise that their residuals show;
 /// markers that disagree with the others by more than that count less. Nothing where the alignment
-/// does not converge or leaves the pose undetermined. `panorama`: CV_8UC1.
+/// does not converge or leaves the pose undetermined. `panorama`: CV_8UC1. `threads`: how many
+/// markers are worked on at once; the result is the same.
 std::optional<PhotometricFit> refinePhotometrically(
     const cv::Mat& panorama, const MarkerMap& map, const MountedCamera& camera,
     const TagPatterns& patterns, const std::vector<std::size_t>& entries, const Pose2& initial,
-    const std::optional<PoseEstimate>& prior, const PhotometricConfig& config);
+    const std::optional<PoseEstimate>& prior, const PhotometricConfig& config, int threads = 1);
 
 }  // namespace omnitag

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 namespace omnitag {
@@ -25,10 +26,20 @@ struct PixelResidual {
 };
 
 /// Whether a pixel is, or should be, so bright or dark that the image does not tell how much so.
-bool isSaturated(double grey, double expected);
+inline bool isSaturated(double grey, double expected) {
+  constexpr double kDarkest = 3.0;
+  constexpr double kBrightest = 250.0;
+  return std::max(grey, expected) > kBrightest || std::min(grey, expected) < kDarkest;
+}
 
 /// 1 / variance, and less for pixels that are off by more than 3.5 deviations.
-double weightOf(const PixelResidual& residual, const PixelNoise& noise);
+inline double weightOf(const PixelResidual& residual, const PixelNoise& noise) {
+  constexpr double kOutlier = 3.5;
+  const double variance = noise.variance(residual.grey_gradient);
+  const double limit = kOutlier * kOutlier * variance;
+  const double square = residual.grey * residual.grey;
+  return square <= limit ? 1.0 / variance : limit / (variance * square);
+}
 
 /// Tells both kinds of noise apart by the pixels on even ground and those on edges. There must be
 /// at least one residual. `least_flat`: grey levels, the least that the noise is taken for.

@@ -32,10 +32,11 @@ double meanEdge(const Corners<Eigen::Vector2d>& corners);
 /// threads at once.
 class MarkerReader {
  public:
-  /// `working_distance`: m, as in ViewWarper. Throws InputError for a family that the AprilTag
-  /// library does not have.
+  /// `working_distance`: m, as in ViewWarper. `threads`: as in TagDetector. Throws InputError for a
+  /// family that the AprilTag library does not have.
   MarkerReader(std::shared_ptr<const CameraModel> camera, double working_distance,
-               const TagDetectorConfig& config, const std::set<std::string>& families);
+               const TagDetectorConfig& config, const std::set<std::string>& families,
+               int threads = 1);
 
   /// The markers of one view's image. One that the view cuts, or that reaches off the world that
   /// the panorama shows, is left out.

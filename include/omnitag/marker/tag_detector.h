@@ -49,16 +49,22 @@ struct TagDetection {
   int id = 0;
   int hamming = 0;
   double decision_margin = 0.0;
+  /// Between two corners.
+  int modules_per_edge = 0;
   Corners<Eigen::Vector2d> corners;
   Eigen::Vector2d center;
 };
 
-/// Finds AprilTags in small grey images. Not safe to use from two threads at once: give each thread
-/// its own (the library's own threads are not used).
+/// Where the diagonals of a quadrilateral meet.
+Eigen::Vector2d centerOf(const Corners<Eigen::Vector2d>& corners);
+
+/// Finds AprilTags in grey images. Not safe to use from two threads at once: give each thread its
+/// own.
 class TagDetector {
  public:
-  /// Throws InputError for a family that the library does not have.
-  TagDetector(const TagDetectorConfig& config, const std::set<std::string>& families);
+  /// `threads`: how many the library may use. Throws InputError for a family that it does not have.
+  TagDetector(const TagDetectorConfig& config, const std::set<std::string>& families,
+              int threads = 1);
   ~TagDetector();
   TagDetector(TagDetector&& other) noexcept;
   TagDetector& operator=(TagDetector&& other) noexcept;

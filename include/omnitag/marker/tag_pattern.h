@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <map>
 #include <string>
@@ -39,11 +40,29 @@ class TagPattern {
   /// within the drawing.
   White average(const Eigen::Vector2d& position, const Eigen::Vector2d& size) const;
 
-  /// Average over the parallelogram of two sides (modules) about a position, which must lie within
-  /// the drawing. It is cut into four, each of which is averaged over as if its sides ran along the
-  /// modules.
-  White averageOver(const Eigen::Vector2d& position, const Eigen::Vector2d& side_u,
-                    const Eigen::Vector2d& side_v) const;
+  /// A parallelogram by its sides (modules), cut into four, each of which is averaged over as if
+  /// its sides ran along the modules.
+  class Window {
+   public:
+    Window() = default;
+    Window(const Eigen::Vector2d& side_u, const Eigen::Vector2d& side_v);
+
+    /// How far it reaches from its middle along the modules' axes.
+    const Eigen::Vector2d& reach() const { return reach_; }
+
+    /// Of a rectangle along the modules' axes that stands for all of it, less exactly.
+    const Eigen::Vector2d& size() const { return size_; }
+
+   private:
+    friend class TagPattern;
+    Eigen::Vector2d reach_ = Eigen::Vector2d::Zero();
+    Eigen::Vector2d size_ = Eigen::Vector2d::Zero();
+    /// The parts' middles; half as long and half as wide as the whole.
+    std::array<Eigen::Vector2d, 4> parts_{};
+  };
+
+  /// Average over a window about a position; it must lie within the drawing.
+  White averageOver(const Eigen::Vector2d& position, const Window& window) const;
 
   bool isWhite(int column, int row) const;
 
@@ -54,10 +73,16 @@ class TagPattern {
   /// How many modules tell the tags of a family apart; the layout fixes the others.
   int dataModules() const { return data_modules_; }
 
-  /// Adds the share that each data module has in the parallelogram of averageOver(); one element
-  /// for each, in the order of the family's bits.
-  void addDataShares(const Eigen::Vector2d& position, const Eigen::Vector2d& side_u,
-                     const Eigen::Vector2d& side_v, Eigen::Ref<Eigen::VectorXd> shares) const;
+  /// A data module, by its number in the order of the family's bits, and its share in something.
+  struct DataShare {
+    int module;
+    double share;
+  };
+
+  /// Replaces `shares` by those that data modules have in the rectangle of average(); a module that
+  /// has none may be missing.
+  void dataShares(const Eigen::Vector2d& position, const Eigen::Vector2d& size,
+                  std::vector<DataShare>* shares) const;
 
   /// Whether a data module is white.
   bool isDataWhite(int module) const;
@@ -76,6 +101,7 @@ class TagPattern {
   };
   Place placeOf(double coordinate) const;
   Area whiteAbove(const Place& x, const Place& y) const;
+  White averageBetween(const Eigen::Vector2d& low, const Eigen::Vector2d& high, double area) const;
   bool isWhiteAt(const Eigen::Vector2d& position) const;
   double sumAt(int column, int row) const { return sums_[indexOf(column, row)]; }
   std::size_t moduleIndex(int column, int row) const {

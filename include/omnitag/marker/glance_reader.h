@@ -1,0 +1,53 @@
+#pragma once
+
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "omnitag/camera/camera_model.h"
+#include "omnitag/marker/marker_reader.h"
+#include "omnitag/marker/tag_detector.h"
+#include "omnitag/view/view.h"
+#include "omnitag/view/view_warper.h"
+
+namespace omnitag {
+
+/// Whether an image shows the world as mirrors do: writing in it runs backwards.
+bool isMirrored(const CameraModel& camera);
+
+/// What a glance at a panorama read. Each reading has a view of its own.
+struct Glance {
+  std::vector<MarkerReading> readings;
+  std::vector<View> views;
+  std::vector<cv::Mat> view_images;
+};
+
+/// Reads markers in the panorama as it is, at first reduced, without the views that show everything
+/// undistorted: several times faster than looking all around, and enough for markers that are
+/// neither small nor seen much from the side. Their corners are then found anew in a view of each,
+/// since the panorama bends their edges. Not safe to use from two threads at once.
+class GlanceReader {
+ public:
+  /// `threads`: as in TagDetector. Throws InputError for a family that the AprilTag library does
+  /// not have.
+  GlanceReader(std::shared_ptr<const CameraModel> camera, const TagDetectorConfig& config,
+               const std::set<std::string>& families, int threads = 1);
+
+  /// How many glances there are, each at twice the resolution of the one before, the last at that
+  /// of the detector's settings.
+  std::size_t count() const { return detectors_.size(); }
+
+  /// `panorama`: CV_8UC1, as large as the camera's image. `glance`: less than count(). `warper`:
+  /// the camera's.
+  Glance read(const cv::Mat& panorama, std::size_t glance, const ViewWarper& warper,
+              bool axis_up) const;
+
+ private:
+  std::shared_ptr<const CameraModel> camera_;
+  bool is_mirrored_;
+  std::vector<TagDetector> detectors_;
+};
+
+}  // namespace omnitag

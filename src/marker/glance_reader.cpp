@@ -1,0 +1,130 @@
+#include "omnitag/marker/glance_reader.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <utility>
+
+#include "omnitag/marker/corner_refinement.h"
+#include "omnitag/marker/marker_prediction.h"
+#include "omnitag/view/view_planner.h"
+
+namespace omnitag {
+namespace {
+
+/// Pixels, the image's smaller side, to which it is reduced for the first glance.
+constexpr int kFirstSize = 500;
+
+/// A view of a tag that was found, to about a pixel, at these corners of the panorama.
+View viewOf(const Corners<Eigen::Vector2d>& corners, const Eigen::Vector2d& center,
+            const CameraModel& camera, const ViewWarper& warper, bool axis_up) {
+  PredictedMarker marker;
+  marker.corners = corners;
+  marker.center = center;
+  marker.range = warper.table().distance();
+  constexpr double kMargin = 3.0;  // pixels
+  marker.tangential_margin = marker.radial_margin = kMargin;
+  return planView(viewTarget(marker, camera), warper.table(), camera.imagePlane().scale(), axis_up,
+                  ViewPlannerConfig{});
+}
+
+/// Corners of the panorama, found anew in a view. False where one is off what the view shows.
+bool findAgain(const View& view, const cv::Mat& view_image, const ViewWarper& warper,
+               int modules_per_edge, MarkerReading* reading) {
+  Corners<Eigen::Vector2d> corners;
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const auto position = warper.viewFromPanorama(view, reading->corners[k]);
+    if (!position) return false;
+    corners[k] = *position;
+  }
+  // Of a large marker, edges may have been bent by more than one refinement reaches.
+  constexpr int kMaxRefinements = 4;
+  constexpr double kSettled = 0.1;  // pixels
+  for (int i = 0; i < kMaxRefinements; ++i) {
+    const Corners<Eigen::Vector2d> before = corners;
+    corners = refineCorners(view_image, before, modules_per_edge);
+    double change = 0.0;
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      change = std::max(change, (corners[k] - before[k]).norm());
+    }
+    if (change < kSettled) break;
+  }
+  const auto center = warper.panoramaFromView(view, centerOf(corners));
+  if (!center) return false;
+  reading->center = *center;
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const auto pixel = warper.panoramaFromView(view, corners[k]);
+    if (!pixel) return false;
+    reading->corners[k] = *pixel;
+  }
+  return true;
+}
+
+}  // namespace
+
+bool isMirrored(const CameraModel& camera) {
+  const auto ray = camera.rayFromRadius(0.5 * (camera.minRadius() + camera.maxRadius()));
+  if (!ray) return false;
+  constexpr double kDistance = 3.0;  // m
+  const Eigen::Vector2d point = ray->origin + kDistance * ray->direction;
+  const Eigen::Vector3d outward = Eigen::Vector3d(ray->direction.x(), 0.0, ray->direction.y());
+  // To the right and down, as the viewer of an ordinary image has them.
+  const Eigen::Vector3d right = outward.unitOrthogonal();
+  const Eigen::Vector3d down = outward.cross(right);
+  Eigen::Matrix<double, 2, 3> pixel_by_point;
+  if (!camera.pixelBeyondImage({point.x(), 0.0, point.y()}, &pixel_by_point)) return false;
+  Eigen::Matrix2d pixel_by_offset;
+  pixel_by_offset << pixel_by_point * right, pixel_by_point * down;
+  return pixel_by_offset.determinant() < 0.0;
+}
+
+GlanceReader::GlanceReader(std::shared_ptr<const CameraModel> camera,
+                           const TagDetectorConfig& config, const std::set<std::string>& families,
+                           int threads)
+    : camera_(std::move(camera)), is_mirrored_(isMirrored(*camera_)) {
+  const ImageSize& size = camera_->imageSize();
+  for (int reduction = std::max(1, std::min(size.width, size.height) / kFirstSize); reduction >= 1;
+       reduction /= 2) {
+    TagDetectorConfig reduced = config;
+    // The library takes 1, 1.5 and whole numbers.
+    if (reduction > 1) {
+      reduced.quad_decimate = std::min(8.0, std::round(config.quad_decimate * reduction));
+    }
+    detectors_.emplace_back(reduced, families, threads);
+  }
+}
+
+Glance GlanceReader::read(const cv::Mat& panorama, std::size_t glance, const ViewWarper& warper,
+                          bool axis_up) const {
+  cv::Mat readable;
+  if (is_mirrored_) {
+    cv::flip(panorama, readable, 1);
+  } else {
+    readable = panorama;
+  }
+  const auto inPanorama = [&](const Eigen::Vector2d& pixel) -> Eigen::Vector2d {
+    return {is_mirrored_ ? panorama.cols - 1.0 - pixel.x() : pixel.x(), pixel.y()};
+  };
+  Glance seen;
+  for (const TagDetection& tag : detectors_[glance].detect(readable)) {
+    MarkerReading reading;
+    reading.family = tag.family;
+    reading.id = tag.id;
+    reading.hamming = tag.hamming;
+    std::transform(tag.corners.begin(), tag.corners.end(), reading.corners.begin(), inPanorama);
+    View view = viewOf(reading.corners, inPanorama(tag.center), *camera_, warper, axis_up);
+    cv::Mat image = warper.warp(panorama, view);
+    if (!findAgain(view, image, warper, tag.modules_per_edge, &reading)) continue;
+    reading.view = seen.views.size();
+    view.targets.clear();
+    seen.views.push_back(std::move(view));
+    seen.view_images.push_back(std::move(image));
+    seen.readings.push_back(std::move(reading));
+  }
+  return seen;
+}
+
+}  // namespace omnitag

@@ -1,0 +1,116 @@
+#include "omnitag/marker/glance_reader.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "../support/panorama_renderer.h"
+#include "../support/sample_cameras.h"
+#include "../support/sample_markers.h"
+
+namespace omnitag {
+namespace {
+
+constexpr double kWorkingDistance = 3.0;  // m
+
+struct Setup {
+  std::string name;
+  std::shared_ptr<const CameraModel> (*camera)();
+  Eigen::Isometry3d base_from_camera;
+  double height;
+  double size;
+  bool is_mirrored;
+};
+
+/// How gtest names a setup.
+void PrintTo(const Setup& setup, std::ostream* out) { *out << setup.name; }
+
+std::shared_ptr<const CameraModel> largeSphericalCamera() {
+  return parseCamera(R"(
+    model: catadioptric
+    image: {width: 1000, height: 1000}
+    lens: {fx: 2468, fy: 2468, cx: 499.5, cy: 499.5}
+    mirror: {profile: spherical, radius_of_curvature: 0.04, apex_distance: 0.21, rim_radius: 0.0395}
+  )",
+                     "large sphere");
+}
+
+std::vector<Setup> setups() {
+  return {{"Sphere", test::sphericalCamera, test::lookingDown(), 1.25, 0.5, true},
+          {"LargeSphere", largeSphericalCamera, test::lookingDown(), 1.25, 0.35, true},
+          {"Hyperboloid", test::hyperbolicCamera, test::lookingUp(), 0.3, 0.5, true},
+          {"Fisheye", test::equidistantCamera, test::lookingUp(), 1.6, 0.5, false}};
+}
+
+class GlanceReaderTest : public testing::TestWithParam<Setup> {
+ protected:
+  /// Markers all around that face the robot and are large in the image.
+  static MarkerMap mapOf(double height) {
+    MarkerMap map{"map", {}};
+    for (int i = 0; i < 5; ++i) {
+      const double direction = 0.3 + i * 2.0 * kPi / 5.0;
+      Marker marker = test::wallMarker(
+          20 + i, {2.0 * std::cos(direction), 2.0 * std::sin(direction), height}, direction + kPi);
+      marker.size = GetParam().size;
+      map.markers.push_back(marker);
+    }
+    return map;
+  }
+
+  std::shared_ptr<const CameraModel> model_ = GetParam().camera();
+  MountedCamera camera_{model_, GetParam().base_from_camera};
+  MarkerMap map_ = mapOf(GetParam().height);
+  Pose2 truth_{0.2, -0.1, 0.7};
+  ViewWarper warper_{model_, kWorkingDistance};
+  GlanceReader reader_{model_, {}, {"tag36h11"}};
+};
+
+TEST_P(GlanceReaderTest, MirrorsMirror) { EXPECT_EQ(isMirrored(*model_), GetParam().is_mirrored); }
+
+TEST_P(GlanceReaderTest, ReadsLargeMarkersWithExactCorners) {
+  const cv::Mat panorama = test::renderPanorama(map_, camera_, truth_);
+  const Glance seen = reader_.read(panorama, reader_.count() - 1, warper_, camera_.axisUp());
+  ASSERT_EQ(seen.readings.size(), map_.markers.size());
+  ASSERT_EQ(seen.views.size(), seen.readings.size());
+  ASSERT_EQ(seen.view_images.size(), seen.readings.size());
+  for (const MarkerReading& reading : seen.readings) {
+    const auto marker =
+        std::find_if(map_.markers.begin(), map_.markers.end(),
+                     [&](const Marker& candidate) { return candidate.id == reading.id; });
+    ASSERT_NE(marker, map_.markers.end());
+    const MarkerReading exact = *test::exactReading(*marker, camera_, truth_);
+    for (std::size_t k = 0; k < exact.corners.size(); ++k) {
+      EXPECT_LT((reading.corners[k] - exact.corners[k]).norm(), 0.2) << reading.id << ", " << k;
+    }
+    EXPECT_LT((reading.center - exact.center).norm(), 0.2) << reading.id;
+    EXPECT_EQ(seen.view_images[reading.view].size(), seen.views[reading.view].size);
+  }
+}
+
+TEST_P(GlanceReaderTest, LeavesThePanoramaAsItIs) {
+  const cv::Mat panorama = test::renderPanorama(map_, camera_, truth_);
+  const cv::Mat before = panorama.clone();
+  for (std::size_t glance = 0; glance < reader_.count(); ++glance) {
+    reader_.read(panorama, glance, warper_, camera_.axisUp());
+    EXPECT_EQ(cv::norm(panorama, before, cv::NORM_L1), 0.0);
+  }
+}
+
+TEST_P(GlanceReaderTest, LargeImagesAreReducedAtFirst) {
+  const int side = std::min(model_->imageSize().width, model_->imageSize().height);
+  EXPECT_EQ(reader_.count() > 1, side >= 1000);
+  const cv::Mat panorama = test::renderPanorama(map_, camera_, truth_);
+  EXPECT_GE(reader_.read(panorama, 0, warper_, camera_.axisUp()).readings.size(), 3U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Cameras, GlanceReaderTest, testing::ValuesIn(setups()),
+                         [](const auto& test) { return test.param.name; });
+
+}  // namespace
+}  // namespace omnitag
