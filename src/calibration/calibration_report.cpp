@@ -52,6 +52,22 @@ void addTradeOffs(const CalibrationModel& model, const ParameterUncertainty& unc
                      "; each alone may be off by its deviation, together they image alike");
 }
 
+void addLean(const std::vector<CalibratedParameter>& parameters,
+             const Eigen::Isometry3d& base_from_camera, std::vector<std::string>* remarks) {
+  const auto distance = std::find_if(
+      parameters.begin(), parameters.end(),
+      [](const CalibratedParameter& parameter) { return parameter.guess.name == "apex_distance"; });
+  if (distance == parameters.end()) return;
+  const Eigen::Vector3d axis = base_from_camera.linear().col(2);
+  const double displacement = axis.head<2>().norm() * distance->deviation;
+  constexpr double kHardly = 1e-4;  // m
+  if (displacement < kHardly) return;
+  remarks->push_back(
+      "the camera leans: what apex_distance is off displaces the robot everywhere by " +
+      decimals(axis.head<2>().norm(), 2) + " of it, " + decimals(1e3 * displacement, 1) +
+      " mm (standard deviation); measure it, and use --fix apex_distance");
+}
+
 std::optional<double> rimOf(const CameraTemplate& camera, const CalibrationResult& result) {
   if (!camera.hasMirror()) return std::nullopt;
   const auto radiusOf = [](const CameraModel& model) {

@@ -21,6 +21,11 @@ std::string namesOf(const CalibrationModel& model);
 void addTradeOffs(const CalibrationModel& model, const ParameterUncertainty& uncertainty,
                   std::vector<std::string>* remarks);
 
+/// Where the camera leans, a line about how far the mirror's distance, as exactly as it is known,
+/// leaves the robot's place open.
+void addLean(const std::vector<CalibratedParameter>& parameters,
+             const Eigen::Isometry3d& base_from_camera, std::vector<std::string>* remarks);
+
 /// The rim (m) to write. The guess's in metres stays (nothing), as somebody may have measured it,
 /// unless it then images elsewhere than the guess's circle by far, or hides corners that were seen:
 /// then the circle stays.

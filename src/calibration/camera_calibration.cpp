@@ -23,6 +23,9 @@ using Indices = std::vector<Eigen::Index>;
 
 constexpr std::size_t kMinFrames = 10;
 
+/// Pixels: where the edges of blurred markers seem to be.
+constexpr double kCommonError = 0.01;
+
 /// The steps from a guess to a camera, over what they share.
 class Calibrator {
  public:
@@ -54,6 +57,7 @@ class Calibrator {
     leaveOutOutliers();
     decideProfile();
     decideSize();
+    settleProfile();
     holdUnobserved();
     return result(before);
   }
@@ -175,7 +179,8 @@ class Calibrator {
     for (std::size_t i = 0; i < model_.parameters().size(); ++i) {
       const std::string& name = model_.parameters()[i].name;
       const bool is_implied =
-          name == "conic_constant" && model_.camera().impliesConicConstant() && !doubts_profile_;
+          name == "conic_constant" &&
+          (is_settled_ || (model_.camera().impliesConicConstant() && !doubts_profile_));
       const bool is_size = name == "radius_of_curvature" && !doubts_size_;
       if (!isFixed(name) && !is_implied && !is_size) {
         indices.push_back(static_cast<Eigen::Index>(i));
@@ -243,6 +248,33 @@ class Calibrator {
         uncertaintyOf(model_, all.free, adjustment_.information(state_, all)).deviations(0);
   }
 
+  /// Of a mirror that is none of the guess's kind, whether it is a sphere or a paraboloid: that of
+  /// the two whose conic constant the estimate agrees with, unless the corners then fit clearly
+  /// worse. The lens's and the mirror's distance are several times better known then.
+  void settleProfile() {
+    if (!doubts_profile_) return;
+    AdjustmentConfig all;
+    all.robust_width = config_.robust_width;
+    all.free = candidates();
+    AdjustmentInformation information = adjustment_.information(state_, all);
+    information.common_error = kCommonError;
+    const Eigen::Index conic = *model_.indexOf("conic_constant");
+    const auto place = std::find(all.free.begin(), all.free.end(), conic) - all.free.begin();
+    const double deviation = uncertaintyOf(model_, all.free, information).deviations(place);
+    constexpr double kAgrees = 2.0;  // deviations
+    for (const double implied : {0.0, -1.0}) {
+      if (std::abs(state_.values(conic) - implied) > kAgrees * deviation) continue;
+      const CalibrationState estimated = state_;
+      const double before = summarize(adjustment_.residuals(state_)).rms;
+      state_.values(conic) = implied;
+      is_settled_ = true;
+      adjust("a sphere or a paraboloid", candidates());
+      is_settled_ = !isClearlyBetter(before, summarize(adjustment_.residuals(state_)).rms);
+      if (is_settled_) return;
+      state_ = estimated;
+    }
+  }
+
   void holdUnobserved() {
     AdjustmentConfig all;
     all.robust_width = config_.robust_width;
@@ -285,6 +317,10 @@ class Calibrator {
     if (name == "conic_constant" && model_.camera().impliesConicConstant() && !doubts_profile_) {
       return "the guess's profile fits";
     }
+    if (name == "conic_constant" && is_settled_) {
+      return state_.values(index) == 0.0 ? "as of a sphere, which fits"
+                                         : "as of a paraboloid, which fits";
+    }
     if (name == "radius_of_curvature" && !doubts_size_) {
       return "images tell it to " + significant(size_deviation_, 2) + " only; measure it";
     }
@@ -301,8 +337,6 @@ class Calibrator {
     adjustment.robust_width = config_.robust_width;
     adjustment.free = observed_;
     AdjustmentInformation information = adjustment_.information(state_, adjustment);
-    // Where the edges of blurred markers seem to be.
-    constexpr double kCommonError = 0.01;  // pixels
     information.common_error = kCommonError;
     const ParameterUncertainty uncertainty = uncertaintyOf(model_, observed_, information);
 
@@ -331,6 +365,7 @@ class Calibrator {
     result.rim_radius = rimOf(model_.camera(), result);
     result.remarks = data_.remarks;
     addTradeOffs(model_, uncertainty, &result.remarks);
+    addLean(result.parameters, result.base_from_camera, &result.remarks);
     return result;
   }
 
@@ -357,6 +392,8 @@ class Calibrator {
   CalibrationState state_;
   bool doubts_profile_ = false;
   bool doubts_size_ = false;
+  /// Whether it is a sphere or a paraboloid, though the guess was another.
+  bool is_settled_ = false;
   double size_deviation_ = 0.0;
   /// How much better the last doubt made it, in words.
   std::string fit_;

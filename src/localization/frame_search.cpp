@@ -1,6 +1,7 @@
 #include "frame_search.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "omnitag/common/stopwatch.h"
@@ -30,17 +31,21 @@ std::vector<MarkerReading> lookAround(const TrackingTools& tools, const Frame& f
   return readings;
 }
 
-std::vector<std::size_t> addDetections(const std::vector<MarkerReading>& readings,
-                                       const Relocalization& found, const MarkerMap& map,
-                                       FrameResult* result) {
+const char* whyUnknown(const LocalizerConfig& config) {
+  return config.exploring_views > 0 ? "not in the map yet" : "not in the map";
+}
+
+std::vector<std::size_t> addDetections(const TrackingTools& tools,
+                                       const std::vector<MarkerReading>& readings,
+                                       const Relocalization& found, FrameResult* result) {
   std::vector<std::size_t> explaining;
   for (std::size_t i = 0; i < readings.size(); ++i) {
     MarkerDetection detection = toDetection(readings[i]);
     detection.map_entry = found.entries[i];
     detection.residual = found.residuals[i];
     detection.accepted = found.entries[i].has_value();
-    if (entriesOf(map, detection.family, detection.id).empty()) {
-      detection.reason = "not in the map";
+    if (entriesOf(tools.map, detection.family, detection.id).empty()) {
+      detection.reason = whyUnknown(tools.config);
     } else if (!detection.accepted) {
       detection.reason = found.map_from_base ? "disagrees with the other markers" : found.reason;
     }
@@ -55,6 +60,52 @@ int contradictions(const FrameResult& result, const MarkerMap& map) {
       result.detections.begin(), result.detections.end(), [&map](const MarkerDetection& d) {
         return !d.accepted && !entriesOf(map, d.family, d.id).empty();
       }));
+}
+
+PoseEstimate withUndecoded(const TrackingTools& tools, const Frame& frame,
+                           const MountedCamera& camera, const PoseEstimate& found,
+                           const std::vector<std::size_t>& decoded,
+                           const std::optional<PoseEstimate>& prior, FrameResult* result) {
+  if (tools.config.estimation.kind != EstimatorKind::kPhotometric) return found;
+  Stopwatch step;
+  std::vector<std::size_t> entries = decoded;
+  std::vector<MarkerObservation> recognized;
+  // What was read beside its place is not to be recognized there after all.
+  const auto wasRejected = [result](const Marker& marker) {
+    return std::any_of(result->detections.begin(), result->detections.end(),
+                       [&marker](const MarkerDetection& detection) {
+                         return !detection.accepted && detection.id == marker.id &&
+                                detection.family == marker.family;
+                       });
+  };
+  for (const PredictedMarker& marker :
+       predictMarkers(tools.map, camera, found, tools.config.visibility)) {
+    if (std::find(decoded.begin(), decoded.end(), marker.map_entry) != decoded.end() ||
+        wasRejected(tools.map.markers[marker.map_entry])) {
+      continue;
+    }
+    const auto observation = recognizeMarker(tools, frame.image, camera, marker.map_entry, found);
+    if (!observation) continue;
+    recognized.push_back(*observation);
+    entries.push_back(marker.map_entry);
+  }
+  result->timings.recognize += step.lap();
+  if (recognized.empty()) return found;
+  const auto aligned = alignWithPixels(tools, frame.image, camera, entries, found.pose, prior);
+  if (!aligned || !agree(*aligned, found)) return found;
+  const std::vector<double> residuals =
+      reprojectionResiduals(tools.map, camera, recognized, aligned->pose);
+  for (std::size_t k = 0; k < recognized.size(); ++k) {
+    if (residuals[k] > residualLimit(recognized[k], tools.config)) return found;
+  }
+  for (std::size_t k = 0; k < recognized.size(); ++k) {
+    MarkerDetection detection =
+        toDetection(recognized[k], tools.map.markers[recognized[k].map_entry]);
+    detection.accepted = true;
+    detection.residual = residuals[k];
+    result->detections.push_back(std::move(detection));
+  }
+  return *aligned;
 }
 
 std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& frame,
@@ -80,7 +131,7 @@ std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& fram
     around.views = seen.views;
     around.view_images = seen.view_images;
     around.detections.clear();
-    const std::size_t explained = addDetections(seen.readings, found, tools.map, &around).size();
+    const std::size_t explained = addDetections(tools, seen.readings, found, &around).size();
     if (explained < kEnough || contradictions(around, tools.map) > 0) continue;
     // Those of the map are found anew from the pose.
     const auto isMapped = [](const MarkerDetection& detection) { return detection.accepted; };

@@ -18,12 +18,22 @@ std::vector<MarkerReading> lookAround(const TrackingTools& tools, const Frame& f
                                       const MountedCamera& camera, FrameResult* result);
 
 /// Adds what a search read, and returns the entries that its pose stands on.
-std::vector<std::size_t> addDetections(const std::vector<MarkerReading>& readings,
-                                       const Relocalization& found, const MarkerMap& map,
-                                       FrameResult* result);
+std::vector<std::size_t> addDetections(const TrackingTools& tools,
+                                       const std::vector<MarkerReading>& readings,
+                                       const Relocalization& found, FrameResult* result);
+
+/// Why a marker without an entry is not accepted. One that is explored will have an entry.
+const char* whyUnknown(const LocalizerConfig& config);
 
 /// How many detections are of the map's markers and yet not accepted.
 int contradictions(const FrameResult& result, const MarkerMap& map);
+
+/// A pose that a search found by the markers at the entries `decoded`, made more exact by those
+/// that no view around was right to decode: they are recognized where it has them.
+PoseEstimate withUndecoded(const TrackingTools& tools, const Frame& frame,
+                           const MountedCamera& camera, const PoseEstimate& found,
+                           const std::vector<std::size_t>& decoded,
+                           const std::optional<PoseEstimate>& prior, FrameResult* result);
 
 /// A pose from a glance at the panorama itself, and what was seen from there; nothing, and a result
 /// that only knows how long it took, where that does not show at least three markers that agree.

@@ -54,6 +54,16 @@ MarkerDetection toDetection(const MarkerReading& reading) {
   return detection;
 }
 
+MarkerDetection toDetection(const MarkerObservation& observation, const Marker& marker) {
+  MarkerDetection detection;
+  detection.family = marker.family;
+  detection.id = marker.id;
+  detection.map_entry = observation.map_entry;
+  detection.corners = observation.corners;
+  detection.center = observation.center;
+  return detection;
+}
+
 std::vector<MarkerReading> readViews(const MarkerReader& reader, const cv::Mat& panorama,
                                      std::vector<View> views, FrameResult* result) {
   Stopwatch step;
@@ -72,6 +82,28 @@ std::vector<MarkerReading> readViews(const MarkerReader& reader, const cv::Mat& 
   }
   result->timings.decode += step.lap();
   return readings;
+}
+
+std::optional<MarkerObservation> recognizeMarker(const TrackingTools& tools,
+                                                 const cv::Mat& panorama,
+                                                 const MountedCamera& camera, std::size_t entry,
+                                                 const PoseEstimate& belief) {
+  const auto predicted = predictMarker(tools.map, entry, camera, belief, tools.config.visibility);
+  if (!predicted) return std::nullopt;
+  const Marker& marker = tools.map.markers[entry];
+  const auto recognition =
+      recognize(panorama, marker, tools.patterns.of(marker), camera, belief.pose, *predicted,
+                tools.config.estimation.photometric.blur, tools.config.recognition);
+  if (!recognition || !recognition->isAccepted()) return std::nullopt;
+  MarkerObservation observation{entry, predicted->corners,
+                                predicted->center + recognition->displacement};
+  for (Eigen::Vector2d& corner : observation.corners) corner += recognition->displacement;
+  return observation;
+}
+
+double residualLimit(const MarkerObservation& recognized, const LocalizerConfig& config) {
+  constexpr double kHalfModule = 1.0 / 16.0;  // of the edge
+  return std::max(config.estimation.max_residual, kHalfModule * meanEdge(recognized.corners));
 }
 
 std::optional<PoseEstimate> alignWithPixels(const TrackingTools& tools, const cv::Mat& panorama,
@@ -191,19 +223,8 @@ void FrameTracker::recognizeAgain(const PoseEstimate& belief) {
 
 std::optional<MarkerObservation> FrameTracker::recognizeOne(std::size_t target,
                                                             const PoseEstimate& belief) const {
-  const std::size_t entry = result_->predicted[target].map_entry;
-  const auto predicted =
-      predictMarker(tools_.map, entry, camera_, belief, tools_.config.visibility);
-  if (!predicted) return std::nullopt;
-  const Marker& marker = tools_.map.markers[entry];
-  const auto recognition = omnitag::recognize(
-      frame_.image, marker, tools_.patterns.of(marker), camera_, belief.pose, *predicted,
-      tools_.config.estimation.photometric.blur, tools_.config.recognition);
-  if (!recognition || !recognition->isAccepted()) return std::nullopt;
-  MarkerObservation observation{entry, predicted->corners,
-                                predicted->center + recognition->displacement};
-  for (Eigen::Vector2d& corner : observation.corners) corner += recognition->displacement;
-  return observation;
+  return recognizeMarker(tools_, frame_.image, camera_, result_->predicted[target].map_entry,
+                         belief);
 }
 
 std::vector<std::size_t> FrameTracker::missing() const {
@@ -285,13 +306,8 @@ void FrameTracker::align() {
   }
   std::vector<double> residuals =
       reprojectionResiduals(tools_.map, camera_, observations, aligned->pose);
-  // A marker that was recognized from a worse belief is tilted and scaled a little: that may be
-  // some pixels where it is large, about half a module.
-  constexpr double kHalfModule = 1.0 / 16.0;  // of the edge
   for (std::size_t k = 0; k < residuals.size(); ++k) {
-    const double limit = std::max(tools_.config.estimation.max_residual,
-                                  kHalfModule * meanEdge(observations[k].corners));
-    if (solution_->used[k] && residuals[k] > limit) return;
+    if (solution_->used[k] && residuals[k] > residualLimit(observations[k], tools_.config)) return;
   }
   solution_->map_from_base = *aligned;
   solution_->residuals = std::move(residuals);
@@ -301,12 +317,7 @@ void FrameTracker::report() {
   for (std::size_t k = 0; k < observed_.size(); ++k) {
     const MarkerObservation& observation = *sightings_[observed_[k]].observation;
     const Marker& marker = tools_.map.markers[observation.map_entry];
-    MarkerDetection detection;
-    detection.family = marker.family;
-    detection.id = marker.id;
-    detection.map_entry = observation.map_entry;
-    detection.corners = observation.corners;
-    detection.center = observation.center;
+    MarkerDetection detection = toDetection(observation, marker);
     detection.accepted = solution_ && solution_->used[k];
     detection.residual =
         solution_ ? solution_->residuals[k] : std::numeric_limits<double>::quiet_NaN();

@@ -84,10 +84,22 @@ class FrameTracker {
 
 /// A reading as a detection that is not accepted yet.
 MarkerDetection toDetection(const MarkerReading& reading);
+/// The same of a marker of the map that was observed.
+MarkerDetection toDetection(const MarkerObservation& observation, const Marker& marker);
 
 /// Reads views and adds them, with what they show, to the result.
 std::vector<MarkerReading> readViews(const MarkerReader& reader, const cv::Mat& panorama,
                                      std::vector<View> views, FrameResult* result);
+
+/// The marker at an entry of the map, where its pattern is found about where `belief` has it.
+std::optional<MarkerObservation> recognizeMarker(const TrackingTools& tools,
+                                                 const cv::Mat& panorama,
+                                                 const MountedCamera& camera, std::size_t entry,
+                                                 const PoseEstimate& belief);
+
+/// Pixels that a marker may be off the final pose. One that was recognized from a worse belief is
+/// tilted and scaled a little: that may be some pixels where it is large, about half a module.
+double residualLimit(const MarkerObservation& recognized, const LocalizerConfig& config);
 
 /// A pose aligned with the pixels of the markers at `entries`; nothing where that is not asked for
 /// or not possible.

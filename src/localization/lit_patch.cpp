@@ -29,12 +29,8 @@ Eigen::RowVector3d greyByPose(const MarkerPixel& pixel, const Light& light) {
   return contrastAt(pixel.position, light) * pixel.white_by_pose;
 }
 
-/// Whether a pixel is, or should be, so bright or dark that the image does not tell how much so.
 bool isSaturated(const MarkerPixel& pixel, const PixelResidual& residual) {
-  constexpr double kDarkest = 3.0;
-  constexpr double kBrightest = 250.0;
-  const double expected = pixel.grey - residual.grey;
-  return std::max(pixel.grey, expected) > kBrightest || std::min(pixel.grey, expected) < kDarkest;
+  return omnitag::isSaturated(pixel.grey, pixel.grey - residual.grey);
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "omnitag/localization/marker_patch.h"
-#include "pixel_noise.h"
+#include "omnitag/localization/pixel_noise.h"
 
 namespace omnitag {
 

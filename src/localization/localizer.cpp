@@ -237,7 +237,7 @@ void Localizer::patrol(const Frame& frame, const MountedCamera& camera, const Po
     });
     if (is_in_place) continue;
     MarkerDetection detection = toDetection(reading);
-    detection.reason = entries.empty() ? "not in the map" : "hangs elsewhere than the map says";
+    detection.reason = entries.empty() ? whyUnknown(config_) : "hangs elsewhere than the map says";
     is_odd = is_odd || !entries.empty();
     result->detections.push_back(std::move(detection));
   }
@@ -260,7 +260,8 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
   Stopwatch step;
   const Relocalization found = relocalize(map_, camera, readings, config_.estimation.reprojection,
                                           config_.estimation.max_residual, config_.relocalization);
-  const std::vector<std::size_t> explaining = addDetections(readings, found, map_, result);
+  const std::vector<std::size_t> explaining =
+      addDetections(trackingTools(), readings, found, result);
 
   // A single marker may hang elsewhere than the map says: it does not overrule a prediction that
   // markers confirmed a moment ago.
@@ -281,6 +282,7 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
       // enough to align pixels with: corners bear more.
       pose = aligned && agree(*aligned, pose) ? *aligned
                                               : standingOnCorners(pose, explaining.size(), config_);
+      pose = withUndecoded(trackingTools(), frame, camera, pose, explaining, prior, result);
       // Two markers without a prediction have no third to contradict them where something shades or
       // covers one of them: a pose to start from is to be modest.
       constexpr double kDoubt = 2.0;

@@ -11,7 +11,7 @@
 #include "omnitag/common/angle.h"
 #include "omnitag/common/parallel.h"
 #include "omnitag/localization/marker_patch.h"
-#include "pixel_noise.h"
+#include "omnitag/localization/pixel_noise.h"
 
 namespace omnitag {
 namespace {

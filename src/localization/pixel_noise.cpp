@@ -1,4 +1,4 @@
-#include "pixel_noise.h"
+#include "omnitag/localization/pixel_noise.h"
 
 #include <algorithm>
 #include <cmath>

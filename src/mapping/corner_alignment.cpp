@@ -7,8 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "light_grid.h"
 #include "omnitag/localization/marker_patch.h"
-#include "omnitag/localization/photometric_refinement.h"
+#include "omnitag/localization/pixel_noise.h"
 
 namespace omnitag {
 namespace {
@@ -19,15 +20,17 @@ constexpr std::size_t kMaxPixels = 2500;
 /// Where the shift of a corner is among the unknowns.
 constexpr Eigen::Index shiftOf(Eigen::Index corner) { return 2 * corner; }
 
-/// The corners' shifts, then black, contrast and the contrast's two slopes.
-using Unknowns = Eigen::Matrix<double, 12, 1>;
-using Normal = Eigen::Matrix<double, 12, 12>;
+/// The corners' shifts, then the light.
+constexpr Eigen::Index kUnknowns = 8 + kGridLightTerms;
+using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
+using Normal = Eigen::Matrix<double, kUnknowns, kUnknowns>;
+
+GridLight lightOf(const Unknowns& unknowns) { return unknowns.tail<kGridLightTerms>(); }
 
 /// A pixel against the pattern at the present unknowns.
 struct Sample {
-  double residual = 0.0;
-  /// Grey levels per pixel.
-  double gradient = 0.0;
+  double grey = 0.0;
+  PixelResidual residual;
   Unknowns by_unknowns = Unknowns::Zero();
 };
 
@@ -46,6 +49,7 @@ std::vector<Sample> samplesAt(const Unknowns& unknowns, const std::vector<Footpr
   std::vector<Sample> samples;
   samples.reserve(footprints.size());
   const double width = pattern.width();
+  const GridLight light = lightOf(unknowns);
   for (const Footprint& footprint : footprints) {
     const Eigen::Vector4d share = shares(footprint.position, pattern);
     Eigen::Vector2d shift = Eigen::Vector2d::Zero();
@@ -54,92 +58,65 @@ std::vector<Sample> samplesAt(const Unknowns& unknowns, const std::vector<Footpr
     if (position.minCoeff() < 0.0 || position.maxCoeff() > width) continue;
     const TagPattern::White white = pattern.averageOver(position, footprint.facet->window);
     const Eigen::Vector2d place = position / width - Eigen::Vector2d(0.5, 0.5);
-    const double contrast = unknowns(9) + unknowns.tail<2>().dot(place);
-    const Eigen::RowVector2d by_shift =
-        -contrast * white.by_position.transpose() * footprint.facet->by_pixel;
+    const GridLight by_light = greyByLight(white.share, place);
+    const Eigen::RowVector2d white_by_shift =
+        -white.by_position.transpose() * footprint.facet->by_pixel;
+    const Eigen::RowVector2d by_shift = contrastAt(place, light) * white_by_shift;
     Sample sample;
-    sample.residual = panorama.at<std::uint8_t>(footprint.row, footprint.column) -
-                      (unknowns(8) + white.share * contrast);
-    sample.gradient = by_shift.norm();
+    sample.grey = panorama.at<std::uint8_t>(footprint.row, footprint.column);
+    sample.residual = {sample.grey - light.dot(by_light), white_by_shift.norm(), by_shift.norm()};
     for (Eigen::Index k = 0; k < 4; ++k) {
       sample.by_unknowns.segment<2>(shiftOf(k)) = share(k) * by_shift.transpose();
     }
-    sample.by_unknowns.tail<4>() << 1.0, white.share, white.share * place.x(),
-        white.share * place.y();
+    sample.by_unknowns.tail<kGridLightTerms>() = by_light;
     samples.push_back(sample);
   }
   return samples;
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+void dropSaturated(std::vector<Sample>* samples) {
+  const auto is_saturated = [](const Sample& sample) {
+    return isSaturated(sample.grey, sample.grey - sample.residual.grey);
+  };
+  samples->erase(std::remove_if(samples->begin(), samples->end(), is_saturated), samples->end());
 }
 
-/// Standard deviations of grey levels on even ground, and of the places of edges, in pixels.
-struct Noise {
-  double flat = 10.0;
-  double edge = 0.1;
-};
-
-Noise noiseOf(const std::vector<Sample>& samples) {
-  constexpr double kToDeviation = 1.4826;  // from the median of absolute values
-  constexpr double kLeastFlat = 1.0;       // grey levels, which are rounded
-  constexpr double kLeastEdge = 0.01;
-  std::vector<double> gradients;
-  gradients.reserve(samples.size());
-  for (const Sample& sample : samples) gradients.push_back(sample.gradient);
-  const double middle = median(gradients);
-  std::vector<double> flat;
-  std::vector<double> steep;
-  for (const Sample& sample : samples) {
-    (sample.gradient > middle ? steep : flat).push_back(std::abs(sample.residual));
-  }
-  Noise noise;
-  noise.flat = std::max(kLeastFlat, kToDeviation * median(flat));
-  if (steep.empty()) return noise;
-  const double at_edges = kToDeviation * median(steep);
-  double square = 0.0;
-  for (const Sample& sample : samples) {
-    if (sample.gradient > middle) square += sample.gradient * sample.gradient;
-  }
-  square /= static_cast<double>(steep.size());
-  noise.edge = std::max(
-      kLeastEdge, std::sqrt(std::max(0.0, at_edges * at_edges - noise.flat * noise.flat) / square));
-  return noise;
+PixelNoise noiseOf(const std::vector<Sample>& samples) {
+  constexpr double kLeastFlat = 1.0;  // grey levels, which are rounded
+  std::vector<PixelResidual> residuals;
+  residuals.reserve(samples.size());
+  for (const Sample& sample : samples) residuals.push_back(sample.residual);
+  return noiseOf(std::move(residuals), kLeastFlat);
 }
 
-/// 1 / variance, and less for what is off by more than chance.
-double weightOf(const Sample& sample, const Noise& noise) {
-  constexpr double kOutlier = 3.0;
-  const double variance =
-      noise.flat * noise.flat + noise.edge * noise.edge * sample.gradient * sample.gradient;
-  const double ratio = sample.residual * sample.residual / (kOutlier * kOutlier * variance);
-  return 1.0 / (variance * std::max(1.0, ratio));
-}
-
-Normal normalOf(const std::vector<Sample>& samples, const Noise& noise, Unknowns* right_side) {
+/// With contrasts that bend by about `bend` grey levels from node to node, where pixels do not
+/// know.
+Normal normalOf(const std::vector<Sample>& samples, const PixelNoise& noise, const GridLight& light,
+                double bend, Unknowns* right_side) {
   Normal normal = Normal::Zero();
   right_side->setZero();
+  normal.bottomRightCorner<kGridLightTerms, kGridLightTerms>() = roughness() / (bend * bend);
+  right_side->tail<kGridLightTerms>() = -roughness() * light / (bend * bend);
   for (const Sample& sample : samples) {
-    const double weight = weightOf(sample, noise);
+    const double weight = weightOf(sample.residual, noise);
     normal.noalias() += weight * sample.by_unknowns * sample.by_unknowns.transpose();
-    *right_side += weight * sample.residual * sample.by_unknowns;
+    *right_side += weight * sample.residual.grey * sample.by_unknowns;
   }
   return normal;
 }
 
-/// The light at which the pattern fits best where it is.
-std::optional<Unknowns> fitLight(const std::vector<Footprint>& footprints, const cv::Mat& panorama,
-                                 const TagPattern& pattern) {
+/// The light at which the pattern fits best where it is, saturated or not.
+Unknowns fitLight(const std::vector<Footprint>& footprints, const cv::Mat& panorama,
+                  const TagPattern& pattern) {
   const std::vector<Sample> samples = samplesAt(Unknowns::Zero(), footprints, panorama, pattern);
+  constexpr PixelNoise kAllAlike{1e3, 0.0};
+  constexpr double kBend = 1e3;
   Unknowns right_side;
-  const Normal normal = normalOf(samples, {1e3, 0.0}, &right_side);
-  const Eigen::LDLT<Eigen::Matrix4d> factors(normal.bottomRightCorner<4, 4>());
-  if (!(factors.vectorD().minCoeff() > 0.0)) return std::nullopt;
+  const Normal normal = normalOf(samples, kAllAlike, GridLight::Zero(), kBend, &right_side);
   Unknowns unknowns = Unknowns::Zero();
-  unknowns.tail<4>() = factors.solve(right_side.tail<4>());
+  unknowns.tail<kGridLightTerms>() =
+      normal.bottomRightCorner<kGridLightTerms, kGridLightTerms>().ldlt().solve(
+          right_side.tail<kGridLightTerms>());
   return unknowns;
 }
 
@@ -157,42 +134,47 @@ std::optional<AlignedCorners> alignCorners(const cv::Mat& panorama, const Marker
   const std::vector<Footprint> footprints = patch.footprints(map_from_base);
   constexpr std::size_t kFewestPixels = 60;
   if (footprints.size() < kFewestPixels) return std::nullopt;
-  std::optional<Unknowns> unknowns = fitLight(footprints, panorama, pattern);
-  if (!unknowns) return std::nullopt;
+  Unknowns unknowns = fitLight(footprints, panorama, pattern);
 
   constexpr int kSteps = 6;
   constexpr double kMaxShift = 1.5;     // pixels
   constexpr double kLowContrast = 8.0;  // grey levels
   constexpr double kBadFit = 0.2;       // of the contrast, the noise on even ground
-  Noise noise{1e3, 0.0};
+  constexpr double kBend = 0.25;        // of the contrast, from node to node
+  PixelNoise noise;
   Normal normal;
   for (int step = 0; step < kSteps; ++step) {
-    const auto samples = samplesAt(*unknowns, footprints, panorama, pattern);
+    const GridLight light = lightOf(unknowns);
+    if (!(meanContrast(light) > kLowContrast)) return std::nullopt;
+    auto samples = samplesAt(unknowns, footprints, panorama, pattern);
+    dropSaturated(&samples);
     if (samples.size() < kFewestPixels) return std::nullopt;
     noise = noiseOf(samples);
     Unknowns right_side;
-    normal = normalOf(samples, noise, &right_side);
+    normal = normalOf(samples, noise, light, kBend * meanContrast(light), &right_side);
     const Eigen::LDLT<Normal> factors(normal);
     if (factors.info() != Eigen::Success || !(factors.vectorD().minCoeff() > 0.0)) {
       return std::nullopt;
     }
-    *unknowns += factors.solve(right_side);
-    if (!unknowns->allFinite() || unknowns->head<8>().cwiseAbs().maxCoeff() > kMaxShift) {
+    unknowns += factors.solve(right_side);
+    if (!unknowns.allFinite() || unknowns.head<8>().cwiseAbs().maxCoeff() > kMaxShift) {
       return std::nullopt;
     }
   }
-  if ((*unknowns)(9) < kLowContrast || noise.flat > kBadFit * (*unknowns)(9)) return std::nullopt;
+  const double contrast = meanContrast(lightOf(unknowns));
+  if (contrast < kLowContrast || noise.flat > kBadFit * contrast) return std::nullopt;
 
   AlignedCorners aligned;
-  aligned.pixels = projection->pixels + unknowns->head<8>();
+  aligned.pixels = projection->pixels + unknowns.head<8>();
   aligned.covariance = normal.inverse().topLeftCorner<8, 8>();
   // What a renderer, a lens or a print does to all edges alike makes a marker larger or smaller.
   constexpr double kCornerDeviation = 0.02;  // pixels
   aligned.covariance.diagonal().array() += kCornerDeviation * kCornerDeviation;
-  const double together = PhotometricConfig{}.alignment_deviation;
+  // Pixels by which all corners of a marker err together.
+  constexpr double kTogether = 0.003;
   for (int row = 0; row < 8; ++row) {
     for (int column = row % 2; column < 8; column += 2) {
-      aligned.covariance(row, column) += together * together;
+      aligned.covariance(row, column) += kTogether * kTogether;
     }
   }
   return aligned;

@@ -127,6 +127,21 @@ TEST_F(CameraCalibrationTest, NeedsNoMoreThanTheImagesCircle) {
   }
 }
 
+TEST_F(CameraCalibrationTest, TellsASphereThoughTheGuessIsAParaboloid) {
+  const Eigen::Isometry3d mounting = test::mounting(1.1, radians(9.0), radians(-12.0));
+  const std::string guess = catadioptricFile(
+      800, 250, 250, 0.15, "profile: parabolic, radius_of_curvature: 0.04, rim_radius: 0.0385");
+  const CalibrationResult result =
+      calibrate(guess, truthOf(kTruth, mounting), test::mounting(1.1, 0.0, 0.0));
+  EXPECT_EQ(of(result, "conic_constant").value, 0.0);
+  EXPECT_FALSE(of(result, "conic_constant").held.empty());
+  expectWithin(result, "apex_distance", 0.21);
+  const auto about_lean = std::find_if(
+      result.remarks.begin(), result.remarks.end(),
+      [](const std::string& remark) { return remark.find("camera leans") != std::string::npos; });
+  EXPECT_NE(about_lean, result.remarks.end());
+}
+
 TEST_F(CameraCalibrationTest, RecoversCentralCameras) {
   const Eigen::Isometry3d up(Eigen::Translation3d(0.1, 0.0, 0.5));
   const std::string image = "image: {width: 700, height: 700}\n";

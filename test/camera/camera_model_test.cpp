@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <memory>
 #include <ostream>
@@ -70,6 +71,7 @@ TEST_P(EveryCamera, takesPixelsToPointsAndBack) {
 
 TEST_P(EveryCamera, hasTheDerivativesOfItsProjection) {
   int compared = 0;
+  double worst = 0.0;
   forEachPixel(31.7, [&](const Eigen::Vector2d& pixel) {
     const std::optional<Ray> ray = camera().rayFromPixel(pixel);
     if (!ray) return;
@@ -92,9 +94,11 @@ TEST_P(EveryCamera, hasTheDerivativesOfItsProjection) {
       ++compared;
       ASSERT_LT((jacobian - numeric).norm(), 1e-6 * jacobian.norm())
           << pixel.transpose() << " at " << range << " m";
+      worst = std::max(worst, (jacobian - numeric).norm() / jacobian.norm());
     }
   });
   EXPECT_GT(compared, 50);
+  RecordProperty("largest_error", testing::PrintToString(worst));
 }
 
 TEST_P(EveryCamera, seesNothingWhereNothingIsNumber) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <future>
 #include <opencv2/core.hpp>
@@ -197,6 +198,24 @@ TEST_F(LocalizerFaultTest, FindsItsPoseInTheFirstFrameAndFollowsOn) {
   const FrameResult second = localizer_.process(frame(0.1, good_));
   expectAt(routeAt(0), second);
   EXPECT_EQ(second.mode, Mode::kTracking);
+}
+
+TEST_F(LocalizerFaultTest, ASearchUsesMarkersThatItsViewsDoNotShowWhole) {
+  // So near that it is wider than what neighbouring views have in common.
+  MarkerMap map = map_;
+  map.markers.push_back(test::wallMarker(30, {1.1, -1.0, 1.1}, radians(135.0)));
+  map.markers.back().size = 0.8;
+  const cv::Mat image = test::renderPanorama(map, {camera_, test::lookingDown()}, routeAt(0));
+  Localizer localizer(camera_, map, {});
+  const FrameResult result = localizer.process(frame(0.0, image));
+  expectAt(routeAt(0), result);
+  EXPECT_EQ(result.mode, Mode::kSearching);
+  const auto near = std::find_if(result.detections.begin(), result.detections.end(),
+                                 [](const MarkerDetection& d) { return d.id == 30; });
+  ASSERT_NE(near, result.detections.end());
+  EXPECT_TRUE(near->accepted);
+  EXPECT_EQ(near->map_entry, map.markers.size() - 1);
+  EXPECT_LT(near->residual, 0.3);
 }
 
 TEST_F(LocalizerFaultTest, ARobotThatWasCarriedAwayIsFoundInTheSameFrame) {

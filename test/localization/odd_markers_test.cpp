@@ -245,5 +245,19 @@ TEST_F(OddMarkersTest, OneThatIsNotInTheMapIsRejected) {
   EXPECT_TRUE(log_.persistent().empty());
 }
 
+TEST_F(OddMarkersTest, OneThatIsBeingMappedIsSaidToBeMissingOnlyYet) {
+  MarkerMap seen = map_;
+  constexpr int kUnknown = 200;
+  seen.markers.push_back(ringMarker(kUnknown, direction(3) + 0.4, 1.3));
+  LocalizerConfig config;
+  config.exploring_views = 2;
+  Localizer localizer(model_, map_, config);
+  const FrameResult found = localizer.process({0.0, render(seen), mounting_, std::nullopt});
+  EXPECT_TRUE(
+      std::any_of(found.detections.begin(), found.detections.end(), [](const MarkerDetection& d) {
+        return d.id == kUnknown && d.reason == "not in the map yet";
+      }));
+}
+
 }  // namespace
 }  // namespace omnitag

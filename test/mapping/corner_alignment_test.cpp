@@ -17,7 +17,10 @@ class CornerAlignmentTest : public testing::Test {
   /// The panorama with noise of some grey levels.
   cv::Mat panoramaOf(const Marker& marker, double noise) const {
     constexpr int kSamples = 8;
-    cv::Mat image = test::renderPanorama({"map", {marker}}, camera_, pose_, kSamples);
+    return withNoise(test::renderPanorama({"map", {marker}}, camera_, pose_, kSamples), noise);
+  }
+
+  static cv::Mat withNoise(cv::Mat image, double noise) {
     std::mt19937 random(3);
     std::normal_distribution<double> normal(0.0, noise);
     for (int row = 0; row < image.rows; ++row) {
@@ -32,6 +35,24 @@ class CornerAlignmentTest : public testing::Test {
   std::optional<AlignedCorners> align(const cv::Mat& panorama, const Marker& marker,
                                       const Pose2& pose) const {
     return alignCorners(panorama, marker, TagPattern(marker.family, marker.id), camera_, pose, 0.0);
+  }
+
+  /// With the light times `bright` on one side of a line through the middle of the marker's image
+  /// that runs along `heading`, and times `dark` on the other.
+  cv::Mat withShadow(const cv::Mat& image, const Marker& marker, double heading, double bright,
+                     double dark) const {
+    const auto corners = test::exactReading(marker, camera_, pose_)->corners;
+    const Eigen::Vector2d middle = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
+    const Eigen::Vector2d across(-std::sin(heading), std::cos(heading));
+    cv::Mat lit = image.clone();
+    for (int row = 0; row < lit.rows; ++row) {
+      for (int column = 0; column < lit.cols; ++column) {
+        auto& grey = lit.at<std::uint8_t>(row, column);
+        const bool is_bright = across.dot(Eigen::Vector2d(column, row) - middle) > 0.0;
+        grey = cv::saturate_cast<std::uint8_t>((is_bright ? bright : dark) * grey);
+      }
+    }
+    return lit;
   }
 
   MountedCamera camera_{test::sphericalCamera(), test::lookingDown()};
@@ -53,6 +74,33 @@ TEST_F(CornerAlignmentTest, FindsTheCornersFromAPoseThatIsOff) {
       EXPECT_LT(std::sqrt(aligned->covariance.trace() / 8.0), 0.04) << marker.id;
     }
   }
+}
+
+TEST_F(CornerAlignmentTest, IsNotMisledByTheEdgeOfAShadow) {
+  const Marker marker = test::wallMarker(3, {1.9, 0.6, 1.3}, -2.6, 0.2);
+  const CornerPixels truth = stacked(test::exactReading(marker, camera_, pose_)->corners);
+  const cv::Mat even = test::renderPanorama({"map", {marker}}, camera_, pose_, 8);
+  for (int i = 0; i < 12; ++i) {
+    const double heading = 0.1 + 0.5 * i;
+    const cv::Mat panorama = withNoise(withShadow(even, marker, heading, 1.0, 0.55), 2.0);
+    const auto aligned = align(panorama, marker, pose_);
+    ASSERT_TRUE(aligned) << heading;
+    const CornerPixels error = aligned->pixels - truth;
+    EXPECT_LT(error.norm() / std::sqrt(8.0), 0.05) << heading;
+    EXPECT_LT(error.dot(aligned->covariance.ldlt().solve(error)), 26.0) << heading;
+  }
+}
+
+TEST_F(CornerAlignmentTest, GetsAlongWithWhiteThatIsTooBright) {
+  const Marker marker = test::wallMarker(11, {-0.9, -1.6, 1.1}, 1.4);
+  const CornerPixels truth = stacked(test::exactReading(marker, camera_, pose_)->corners);
+  const cv::Mat even = test::renderPanorama({"map", {marker}}, camera_, pose_, 8);
+  const cv::Mat panorama = withNoise(withShadow(even, marker, 0.7, 1.5, 0.9), 2.0);
+  const auto aligned = align(panorama, marker, pose_);
+  ASSERT_TRUE(aligned);
+  const CornerPixels error = aligned->pixels - truth;
+  EXPECT_LT(error.norm() / std::sqrt(8.0), 0.04);
+  EXPECT_LT(error.dot(aligned->covariance.ldlt().solve(error)), 26.0);
 }
 
 TEST_F(CornerAlignmentTest, RefusesWhatIsNotThere) {

@@ -55,6 +55,10 @@ void run(const CalibrationOptions& options) {
   // Known so well, all pixels of a marker tell where its corners are.
   const TagPatterns patterns(map);
   const MountedCamera found(cameraOf(better), better.base_from_camera);
+  // What is off by as much as decoded corners are is then an outlier: a shadow, something in the
+  // way.
+  constexpr double kAlignedWidth = 0.05;  // pixels
+  config.robust_width = kAlignedWidth;
   const CalibrationResult result =
       calibrate(cameraOf(better), "images once more, by all pixels", false,
                 [&](const cv::Mat& image, std::vector<MarkerReading> readings) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 namespace omnitag {
@@ -23,6 +24,13 @@ struct PixelResidual {
   double gradient = 0.0;
   double grey_gradient = 0.0;
 };
+
+/// Whether a pixel is, or should be, so bright or dark that the image does not tell how much so.
+inline bool isSaturated(double grey, double expected) {
+  constexpr double kDarkest = 3.0;
+  constexpr double kBrightest = 250.0;
+  return std::max(grey, expected) > kBrightest || std::min(grey, expected) < kDarkest;
+}
 
 /// 1 / variance, and less for pixels that are off by more than 3.5 deviations.
 inline double weightOf(const PixelResidual& residual, const PixelNoise& noise) {
