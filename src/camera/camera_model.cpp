@@ -24,7 +24,7 @@ std::optional<Eigen::Vector2d> CameraModel::pixelFromPoint(
 
 std::optional<Eigen::Vector2d> CameraModel::pixelBeyondImage(
     const Eigen::Vector3d& point, Eigen::Matrix<double, 2, 3>* jacobian) const {
-  const double distance = std::hypot(point.x(), point.y());
+  const double distance = point.head<2>().norm();
   const std::optional<RadialImage> image = imageFromPoint(distance, point.z());
   if (!image) return std::nullopt;
 

@@ -172,8 +172,7 @@ std::optional<PoseEstimate> FrameTracker::track(std::size_t glance) {
     }
     solve();
     if (solution_) {
-      recognizeAgain(solution_->map_from_base);
-      solve();
+      if (recognizeAgain(solution_->map_from_base)) solve();
     }
     if (solution_) {
       recognizeAll(solution_->map_from_base);
@@ -212,13 +211,21 @@ void FrameTracker::recognizeAll(const PoseEstimate& belief) {
   result_->timings.recognize += step.lap();
 }
 
-void FrameTracker::recognizeAgain(const PoseEstimate& belief) {
+bool FrameTracker::recognizeAgain(const PoseEstimate& belief) {
+  // Pixels; a marker whose corners are no farther from where the belief has them looks alike.
+  constexpr double kAlike = 0.3;
   Stopwatch step;
-  for (std::size_t i = 0; i < sightings_.size(); ++i) {
-    if (!sightings_[i].observation || sightings_[i].was_decoded) continue;
-    if (const auto again = recognizeOne(i, belief)) sightings_[i].observation = again;
+  bool is_changed = false;
+  for (std::size_t k = 0; k < observed_.size(); ++k) {
+    Sighting& sighting = sightings_[observed_[k]];
+    if (sighting.was_decoded || solution_->residuals[k] < kAlike) continue;
+    if (const auto again = recognizeOne(observed_[k], belief)) {
+      sighting.observation = again;
+      is_changed = true;
+    }
   }
   result_->timings.recognize += step.lap();
+  return is_changed;
 }
 
 std::optional<MarkerObservation> FrameTracker::recognizeOne(std::size_t target,

@@ -93,6 +93,7 @@ class Aligner {
   std::vector<MarkerPatch> finePatches(const Pose2& pose) const {
     MarkerPatch::Choice choice;
     choice.reach = 0.0;
+    choice.facets = 3;
     return patches(pose, config_.max_final_pixels, choice);
   }
 
@@ -139,7 +140,7 @@ class Aligner {
                                    MarkerPatch::Choice choice) const {
     constexpr std::size_t kLeast = 75;
     // So many more are looked at to find those at edges.
-    constexpr std::size_t kLookedAt = 3;
+    constexpr std::size_t kLookedAt = 2;
     choice.max_at_edges = std::max(
         kLeast, static_cast<std::size_t>(max_pixels) / std::max<std::size_t>(1, entries_.size()));
     choice.max_on_even_ground = choice.max_at_edges / 8;
