@@ -11,6 +11,12 @@ namespace {
 /// Pixels.
 constexpr std::size_t kMostReserved = 2000;
 
+/// Of a grid with so many columns, row by row.
+std::size_t gridIndex(int column, int row, int columns) {
+  return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+         static_cast<std::size_t>(column);
+}
+
 }  // namespace
 
 class MarkerPatch::Plane {
@@ -78,14 +84,13 @@ inline const Facet& MarkerPatch::facetOf(const Eigen::Vector2d& position) const 
   const auto indexAlong = [&](double coordinate) {
     return std::clamp(static_cast<int>(coordinate * facets_per_module), 0, facets_along_ - 1);
   };
-  return facets_[static_cast<std::size_t>(indexAlong(position.y()) * facets_along_ +
-                                          indexAlong(position.x()))];
+  return facets_[gridIndex(indexAlong(position.x()), indexAlong(position.y()), facets_along_)];
 }
 
 MarkerPatch::Nodes MarkerPatch::nodesAt(const Pose2& map_from_base) const {
   const double width = static_cast<double>(pattern_.width()) / facets_along_;
   Nodes nodes;
-  nodes.reserve(static_cast<std::size_t>((facets_along_ + 1) * (facets_along_ + 1)));
+  nodes.reserve(gridIndex(0, facets_along_ + 1, facets_along_ + 1));
   for (int row = 0; row <= facets_along_; ++row) {
     for (int column = 0; column <= facets_along_; ++column) {
       nodes.push_back(camera_.pixelFromMap(map_from_base, inMap({width * column, width * row})));
@@ -100,7 +105,7 @@ void MarkerPatch::setFacets(const Nodes& nodes, const Pose2& map_from_base, doub
   // A Gaussian blur and a box have the same variance where the box is sqrt(12) deviations wide.
   const double stretch = std::sqrt(1.0 + 12.0 * blur * blur);
   const auto nodeAt = [&](int column, int row) -> const std::optional<Eigen::Vector2d>& {
-    return nodes[static_cast<std::size_t>(row * (facets_along_ + 1) + column)];
+    return nodes[gridIndex(column, row, facets_along_ + 1)];
   };
   for (int row = 0; row < facets_along_; ++row) {
     for (int column = 0; column < facets_along_; ++column) {
@@ -154,73 +159,114 @@ Eigen::Vector2i MarkerPatch::gridSteps(std::size_t max_considered) const {
   return {std::max(smaller, static_cast<int>(wanted / smaller)), smaller};
 }
 
-void MarkerPatch::chooseLinesOfSight(const Pose2& map_from_base, const Box& box,
-                                     const Choice& choice) {
-  const Plane plane(*this, map_from_base);
-  const auto positionAt = [&](int column, int row) -> std::optional<Eigen::Vector2d> {
-    const std::optional<Ray> ray = camera_.tabulatedRayInBase({column, row});
-    return ray ? plane.meet(*ray) : std::nullopt;
-  };
-  std::vector<Pixel> at_edges;
-  std::vector<Pixel> on_even_ground;
-  const std::size_t most = std::min(choice.max_considered, kMostReserved);
-  at_edges.reserve(most);
-  on_even_ground.reserve(most);
-  const double width = pattern_.width();
-  // `surroundings`: modules around the position that the pixel may turn out to see.
-  const auto consider = [&](int column, int row, const Eigen::Vector2d& position,
-                            const Eigen::Vector2d& surroundings) {
-    const Eigen::Vector2d low = position - surroundings;
-    const Eigen::Vector2d high = position + surroundings;
-    if (high.minCoeff() < 0.0 || low.maxCoeff() > width) return;
-    (pattern_.isEven(low, high) ? on_even_ground : at_edges).push_back({column, row});
-  };
-  const auto surroundingsAt = [&](const Eigen::Vector2d& position) -> Eigen::Vector2d {
-    const Facet& facet = facetOf(position);
-    return facet.window.reach() + choice.reach * facet.by_pixel.cwiseAbs().rowwise().sum();
-  };
+/// Tells pixels at edges from those on even ground.
+class MarkerPatch::Sorter {
+ public:
+  Sorter(const MarkerPatch& patch, const Pose2& map_from_base, const Choice& choice)
+      : patch_(patch),
+        plane_(patch, map_from_base),
+        step_(patch.gridSteps(choice.max_considered)),
+        reach_(choice.reach) {
+    const std::size_t most = std::min(choice.max_considered, kMostReserved);
+    at_edges_.reserve(most);
+    on_even_ground_.reserve(most);
+  }
 
-  // Roughly, positions follow from those of nodes around them.
-  const Eigen::Vector2i step = gridSteps(choice.max_considered);
-  const Eigen::Vector2i node_step = 8 * step;
-  for (int top = box.top; top <= box.bottom; top += node_step.y()) {
-    const int below = top + node_step.y();
-    auto upper_left = positionAt(box.left, top);
-    auto lower_left = positionAt(box.left, below);
-    for (int left = box.left; left <= box.right; left += node_step.x()) {
-      const int beyond = left + node_step.x();
-      const auto upper_right = positionAt(beyond, top);
-      const auto lower_right = positionAt(beyond, below);
-      const int right = std::min(beyond, box.right + 1);
-      const int bottom = std::min(below, box.bottom + 1);
-      if (upper_left && lower_left && upper_right && lower_right) {
-        const Eigen::Vector2d surroundings =
-            surroundingsAt(0.25 * (*upper_left + *lower_left + *upper_right + *lower_right));
-        for (int row = top; row < bottom; row += step.y()) {
-          const double b = static_cast<double>(row - top) / node_step.y();
-          const Eigen::Vector2d first = *upper_left + b * (*lower_left - *upper_left);
-          const Eigen::Vector2d last = *upper_right + b * (*lower_right - *upper_right);
-          const Eigen::Vector2d by_column = (last - first) / node_step.x();
-          for (int column = left; column < right; column += step.x()) {
-            consider(column, row, first + (column - left) * by_column, surroundings);
-          }
+  void sort(const Box& box) {
+    // Roughly, positions follow from those of nodes around them.
+    const Eigen::Vector2i node_step = 8 * step_;
+    for (int top = box.top; top <= box.bottom; top += node_step.y()) {
+      const int below = top + node_step.y();
+      auto upper_left = positionAt(box.left, top);
+      auto lower_left = positionAt(box.left, below);
+      for (int left = box.left; left <= box.right; left += node_step.x()) {
+        const int beyond = left + node_step.x();
+        const auto upper_right = positionAt(beyond, top);
+        const auto lower_right = positionAt(beyond, below);
+        const Box block{left, top, std::min(beyond - 1, box.right),
+                        std::min(below - 1, box.bottom)};
+        if (upper_left && lower_left && upper_right && lower_right) {
+          const Eigen::Vector2d right = (*upper_right - *upper_left) / node_step.x();
+          const Eigen::Vector2d down = (*lower_left - *upper_left) / node_step.y();
+          const Eigen::Vector2d twist =
+              ((*lower_right - *lower_left) / node_step.x() - right) / node_step.y();
+          sortBlock(block, *upper_left, right, down, twist);
+        } else {
+          sortOneByOne(block);
         }
-      } else {
-        for (int row = top; row < bottom; row += step.y()) {
-          for (int column = left; column < right; column += step.x()) {
-            const auto position = positionAt(column, row);
-            if (position) consider(column, row, *position, surroundingsAt(*position));
-          }
-        }
+        upper_left = upper_right;
+        lower_left = lower_right;
       }
-      upper_left = upper_right;
-      lower_left = lower_right;
     }
   }
-  lines_of_sight_.reserve(std::min(at_edges.size(), choice.max_at_edges) +
-                          std::min(on_even_ground.size(), choice.max_on_even_ground));
-  keep(at_edges, choice.max_at_edges);
-  keep(on_even_ground, choice.max_on_even_ground);
+
+  const std::vector<Pixel>& atEdges() const { return at_edges_; }
+  const std::vector<Pixel>& onEvenGround() const { return on_even_ground_; }
+
+ private:
+  std::optional<Eigen::Vector2d> positionAt(int column, int row) const {
+    const std::optional<Ray> ray = patch_.camera_.tabulatedRayInBase({column, row});
+    return ray ? plane_.meet(*ray) : std::nullopt;
+  }
+
+  /// Modules around a position that a pixel there may turn out to see.
+  Eigen::Vector2d surroundingsAt(const Eigen::Vector2d& position) const {
+    const Facet& facet = patch_.facetOf(position);
+    return facet.window.reach() + reach_ * facet.by_pixel.cwiseAbs().rowwise().sum();
+  }
+
+  /// A block of pixels by the position of its first one, and how that changes along columns, along
+  /// rows, and along both.
+  void sortBlock(const Box& block, const Eigen::Vector2d& first, const Eigen::Vector2d& right,
+                 const Eigen::Vector2d& down, const Eigen::Vector2d& twist) {
+    const double width = block.right - block.left;
+    const double height = block.bottom - block.top;
+    const Eigen::Vector2d surroundings = surroundingsAt(
+        first + 0.5 * width * right + 0.5 * height * down + 0.25 * width * height * twist);
+    for (int row = block.top; row <= block.bottom; row += step_.y()) {
+      const double below = row - block.top;
+      const Eigen::Vector2d start = first + below * down;
+      const Eigen::Vector2d by_column = right + below * twist;
+      for (int column = block.left; column <= block.right; column += step_.x()) {
+        add(column, row, start + (column - block.left) * by_column, surroundings);
+      }
+    }
+  }
+
+  void sortOneByOne(const Box& block) {
+    for (int row = block.top; row <= block.bottom; row += step_.y()) {
+      for (int column = block.left; column <= block.right; column += step_.x()) {
+        const auto position = positionAt(column, row);
+        if (position) add(column, row, *position, surroundingsAt(*position));
+      }
+    }
+  }
+
+  void add(int column, int row, const Eigen::Vector2d& position,
+           const Eigen::Vector2d& surroundings) {
+    const Eigen::Vector2d low = position - surroundings;
+    const Eigen::Vector2d high = position + surroundings;
+    const TagPattern& pattern = patch_.pattern_;
+    if (high.minCoeff() < 0.0 || low.maxCoeff() > static_cast<double>(pattern.width())) return;
+    (pattern.isEven(low, high) ? on_even_ground_ : at_edges_).push_back({column, row});
+  }
+
+  const MarkerPatch& patch_;
+  Plane plane_;
+  Eigen::Vector2i step_;
+  double reach_;
+  std::vector<Pixel> at_edges_;
+  std::vector<Pixel> on_even_ground_;
+};
+
+void MarkerPatch::chooseLinesOfSight(const Pose2& map_from_base, const Box& box,
+                                     const Choice& choice) {
+  Sorter sorter(*this, map_from_base, choice);
+  sorter.sort(box);
+  lines_of_sight_.reserve(std::min(sorter.atEdges().size(), choice.max_at_edges) +
+                          std::min(sorter.onEvenGround().size(), choice.max_on_even_ground));
+  keep(sorter.atEdges(), choice.max_at_edges);
+  keep(sorter.onEvenGround(), choice.max_on_even_ground);
 }
 
 void MarkerPatch::keep(const std::vector<Pixel>& pixels, std::size_t at_most) {

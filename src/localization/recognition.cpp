@@ -206,11 +206,11 @@ using Nuisances = Eigen::Matrix<double, kNuisances, 1>;
 
 /// A pixel that sees something of data modules.
 struct DataPixel {
-  double grey;
+  double grey = 0.0;
   /// What it would see of the data modules if black were -1.
-  double expected;
+  double expected = 0.0;
   /// What else may have made it so bright: the light, and what the layout fixes.
-  Nuisances nuisances;
+  Nuisances nuisances = Nuisances::Zero();
   std::vector<TagPattern::DataShare> shares;
 };
 
@@ -260,6 +260,7 @@ std::optional<Comparison> compareData(const cv::Mat& panorama,
                                       const Eigen::Vector2d& displacement,
                                       const TagPattern& pattern) {
   std::vector<double> signs;
+  signs.reserve(static_cast<std::size_t>(pattern.dataModules()));
   for (int module = 0; module < pattern.dataModules(); ++module) {
     signs.push_back(pattern.isDataWhite(module) ? 1.0 : -1.0);
   }

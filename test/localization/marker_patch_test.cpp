@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <limits>
 #include <map>
@@ -24,9 +25,9 @@ namespace {
 
 /// A footprint that outlives its patch.
 struct Seen {
-  int column;
-  int row;
-  Eigen::Vector2d position;
+  int column = 0;
+  int row = 0;
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();
   Facet facet;
 };
 
@@ -220,11 +221,8 @@ TEST_P(MarkerPatchTest, BlurMakesTheFootprintsLarger) {
     EXPECT_TRUE(other.facet.sides.isApprox(other.facet.by_pixel, 1e-12));
     EXPECT_TRUE(footprint.facet.by_pixel.isApprox(other.facet.by_pixel, 1e-12));
     // The variance of a box of width w is w^2 / 12; those of blur and pixel add up.
-    for (int side = 0; side < 2; ++side) {
-      EXPECT_NEAR(footprint.facet.sides.col(side).squaredNorm() / 12.0,
-                  other.facet.by_pixel.col(side).squaredNorm() * (1.0 / 12.0 + kBlur * kBlur),
-                  1e-9);
-    }
+    const double stretch = std::sqrt(12.0 * (1.0 / 12.0 + kBlur * kBlur));
+    EXPECT_TRUE(footprint.facet.sides.isApprox(stretch * other.facet.by_pixel, 1e-12));
   }
 }
 
@@ -253,13 +251,27 @@ TEST_P(MarkerPatchTest, HoldsEveryPixelThatSeesNothingButTheDrawing) {
   EXPECT_EQ(missing, 0) << "of " << inside;
 }
 
-/// Distances between neighbours, each once.
-std::set<int> gapsOf(const std::set<int>& coordinates) {
+/// Whether neighbours among these are equally far apart.
+bool areEven(const std::set<int>& coordinates) {
   std::set<int> gaps;
   for (auto next = std::next(coordinates.begin()); next != coordinates.end(); ++next) {
     gaps.insert(*next - *std::prev(next));
   }
-  return gaps;
+  return gaps.size() == 1;
+}
+
+void expectGridOfAbout(std::size_t most, const ByPixel& all, const ByPixel& grid) {
+  std::set<int> columns;
+  std::set<int> rows;
+  for (const auto& [pixel, footprint] : grid) {
+    EXPECT_EQ(all.count(pixel), 1U);
+    columns.insert(pixel.first);
+    rows.insert(pixel.second);
+  }
+  EXPECT_TRUE(areEven(columns)) << most;
+  EXPECT_TRUE(areEven(rows)) << most;
+  EXPECT_GE(grid.size(), std::min(all.size(), most) * 4 / 10) << most;
+  EXPECT_LE(grid.size(), most * 2) << most;
 }
 
 TEST_P(MarkerPatchTest, ConsidersAboutAsManyPixelsAsAskedForOnAGrid) {
@@ -268,18 +280,7 @@ TEST_P(MarkerPatchTest, ConsidersAboutAsManyPixelsAsAskedForOnAGrid) {
   for (const std::size_t most : {60U, 150U, 400U}) {
     MarkerPatch::Choice choice;
     choice.max_considered = most;
-    const ByPixel grid = byPixel(scene.footprints(choice));
-    std::set<int> columns;
-    std::set<int> rows;
-    for (const auto& [pixel, footprint] : grid) {
-      EXPECT_EQ(all.count(pixel), 1U);
-      columns.insert(pixel.first);
-      rows.insert(pixel.second);
-    }
-    EXPECT_EQ(gapsOf(columns).size(), 1U) << most;
-    EXPECT_EQ(gapsOf(rows).size(), 1U) << most;
-    EXPECT_GE(grid.size(), std::min(all.size(), most) * 4 / 10) << most;
-    EXPECT_LE(grid.size(), most * 2) << most;
+    expectGridOfAbout(most, all, byPixel(scene.footprints(choice)));
   }
 }
 

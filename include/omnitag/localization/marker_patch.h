@@ -101,6 +101,7 @@ class MarkerPatch {
   };
   /// The drawing's place before a robot: takes lines of sight to positions.
   class Plane;
+  class Sorter;
   using Nodes = std::vector<std::optional<Eigen::Vector2d>>;
 
   /// Pixels of the corners of the facets, row by row.
