@@ -108,7 +108,7 @@ class Aligner {
 
   /// What all markers' residuals say about the pixels' noise; there must be some.
   PixelNoise noise(const Linearization& all) const {
-    constexpr std::size_t kEnough = 1000;
+    constexpr std::size_t kEnough = 3000;
     std::size_t count = 0;
     for (const auto& fit : all.fits) count += fit ? fit->patch.residuals.size() : 0;
     const std::size_t every = 1 + count / kEnough;

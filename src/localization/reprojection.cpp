@@ -90,7 +90,7 @@ std::optional<ReprojectionFit> refineByReprojection(
     const std::vector<MarkerObservation>& observations, const Pose2& initial,
     const std::optional<PoseEstimate>& prior, const ReprojectionConfig& config) {
   constexpr int kMaxIterations = 100;
-  constexpr double kTolerance = 1e-10;  // m and rad
+  constexpr double kTolerance = 1e-7;  // m and rad
   const Problem problem(map, camera, observations, prior, config);
 
   Pose2 pose = initial;
