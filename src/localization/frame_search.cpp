@@ -79,7 +79,7 @@ PoseEstimate withUndecoded(const TrackingTools& tools, const Frame& frame,
                        });
   };
   for (const PredictedMarker& marker :
-       predictMarkers(tools.map, camera, found, tools.config.visibility)) {
+       predictMarkers(tools.map, tools.index, camera, found, tools.config.visibility)) {
     if (std::find(decoded.begin(), decoded.end(), marker.map_entry) != decoded.end() ||
         wasRejected(tools.map.markers[marker.map_entry])) {
       continue;
@@ -140,7 +140,7 @@ std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& fram
         around.detections.end());
     PoseEstimate start = *found.map_from_base;
     start.covariance *= kDoubt * kDoubt;
-    around.predicted = predictMarkers(tools.map, camera, start, config.visibility);
+    around.predicted = predictMarkers(tools.map, tools.index, camera, start, config.visibility);
     std::optional<PoseEstimate> pose =
         FrameTracker(tools, frame, camera, start, &around).track(turn);
     if (!pose || around.acceptedMarkers() < static_cast<int>(explained)) continue;

@@ -18,6 +18,7 @@ namespace omnitag {
 /// What a localizer looks with.
 struct TrackingTools {
   const MarkerMap& map;
+  const MarkerIndex& index;
   const LocalizerConfig& config;
   const MarkerReader& reader;
   const GlanceReader& glance_reader;

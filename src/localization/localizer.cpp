@@ -71,19 +71,21 @@ Localizer::Localizer(std::shared_ptr<const CameraModel> camera, MarkerMap map,
                      const LocalizerConfig& config)
     : camera_(std::move(camera)),
       map_(std::move(map)),
+      index_(map_),
       config_(config),
       reader_(camera_, kWorkingDistance, config.detector, familiesOf(map_), config.threads),
-      glance_reader_(camera_, config.detector, familiesOf(map_), config.threads),
+      glance_reader_(camera_, config.detector, reader_.detector()),
       patterns_(map_),
       motion_(config.motion) {}
 
 TrackingTools Localizer::trackingTools() const {
-  return {map_, config_, reader_, glance_reader_, patterns_};
+  return {map_, index_, config_, reader_, glance_reader_, patterns_};
 }
 
 void Localizer::setMap(MarkerMap map) {
   patterns_.add(map);
   map_ = std::move(map);
+  index_ = MarkerIndex(map_);
 }
 
 void Localizer::setPose(const PoseEstimate& map_from_base) { given_pose_ = map_from_base; }
@@ -147,7 +149,7 @@ std::optional<PoseEstimate> Localizer::predict(const Frame& frame) {
 bool Localizer::track(const Frame& frame, const MountedCamera& camera,
                       const PoseEstimate& predicted, FrameResult* result) {
   Stopwatch step;
-  result->predicted = predictMarkers(map_, camera, predicted, config_.visibility);
+  result->predicted = predictMarkers(map_, index_, camera, predicted, config_.visibility);
   result->timings.predict += step.lap();
   const TrackingTools tools = trackingTools();
   FrameTracker tracker(tools, frame, camera, predicted, result);

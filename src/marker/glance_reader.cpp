@@ -82,8 +82,7 @@ bool isMirrored(const CameraModel& camera) {
 }
 
 GlanceReader::GlanceReader(std::shared_ptr<const CameraModel> camera,
-                           const TagDetectorConfig& config, const std::set<std::string>& families,
-                           int threads)
+                           const TagDetectorConfig& config, const TagDetector& detector)
     : camera_(std::move(camera)), is_mirrored_(isMirrored(*camera_)) {
   const ImageSize& size = camera_->imageSize();
   for (int reduction = std::max(1, std::min(size.width, size.height) / kFirstSize); reduction >= 1;
@@ -93,7 +92,7 @@ GlanceReader::GlanceReader(std::shared_ptr<const CameraModel> camera,
     if (reduction > 1) {
       reduced.quad_decimate = std::min(8.0, std::round(config.quad_decimate * reduction));
     }
-    detectors_.emplace_back(reduced, families, threads);
+    detectors_.emplace_back(reduced, detector);
   }
 }
 

@@ -115,9 +115,16 @@ VisibilityConfig readVisibilityConfig(const YamlReader& reader) {
 std::vector<PredictedMarker> predictMarkers(const MarkerMap& map, const MountedCamera& camera,
                                             const PoseEstimate& map_from_base,
                                             const VisibilityConfig& config) {
+  return predictMarkers(map, MarkerIndex(map), camera, map_from_base, config);
+}
+
+std::vector<PredictedMarker> predictMarkers(const MarkerMap& map, const MarkerIndex& index,
+                                            const MountedCamera& camera,
+                                            const PoseEstimate& map_from_base,
+                                            const VisibilityConfig& config) {
   const Eigen::Vector3d viewpoint = camera.mapFromCamera(map_from_base.pose).translation();
   std::vector<PredictedMarker> predicted;
-  for (std::size_t entry = 0; entry < map.markers.size(); ++entry) {
+  for (const std::size_t entry : index.within(config.max_range, viewpoint)) {
     auto marker = predict(map.markers[entry], camera, map_from_base, viewpoint, config);
     if (!marker) continue;
     marker->map_entry = entry;

@@ -96,11 +96,15 @@ TagDetectorConfig readTagDetectorConfig(const YamlReader& reader) {
 }
 
 struct TagDetector::Library {
-  Library(const TagDetectorConfig& config, const std::set<std::string>& family_names, int threads)
+  using Families = std::vector<AprilTagFamily>;
+
+  Library(const TagDetectorConfig& config, std::shared_ptr<const Families> shared_families,
+          int threads)
       : min_decision_margin(config.min_decision_margin),
         blurs(config.quad_sigma != 0.0 && config.quad_decimate <= 1.0),
         deglitches(config.deglitch && config.quad_decimate <= 1.0),
-        smallest_side(8.0 * std::max(1.0, config.quad_decimate)) {
+        smallest_side(8.0 * std::max(1.0, config.quad_decimate)),
+        families(std::move(shared_families)) {
     detector->nthreads = threads;
     detector->quad_decimate = static_cast<float>(config.quad_decimate);
     detector->quad_sigma = static_cast<float>(config.quad_sigma);
@@ -114,12 +118,23 @@ struct TagDetector::Library {
     detector->qtp.max_line_fit_mse = static_cast<float>(config.max_line_fit_mse);
     detector->qtp.min_white_black_diff = config.min_white_black_diff;
     detector->qtp.deglitch = config.deglitch ? 1 : 0;
-    for (const std::string& name : family_names) {
-      families.push_back(createAprilTagFamily(name));
-      apriltag_family_t* const family = families.back().get();
-      apriltag_detector_add_family_bits(detector.get(), family,
+    // The library makes a family's decoding table unless it has one.
+    for (const AprilTagFamily& family : *families) {
+      apriltag_detector_add_family_bits(detector.get(), family.get(),
                                         affordableHamming(*family, config.max_hamming));
     }
+  }
+  Library(const Library&) = delete;
+  Library& operator=(const Library&) = delete;
+  ~Library() {
+    // The library takes the tables of a detector's families away with it.
+    if (families.use_count() > 1) zarray_clear(detector->tag_families);
+  }
+
+  static std::shared_ptr<const Families> create(const std::set<std::string>& names) {
+    auto families = std::make_shared<Families>();
+    for (const std::string& name : names) families->push_back(createAprilTagFamily(name));
+    return families;
   }
 
   double min_decision_margin;
@@ -127,13 +142,17 @@ struct TagDetector::Library {
   bool deglitches;
   double smallest_side;
   // The detector lets go of its families when it is destroyed: they must outlive it.
-  std::vector<AprilTagFamily> families;
+  std::shared_ptr<const Families> families;
   std::unique_ptr<apriltag_detector_t, DestroyDetector> detector{apriltag_detector_create()};
 };
 
 TagDetector::TagDetector(const TagDetectorConfig& config, const std::set<std::string>& families,
                          int threads)
-    : library_(std::make_unique<Library>(config, families, threads)) {}
+    : library_(std::make_unique<Library>(config, Library::create(families), threads)) {}
+
+TagDetector::TagDetector(const TagDetectorConfig& config, const TagDetector& other)
+    : library_(std::make_unique<Library>(config, other.library_->families,
+                                         other.library_->detector->nthreads)) {}
 
 TagDetector::~TagDetector() = default;
 TagDetector::TagDetector(TagDetector&&) noexcept = default;
@@ -146,7 +165,7 @@ std::vector<TagDetection> TagDetector::detect(const cv::Mat& image) const {
   }
   // The library reads outside of images that are smaller than its 4 x 4 pixel tiles.
   if (std::min(image.cols, image.rows) < library_->smallest_side) return {};
-  if (library_->families.empty()) return {};
+  if (library_->families->empty()) return {};
 
   // The library blurs in place, and deglitches as if rows had hardly any padding.
   const bool needs_copy = library_->blurs || (library_->deglitches && !image.isContinuous());

@@ -68,7 +68,8 @@ class GlanceReaderTest : public testing::TestWithParam<Setup> {
   MarkerMap map_ = mapOf(GetParam().height);
   Pose2 truth_{0.2, -0.1, 0.7};
   ViewWarper warper_{model_, kWorkingDistance};
-  GlanceReader reader_{model_, {}, {"tag36h11"}};
+  TagDetector detector_{{}, {"tag36h11"}};
+  GlanceReader reader_{model_, {}, detector_};
 };
 
 TEST_P(GlanceReaderTest, MirrorsMirror) { EXPECT_EQ(isMirrored(*model_), GetParam().is_mirrored); }

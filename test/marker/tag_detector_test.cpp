@@ -241,6 +241,21 @@ TEST(TagDetector, DoesNotReadMirroredTags) {
   }
 }
 
+TEST(TagDetector, SharedTablesOutliveEitherDetector) {
+  TagDetectorConfig reduced;
+  reduced.quad_decimate = 2.0;
+  const cv::Mat image = renderOne(12);
+  auto first =
+      std::make_unique<TagDetector>(TagDetectorConfig(), std::set<std::string>{"tag36h11"});
+  auto second = std::make_unique<TagDetector>(reduced, *first);
+  EXPECT_EQ(second->detect(image).size(), 1U);
+  first.reset();
+  EXPECT_EQ(second->detect(image).size(), 1U);
+  auto third = std::make_unique<TagDetector>(TagDetectorConfig(), *second);
+  second.reset();
+  EXPECT_EQ(third->detect(image).size(), 1U);
+}
+
 TEST(TagDetector, TellsFamiliesApart) {
   const TagDetector both(TagDetectorConfig(), {"tag36h11", "tagStandard41h12"});
   for (const std::string family : {"tag36h11", "tagStandard41h12"}) {

@@ -91,6 +91,7 @@ class Localizer {
 
   std::shared_ptr<const CameraModel> camera_;
   MarkerMap map_;
+  MarkerIndex index_;
   LocalizerConfig config_;
   MarkerReader reader_;
   GlanceReader glance_reader_;

@@ -2,8 +2,6 @@
 
 #include <memory>
 #include <opencv2/core/mat.hpp>
-#include <set>
-#include <string>
 #include <vector>
 
 #include "omnitag/camera/camera_model.h"
@@ -30,10 +28,9 @@ struct Glance {
 /// since the panorama bends their edges. Not safe to use from two threads at once.
 class GlanceReader {
  public:
-  /// `threads`: as in TagDetector. Throws InputError for a family that the AprilTag library does
-  /// not have.
+  /// `config`: the settings of the last glance. The families are those of `detector`.
   GlanceReader(std::shared_ptr<const CameraModel> camera, const TagDetectorConfig& config,
-               const std::set<std::string>& families, int threads = 1);
+               const TagDetector& detector);
 
   /// How many glances there are, each at twice the resolution of the one before, the last at that
   /// of the detector's settings.

@@ -8,6 +8,7 @@
 #include "omnitag/common/angle.h"
 #include "omnitag/common/pose2.h"
 #include "omnitag/common/yaml_reader.h"
+#include "omnitag/marker/marker_index.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/view/view.h"
 
@@ -51,6 +52,12 @@ struct PredictedMarker {
 /// The markers that the camera should see: facing it, within range, large enough, and whole within
 /// the optics' field and the image.
 std::vector<PredictedMarker> predictMarkers(const MarkerMap& map, const MountedCamera& camera,
+                                            const PoseEstimate& map_from_base,
+                                            const VisibilityConfig& config);
+
+/// The same with the map's index, which is much faster where the map is large.
+std::vector<PredictedMarker> predictMarkers(const MarkerMap& map, const MarkerIndex& index,
+                                            const MountedCamera& camera,
                                             const PoseEstimate& map_from_base,
                                             const VisibilityConfig& config);
 

@@ -43,6 +43,7 @@ class MarkerReader {
   std::vector<MarkerReading> read(const cv::Mat& view_image, const View& view) const;
 
   const ViewWarper& warper() const { return warper_; }
+  const TagDetector& detector() const { return detector_; }
 
  private:
   ViewWarper warper_;

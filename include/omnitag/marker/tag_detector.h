@@ -65,6 +65,9 @@ class TagDetector {
   /// `threads`: how many the library may use. Throws InputError for a family that it does not have.
   TagDetector(const TagDetectorConfig& config, const std::set<std::string>& families,
               int threads = 1);
+  /// With another one's families, whose decoding tables (many megabytes) the two share, and as many
+  /// threads. `max_hamming` stays the other one's.
+  TagDetector(const TagDetectorConfig& config, const TagDetector& other);
   ~TagDetector();
   TagDetector(TagDetector&& other) noexcept;
   TagDetector& operator=(TagDetector&& other) noexcept;
