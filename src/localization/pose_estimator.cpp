@@ -130,19 +130,23 @@ std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera&
   }
   if (!best || agreeing(*best) == 0) return std::nullopt;
 
-  // What disagrees is left out altogether, which may bring others back into agreement.
   PoseSolution solution;
-  solution.residuals = best->residuals;
   for (const double residual : best->residuals) {
     solution.used.push_back(residual <= config.max_residual);
   }
-  const std::vector<MarkerObservation> subset = chosen(observations, solution.used);
-  const auto fit = refineByReprojection(map, camera, subset, best->map_from_base.pose, prior,
-                                        config.reprojection);
-  if (!fit) return std::nullopt;
-  solution.map_from_base = fit->map_from_base;
-  solution.map_from_base.covariance *= varianceFactor(*fit);
-  solution.residuals = reprojectionResiduals(map, camera, observations, fit->map_from_base.pose);
+  const bool do_all_agree =
+      std::all_of(solution.used.begin(), solution.used.end(), [](bool used) { return used; });
+  if (!do_all_agree) {
+    // What disagrees is left out altogether, which may bring others back into agreement.
+    best = refineByReprojection(map, camera, chosen(observations, solution.used),
+                                best->map_from_base.pose, prior, config.reprojection);
+    if (!best) return std::nullopt;
+  }
+  solution.map_from_base = best->map_from_base;
+  solution.map_from_base.covariance *= varianceFactor(*best);
+  solution.residuals =
+      do_all_agree ? std::move(best->residuals)
+                   : reprojectionResiduals(map, camera, observations, best->map_from_base.pose);
   return solution;
 }
 

@@ -211,35 +211,50 @@ struct DataPixel {
   double expected = 0.0;
   /// What else may have made it so bright: the light, and what the layout fixes.
   Nuisances nuisances = Nuisances::Zero();
+  /// Of the modules' shares in all pixels, how many belong to this one and those before.
+  std::ptrdiff_t shares_end = 0;
+};
+
+/// The pixels of a marker that see something of data modules, one after the other with their
+/// shares.
+struct DataPixels {
+  std::vector<DataPixel> pixels;
   std::vector<TagPattern::DataShare> shares;
 };
 
-std::vector<DataPixel> dataPixels(const cv::Mat& panorama, const std::vector<Footprint>& footprints,
-                                  const Eigen::Vector2d& displacement, const TagPattern& pattern,
-                                  const std::vector<double>& signs) {
-  std::vector<DataPixel> pixels;
-  pixels.reserve(footprints.size());
-  DataPixel pixel;
+DataPixels dataPixels(const cv::Mat& panorama, const std::vector<Footprint>& footprints,
+                      const Eigen::Vector2d& displacement, const TagPattern& pattern,
+                      const std::vector<double>& signs) {
+  DataPixels data;
+  data.pixels.reserve(footprints.size());
+  constexpr std::size_t kUsualShares = 4;
+  data.shares.reserve(kUsualShares * footprints.size());
   visitDisplaced(footprints, displacement, panorama.size(), pattern.width(),
                  [&](const Footprint& footprint) {
                    const Eigen::Vector2d& size = footprint.facet->window.size();
-                   pattern.dataShares(footprint.position, size, &pixel.shares);
-                   double data = 0.0;
-                   pixel.expected = 0.0;
-                   for (const TagPattern::DataShare& share : pixel.shares) {
-                     data += share.share;
-                     pixel.expected += signs[static_cast<std::size_t>(share.module)] * share.share;
+                   const std::size_t first = data.shares.size();
+                   pattern.appendDataShares(footprint.position, size, &data.shares);
+                   DataPixel pixel;
+                   double of_data = 0.0;
+                   for (std::size_t i = first; i < data.shares.size(); ++i) {
+                     const auto& [module, share] = data.shares[i];
+                     of_data += share;
+                     pixel.expected += signs[static_cast<std::size_t>(module)] * share;
                    }
                    constexpr double kLeastData = 0.05;
-                   if (data < kLeastData) return;
+                   if (of_data < kLeastData) {
+                     data.shares.resize(first);
+                     return;
+                   }
                    const double white = pattern.average(footprint.position, size).share;
-                   const double data_white = 0.5 * (data + pixel.expected);
+                   const double data_white = 0.5 * (of_data + pixel.expected);
                    const Eigen::Vector2d place = footprint.position / pattern.width();
-                   pixel.nuisances << 1.0, place.x(), place.y(), white - data_white, data;
+                   pixel.nuisances << 1.0, place.x(), place.y(), white - data_white, of_data;
                    pixel.grey = panorama.ptr<std::uint8_t>(footprint.row)[footprint.column];
-                   pixels.push_back(pixel);
+                   pixel.shares_end = static_cast<std::ptrdiff_t>(data.shares.size());
+                   data.pixels.push_back(pixel);
                  });
-  return pixels;
+  return data;
 }
 
 /// Takes the nuisances to independent ones whose sums of squares are 1; those that the others
@@ -264,26 +279,27 @@ std::optional<Comparison> compareData(const cv::Mat& panorama,
   for (int module = 0; module < pattern.dataModules(); ++module) {
     signs.push_back(pattern.isDataWhite(module) ? 1.0 : -1.0);
   }
-  std::vector<DataPixel> pixels = dataPixels(panorama, footprints, displacement, pattern, signs);
-  if (pixels.size() <= kNuisances + 2) return std::nullopt;
+  DataPixels data = dataPixels(panorama, footprints, displacement, pattern, signs);
+  if (data.pixels.size() <= kNuisances + 2) return std::nullopt;
 
   // All that follows leaves out what the nuisances explain.
   Eigen::Matrix<double, kNuisances, kNuisances> gram;
   gram.setZero();
-  for (const DataPixel& pixel : pixels) gram += pixel.nuisances * pixel.nuisances.transpose();
+  for (const DataPixel& pixel : data.pixels) gram += pixel.nuisances * pixel.nuisances.transpose();
   const auto independent = normalizing(gram);
   Nuisances in_grey = Nuisances::Zero();
   Nuisances in_expected = Nuisances::Zero();
   Eigen::Matrix<double, kNuisances, Eigen::Dynamic> in_shares(kNuisances, signs.size());
   in_shares.setZero();
   double share_squares = 0.0;
-  for (DataPixel& pixel : pixels) {
+  auto share = data.shares.cbegin();
+  for (DataPixel& pixel : data.pixels) {
     pixel.nuisances = independent * pixel.nuisances;
     in_grey += pixel.grey * pixel.nuisances;
     in_expected += pixel.expected * pixel.nuisances;
-    for (const TagPattern::DataShare& share : pixel.shares) {
-      in_shares.col(share.module) += share.share * pixel.nuisances;
-      share_squares += share.share * share.share;
+    for (; share != data.shares.cbegin() + pixel.shares_end; ++share) {
+      in_shares.col(share->module) += share->share * pixel.nuisances;
+      share_squares += share->share * share->share;
     }
   }
   share_squares -= in_shares.squaredNorm();
@@ -292,14 +308,15 @@ std::optional<Comparison> compareData(const cv::Mat& panorama,
   double grey_squares = 0.0;
   double expected_squares = 0.0;
   Eigen::VectorXd along_expected = Eigen::VectorXd::Zero(pattern.dataModules());
-  for (const DataPixel& pixel : pixels) {
+  share = data.shares.cbegin();
+  for (const DataPixel& pixel : data.pixels) {
     const double grey = pixel.grey - in_grey.dot(pixel.nuisances);
     const double expected = pixel.expected - in_expected.dot(pixel.nuisances);
     product += expected * grey;
     grey_squares += grey * grey;
     expected_squares += expected * expected;
-    for (const TagPattern::DataShare& share : pixel.shares) {
-      along_expected[share.module] += share.share * expected;
+    for (; share != data.shares.cbegin() + pixel.shares_end; ++share) {
+      along_expected[share->module] += share->share * expected;
     }
   }
   const double norms = std::sqrt(expected_squares * grey_squares);

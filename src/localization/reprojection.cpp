@@ -83,51 +83,62 @@ class Problem {
   Eigen::Matrix3d prior_information_ = Eigen::Matrix3d::Zero();
 };
 
+/// A pose with the problem linearised there.
+struct Descent {
+  Pose2 pose;
+  Linearization linear;
+};
+
+/// Levenberg-Marquardt until a step is shorter than the tolerance (m and rad); nothing where the
+/// pose is not determined.
+std::optional<Descent> descend(const Problem& problem, const Pose2& initial, double tolerance) {
+  constexpr int kMaxIterations = 100;
+  Descent at{initial, problem.linearize(initial)};
+  double damping = 1e-6;
+  for (int i = 0; i < kMaxIterations; ++i) {
+    Eigen::Matrix3d damped = at.linear.information;
+    damped.diagonal() *= 1.0 + damping;
+    const Eigen::LLT<Eigen::Matrix3d> factors(damped);
+    if (factors.info() != Eigen::Success) return std::nullopt;
+    const Eigen::Vector3d step = -factors.solve(at.linear.gradient);
+    if (!step.allFinite()) return std::nullopt;
+    const Pose2 pose{at.pose.x + step.x(), at.pose.y + step.y(),
+                     normalizeAngle(at.pose.yaw + step.z())};
+    Descent next{pose, problem.linearize(pose)};
+    const bool is_better = next.linear.cost <= at.linear.cost;
+    if (is_better) {
+      at = std::move(next);
+      damping = std::max(damping * 0.1, 1e-9);
+    } else {
+      damping = std::max(damping * 10.0, 1e-4);
+    }
+    if (step.norm() < tolerance) break;
+  }
+  return at;
+}
+
 }  // namespace
 
 std::optional<ReprojectionFit> refineByReprojection(
     const MarkerMap& map, const MountedCamera& camera,
     const std::vector<MarkerObservation>& observations, const Pose2& initial,
     const std::optional<PoseEstimate>& prior, const ReprojectionConfig& config) {
-  constexpr int kMaxIterations = 100;
-  constexpr double kTolerance = 1e-7;  // m and rad
-  const Problem problem(map, camera, observations, prior, config);
-
-  Pose2 pose = initial;
-  Linearization linear = problem.linearize(pose);
-  double damping = 1e-6;
-  for (int i = 0; i < kMaxIterations; ++i) {
-    Eigen::Matrix3d damped = linear.information;
-    damped.diagonal() *= 1.0 + damping;
-    const Eigen::LLT<Eigen::Matrix3d> factors(damped);
-    if (factors.info() != Eigen::Success) return std::nullopt;
-    const Eigen::Vector3d step = -factors.solve(linear.gradient);
-    if (!step.allFinite()) return std::nullopt;
-    const Pose2 candidate{pose.x + step.x(), pose.y + step.y(),
-                          normalizeAngle(pose.yaw + step.z())};
-    Linearization candidate_linear = problem.linearize(candidate);
-    const bool is_better = candidate_linear.cost <= linear.cost;
-    if (is_better) {
-      pose = candidate;
-      linear = std::move(candidate_linear);
-      damping = std::max(damping * 0.1, 1e-9);
-    } else {
-      damping = std::max(damping * 10.0, 1e-4);
-    }
-    if (step.norm() < kTolerance) break;
-  }
+  constexpr double kTolerance = 1e-7;
+  std::optional<Descent> end =
+      descend(Problem(map, camera, observations, prior, config), initial, kTolerance);
+  if (!end) return std::nullopt;
 
   // An information matrix without a direction says nothing about the pose along it.
   constexpr double kSmallestEigenvalue = 1e-9;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(linear.information);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(end->linear.information);
   if (!(eigen.eigenvalues()(0) > kSmallestEigenvalue * eigen.eigenvalues()(2))) {
     return std::nullopt;
   }
   ReprojectionFit fit;
-  fit.map_from_base.pose = pose;
-  fit.map_from_base.covariance = linear.information.inverse();
-  fit.residuals = std::move(linear.residuals);
-  fit.weighted_squares = linear.weighted_squares;
+  fit.map_from_base.pose = end->pose;
+  fit.map_from_base.covariance = end->linear.information.inverse();
+  fit.residuals = std::move(end->linear.residuals);
+  fit.weighted_squares = end->linear.weighted_squares;
   return fit;
 }
 
@@ -137,12 +148,14 @@ std::optional<ReprojectionFit> refineFromAfar(const MarkerMap& map, const Mounte
                                               const std::optional<PoseEstimate>& prior,
                                               const ReprojectionConfig& config) {
   constexpr std::array<double, 2> kWidths = {16.0, 2.0};  // pixels
+  // From where the next one finds its way.
+  constexpr double kTolerance = 1e-3;
   Pose2 pose = initial;
   for (const double width : kWidths) {
     ReprojectionConfig wide = config;
     wide.robust_width = std::max(width, config.robust_width);
-    const auto fit = refineByReprojection(map, camera, observations, pose, prior, wide);
-    if (fit) pose = fit->map_from_base.pose;
+    const auto end = descend(Problem(map, camera, observations, prior, wide), pose, kTolerance);
+    if (end) pose = end->pose;
   }
   return refineByReprojection(map, camera, observations, pose, prior, config);
 }

@@ -138,9 +138,8 @@ TagPattern::White TagPattern::average(const Eigen::Vector2d& position,
   return averageBetween(position - 0.5 * size, position + 0.5 * size, size.prod());
 }
 
-void TagPattern::dataShares(const Eigen::Vector2d& position, const Eigen::Vector2d& size,
-                            std::vector<DataShare>* shares) const {
-  shares->clear();
+void TagPattern::appendDataShares(const Eigen::Vector2d& position, const Eigen::Vector2d& size,
+                                  std::vector<DataShare>* shares) const {
   const Eigen::Vector2d low = (position - 0.5 * size).cwiseMax(0.0);
   const Eigen::Vector2d high = (position + 0.5 * size).cwiseMin(width_);
   const auto overlap = [&low, &high](int module, int axis) {

@@ -236,7 +236,7 @@ TEST(TagPatternTest, TellsWhereTheDrawingIsEven) {
 /// Number of the data module at a place of the grid; nothing where the layout fixes the module.
 std::optional<int> dataModuleAt(const TagPattern& pattern, int column, int row) {
   std::vector<TagPattern::DataShare> shares;
-  pattern.dataShares({column + 0.5, row + 0.5}, {0.5, 0.6}, &shares);
+  pattern.appendDataShares({column + 0.5, row + 0.5}, {0.5, 0.6}, &shares);
   if (shares.empty()) return std::nullopt;
   EXPECT_EQ(shares.size(), 1U);
   EXPECT_NEAR(shares.front().share, 1.0, 1e-12);
@@ -297,10 +297,10 @@ std::vector<Parallelogram> randomRectangles(int width, int count, double longest
 }
 
 /// One element for each data module.
-Eigen::VectorXd dataShares(const TagPattern& pattern, const Parallelogram& rectangle) {
+Eigen::VectorXd sharesOf(const TagPattern& pattern, const Parallelogram& rectangle) {
   // What was there before is replaced.
   std::vector<TagPattern::DataShare> shares = {{0, 7.0}};
-  pattern.dataShares(rectangle.middle, {rectangle.side_u.x(), rectangle.side_v.y()}, &shares);
+  pattern.appendDataShares(rectangle.middle, {rectangle.side_u.x(), rectangle.side_v.y()}, &shares);
   Eigen::VectorXd all = Eigen::VectorXd::Zero(pattern.dataModules());
   for (const TagPattern::DataShare& share : shares) all[share.module] += share.share;
   return all;
@@ -322,7 +322,7 @@ TEST(TagPatternTest, DataSharesAreThoseOfTheRectangle) {
         const auto module = modules.find({column, row});
         if (module != modules.end()) expected[module->second] += share;
       });
-      const Eigen::VectorXd shares = dataShares(pattern, one);
+      const Eigen::VectorXd shares = sharesOf(pattern, one);
       EXPECT_LT((shares - expected).cwiseAbs().maxCoeff(), 0.01) << family;
     }
   }
@@ -333,7 +333,7 @@ TEST(TagPatternTest, DataSharesAddUpToTheAverageOfWhatTheLayoutLeavesOpen) {
   const TagPattern a("tag36h11", 3);
   const TagPattern b("tag36h11", 400);
   for (const Parallelogram& one : randomRectangles(a.width(), 200, 2.0)) {
-    const Eigen::VectorXd shares = dataShares(a, one);
+    const Eigen::VectorXd shares = sharesOf(a, one);
     double expected = 0.0;
     for (int module = 0; module < a.dataModules(); ++module) {
       expected += shares[module] * (static_cast<int>(a.isDataWhite(module)) -

@@ -79,10 +79,10 @@ class TagPattern {
     double share;
   };
 
-  /// Replaces `shares` by those that data modules have in the rectangle of average(); a module that
-  /// has none may be missing.
-  void dataShares(const Eigen::Vector2d& position, const Eigen::Vector2d& size,
-                  std::vector<DataShare>* shares) const;
+  /// Appends the shares that data modules have in the rectangle of average(); a module that has
+  /// none may be missing.
+  void appendDataShares(const Eigen::Vector2d& position, const Eigen::Vector2d& size,
+                        std::vector<DataShare>* shares) const;
 
   /// Whether a data module is white.
   bool isDataWhite(int module) const;
