@@ -6,6 +6,9 @@
 namespace omnitag {
 namespace {
 
+/// What a pixel's grey level is a sum of in some light, and the grey level itself last.
+using Column = Eigen::Matrix<double, kLightTerms + 1, 1>;
+
 /// 1, and what the contrast is a sum of.
 Light regressorsOf(const MarkerPixel& pixel) {
   const double x = pixel.position.x();
@@ -39,6 +42,11 @@ std::optional<LitPatch> fitLight(const std::vector<MarkerPixel>& pixels, const P
   constexpr std::size_t kFewestPixels = 24;
   constexpr std::size_t kEnough = 200;
   if (pixels.size() < kFewestPixels) return std::nullopt;
+  // To write a vector number by number and read it at once as a whole would take most of the time.
+  std::vector<Column> columns(pixels.size());
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    columns[i] << regressorsOf(pixels[i]), pixels[i].grey;
+  }
   LitPatch patch;
   patch.residuals.assign(pixels.size(), {});
   Eigen::LDLT<Eigen::Matrix<double, kLightTerms, kLightTerms>> factors;
@@ -51,11 +59,8 @@ std::optional<LitPatch> fitLight(const std::vector<MarkerPixel>& pixels, const P
     sums.setZero();
     for (std::size_t i = 0; i < pixels.size(); i += every) {
       if (isSaturated(pixels[i], patch.residuals[i])) continue;
-      Eigen::Matrix<double, kLightTerms + 1, 1> x;
-      x << regressorsOf(pixels[i]), pixels[i].grey;
-      const Eigen::Matrix<double, kLightTerms + 1, 1> weighted =
-          weightOf(patch.residuals[i], noise) * x;
-      sums.noalias() += weighted * x.transpose();
+      const Column weighted = weightOf(patch.residuals[i], noise) * columns[i];
+      sums.noalias() += weighted * columns[i].transpose();
     }
     factors.compute(sums.topLeftCorner<kLightTerms, kLightTerms>());
     if (factors.info() != Eigen::Success || !(factors.vectorD().minCoeff() > 1e-9)) {
@@ -71,24 +76,27 @@ std::optional<LitPatch> fitLight(const std::vector<MarkerPixel>& pixels, const P
   constexpr double kLowestContrast = 8.0;
   if (patch.light[1] < kLowestContrast) return std::nullopt;
 
-  // The rows: what the regressors, a zero, the derivatives by the pose and the residual have in
-  // common with the latter four.
-  Eigen::Matrix<double, kLightTerms + 5, 4> sums;
-  sums.setZero();
+  // The derivatives by the pose, and the residual.
+  std::vector<Eigen::Vector4d> changes(pixels.size());
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    changes[i] << greyByPose(pixels[i], patch.light).transpose(), patch.residuals[i].grey;
+  }
+  // What they have in common with each other, and the regressors with them.
+  Eigen::Matrix4d among_changes = Eigen::Matrix4d::Zero();
+  Eigen::Matrix<double, kLightTerms + 1, 4> mixed;
+  mixed.setZero();
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     if (isSaturated(pixels[i], patch.residuals[i])) continue;
-    Eigen::Matrix<double, kLightTerms + 5, 1> x;
-    x << regressorsOf(pixels[i]), 0.0, greyByPose(pixels[i], patch.light).transpose(),
-        patch.residuals[i].grey;
-    const Eigen::Vector4d weighted = weightOf(patch.residuals[i], noise) * x.tail<4>();
-    sums.noalias() += x * weighted.transpose();
+    const Eigen::Vector4d weighted = weightOf(patch.residuals[i], noise) * changes[i];
+    among_changes.noalias() += changes[i] * weighted.transpose();
+    mixed.noalias() += columns[i] * weighted.transpose();
   }
-  patch.information = sums.block<3, 3>(kLightTerms + 1, 0);
-  patch.gradient = sums.block<3, 1>(kLightTerms + 1, 3);
-  const auto mixed = sums.topLeftCorner<kLightTerms, 3>();
+  patch.information = among_changes.topLeftCorner<3, 3>();
+  patch.gradient = among_changes.topRightCorner<3, 1>();
+  const auto light_and_pose = mixed.topLeftCorner<kLightTerms, 3>();
   // The light is free: what it could explain says nothing about the pose.
-  patch.light_by_pose = -factors.solve(mixed);
-  patch.information += mixed.transpose() * patch.light_by_pose;
+  patch.light_by_pose = -factors.solve(light_and_pose);
+  patch.information += light_and_pose.transpose() * patch.light_by_pose;
   return patch;
 }
 
