@@ -248,7 +248,9 @@ class MarkerPatch::Sorter {
     const Eigen::Vector2d high = position + surroundings;
     const TagPattern& pattern = patch_.pattern_;
     if (high.minCoeff() < 0.0 || low.maxCoeff() > static_cast<double>(pattern.width())) return;
-    (pattern.isEven(low, high) ? on_even_ground_ : at_edges_).push_back({column, row});
+    Pixel& pixel = (pattern.isEven(low, high) ? on_even_ground_ : at_edges_).emplace_back();
+    pixel.column = column;
+    pixel.row = row;
   }
 
   const MarkerPatch& patch_;

@@ -25,6 +25,7 @@ TagPattern::Window::Window(const Eigen::Vector2d& side_u, const Eigen::Vector2d&
   const Eigen::Vector2d sum = 0.25 * (side_u + side_v);
   const Eigen::Vector2d difference = 0.25 * (side_u - side_v);
   parts_ = {-sum, -difference, difference, sum};
+  per_area_of_part_ = 4.0 / size_.prod();
 }
 
 TagPattern::TagPattern(const std::string& family, int id)
@@ -115,7 +116,7 @@ TagPattern::Area TagPattern::whiteAbove(const Place& x, const Place& y) const {
 
 inline TagPattern::White TagPattern::averageBetween(const Eigen::Vector2d& low,
                                                     const Eigen::Vector2d& high,
-                                                    double area) const {
+                                                    double per_area) const {
   if (isWithinModule(low, high)) return {isWhiteAt(low) ? 1.0 : 0.0, Eigen::Vector2d::Zero()};
   const Place left = placeOf(low.x());
   const Place right = placeOf(high.x());
@@ -125,17 +126,14 @@ inline TagPattern::White TagPattern::averageBetween(const Eigen::Vector2d& low,
   const Area b = whiteAbove(right, top);
   const Area c = whiteAbove(left, bottom);
   const Area d = whiteAbove(right, bottom);
-  const double scale = 1.0 / area;
-  White white;
-  white.share = scale * (d.area - b.area - c.area + a.area);
-  white.by_position =
-      scale * Eigen::Vector2d(d.by_x - b.by_x - c.by_x + a.by_x, d.by_y - b.by_y - c.by_y + a.by_y);
-  return white;
+  return {per_area * (d.area - b.area - c.area + a.area),
+          per_area * Eigen::Vector2d(d.by_x - b.by_x - c.by_x + a.by_x,
+                                     d.by_y - b.by_y - c.by_y + a.by_y)};
 }
 
 TagPattern::White TagPattern::average(const Eigen::Vector2d& position,
                                       const Eigen::Vector2d& size) const {
-  return averageBetween(position - 0.5 * size, position + 0.5 * size, size.prod());
+  return averageBetween(position - 0.5 * size, position + 0.5 * size, 1.0 / size.prod());
 }
 
 void TagPattern::appendDataShares(const Eigen::Vector2d& position, const Eigen::Vector2d& size,
@@ -161,11 +159,10 @@ TagPattern::White TagPattern::averageOver(const Eigen::Vector2d& position,
     return {isWhiteAt(position) ? 1.0 : 0.0, Eigen::Vector2d::Zero()};
   }
   const Eigen::Vector2d half = 0.25 * window.size_;
-  const double area = 0.25 * window.size_.prod();
   White white;
   for (const Eigen::Vector2d& part : window.parts_) {
     const Eigen::Vector2d middle = position + part;
-    const White of_part = averageBetween(middle - half, middle + half, area);
+    const White of_part = averageBetween(middle - half, middle + half, window.per_area_of_part_);
     white.share += 0.25 * of_part.share;
     white.by_position += 0.25 * of_part.by_position;
   }

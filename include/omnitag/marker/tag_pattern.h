@@ -59,6 +59,7 @@ class TagPattern {
     Eigen::Vector2d size_ = Eigen::Vector2d::Zero();
     /// The parts' middles; half as long and half as wide as the whole.
     std::array<Eigen::Vector2d, 4> parts_{};
+    double per_area_of_part_ = 0.0;
   };
 
   /// Average over a window about a position; it must lie within the drawing.
@@ -101,7 +102,9 @@ class TagPattern {
   };
   Place placeOf(double coordinate) const;
   Area whiteAbove(const Place& x, const Place& y) const;
-  White averageBetween(const Eigen::Vector2d& low, const Eigen::Vector2d& high, double area) const;
+  /// `per_area`: 1 / the area between.
+  White averageBetween(const Eigen::Vector2d& low, const Eigen::Vector2d& high,
+                       double per_area) const;
   bool isWhiteAt(const Eigen::Vector2d& position) const;
   double sumAt(int column, int row) const { return sums_[indexOf(column, row)]; }
   std::size_t moduleIndex(int column, int row) const {

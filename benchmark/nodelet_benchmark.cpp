@@ -1,0 +1,208 @@
+// What the nodelet takes beside the core that it wraps: images and odometry come to it at 30 frames
+// a second inside one process, as from a camera's driver in the same nodelet manager, and the core
+// alone gets the same images, the same odometry and the same pauses. The robot stands for a second
+// where each image was taken, and is then told by odometry how it went on to the next. Times are
+// processor time; the nodelet's are of all threads but the one that sends. Needs a ROS master.
+//
+//   nodelet_benchmark [BAG CAMERA MAP]     a bag of render_sequence; the shipped one by default
+//   taskset -c 0 rosrun omnitag nodelet_benchmark ...     on one core
+
+#include <nodelet/loader.h>
+#include <ros/ros.h>
+#include <sensor_msgs/Image.h>
+#include <sensor_msgs/image_encodings.h>
+#include <tf2_ros/static_transform_broadcaster.h>
+#include <tf2_ros/transform_broadcaster.h>
+
+#include <atomic>
+#include <boost/make_shared.hpp>
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+#include <deque>
+#include <opencv2/core.hpp>
+#include <string>
+#include <thread>
+
+#include "omnitag/LocalizationStatus.h"
+#include "omnitag/localization/localizer.h"
+#include "omnitag/ros/conversions.h"
+#include "processor_time.h"
+#include "program.h"
+#include "recorded_sequence.h"
+
+namespace omnitag {
+namespace {
+
+constexpr double kFrameInterval = 1.0 / 30.0;  // s
+constexpr int kFrames = 450;
+constexpr int kWarmUp = 30;
+constexpr int kFramesPerPlace = 30;
+const std::string kNodelet = "/localizer";
+
+double threadTime() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+/// Calls back with numbers from 0 on, kFrames times at the frames' pace.
+template <typename Send>
+void atPace(const Send& send) {
+  using Clock = std::chrono::steady_clock;
+  const auto start = Clock::now();
+  for (int i = 0; i < kFrames; ++i) {
+    std::this_thread::sleep_until(start + std::chrono::duration_cast<Clock::duration>(
+                                              std::chrono::duration<double>(i * kFrameInterval)));
+    send(i);
+  }
+}
+
+/// The frame of the sequence that is sent as a number's, with the odometry.
+Frame frameOf(const RecordedSequence& sequence, int number) {
+  const auto index = static_cast<std::size_t>(number / kFramesPerPlace) % sequence.frames.size();
+  Frame frame = sequence.frames[index];
+  frame.odom_from_base = sequence.truth[index];
+  return frame;
+}
+
+/// What the nodelet did.
+struct Outcome {
+  /// s per frame.
+  double processor_time = 0.0;
+  int answers = 0;
+  int poses = 0;
+  LocalizationStatus last_status;
+};
+
+class Sender {
+ public:
+  explicit Sender(const RecordedSequence& sequence)
+      : sequence_(sequence), images_(node_.advertise<sensor_msgs::Image>("/image", 1)) {
+    mounting_.sendTransform(
+        transform("base_link", "camera", sequence.frames.front().base_from_camera, start_));
+  }
+
+  void send(int number) {
+    const ros::Time stamp = start_ + ros::Duration(kFrameInterval * (number + 1));
+    const Frame frame = frameOf(sequence_, number);
+    odometry_.sendTransform(
+        transform("odom", "base_link", frame.odom_from_base->toIsometry(), stamp));
+    const auto image = boost::make_shared<sensor_msgs::Image>();
+    image->header.stamp = stamp;
+    image->header.frame_id = "camera";
+    image->encoding = sensor_msgs::image_encodings::MONO8;
+    image->width = static_cast<std::uint32_t>(frame.image.cols);
+    image->height = static_cast<std::uint32_t>(frame.image.rows);
+    image->step = image->width;
+    image->data.assign(frame.image.datastart, frame.image.dataend);
+    images_.publish(image);
+    // As a driver's buffer, it goes when the nodelet is long done with it.
+    sent_.push_back(image);
+    constexpr std::size_t kKept = 4;
+    if (sent_.size() > kKept) sent_.pop_front();
+  }
+
+  bool isHeard() const { return images_.getNumSubscribers() > 0; }
+
+ private:
+  static geometry_msgs::TransformStamped transform(const std::string& target,
+                                                   const std::string& source,
+                                                   const Eigen::Isometry3d& target_from_source,
+                                                   const ros::Time& stamp) {
+    geometry_msgs::TransformStamped message;
+    message.header.frame_id = target;
+    message.header.stamp = stamp;
+    message.child_frame_id = source;
+    message.transform = toMessage(target_from_source);
+    return message;
+  }
+
+  const RecordedSequence& sequence_;
+  ros::NodeHandle node_;
+  ros::Time start_ = ros::Time::now();
+  ros::Publisher images_;
+  std::deque<sensor_msgs::ImageConstPtr> sent_;
+  tf2_ros::StaticTransformBroadcaster mounting_;
+  tf2_ros::TransformBroadcaster odometry_;
+};
+
+void setParameters(const std::string& camera_file, const std::string& map_file) {
+  ros::param::set(kNodelet + "/camera_file", camera_file);
+  ros::param::set(kNodelet + "/map_file", map_file);
+  ros::param::set(kNodelet + "/odom_frame", "odom");
+}
+
+Outcome runNodelet(const RecordedSequence& sequence) {
+  Outcome outcome;
+  ros::NodeHandle node;
+  const ros::Subscriber statuses = node.subscribe<LocalizationStatus>(
+      "/status", kFrames, [&outcome](const LocalizationStatus::ConstPtr& status) {
+        ++outcome.answers;
+        if (status->has_pose) ++outcome.poses;
+        outcome.last_status = *status;
+      });
+  ros::AsyncSpinner spinner(1);
+  spinner.start();
+  nodelet::Loader loader(false);
+  if (!loader.load(kNodelet, "omnitag/LocalizerNodelet", {}, {})) {
+    throw InputError("the nodelet could not be loaded");
+  }
+  Sender sender(sequence);
+  while (!sender.isHeard() && ros::ok()) ros::WallDuration(0.01).sleep();
+  ros::WallDuration(0.5).sleep();
+  double since = 0.0;
+  atPace([&](int number) {
+    if (number == kWarmUp) since = processorTime() - threadTime();
+    sender.send(number);
+  });
+  outcome.processor_time = (processorTime() - threadTime() - since) / (kFrames - kWarmUp);
+  ros::WallDuration(0.5).sleep();
+  loader.clear();
+  spinner.stop();
+  return outcome;
+}
+
+/// s of processor time per frame.
+double runCore(const RecordedSequence& sequence) {
+  Localizer localizer(sequence.camera, sequence.map, {});
+  double spent = 0.0;
+  atPace([&](int number) {
+    Frame frame = frameOf(sequence, number);
+    frame.image = frame.image.clone();
+    frame.stamp = kFrameInterval * (number + 1);
+    const double start = processorTime();
+    localizer.process(frame);
+    if (number >= kWarmUp) spent += processorTime() - start;
+  });
+  return spent / (kFrames - kWarmUp);
+}
+
+int run(int argc, char** argv) {
+  ros::init(argc, argv, "nodelet_benchmark", ros::init_options::NoSigintHandler);
+  if (!ros::master::check()) throw InputError("expected a ROS master: start roscore");
+  const std::string package = PACKAGE_DIR;
+  const RecordedSequence sequence = sequenceFrom(argc, argv);
+  cv::setNumThreads(1);
+  setParameters(argc > 1 ? argv[2] : package + "/config/cameras/paper.yaml",
+                argc > 1 ? argv[3] : package + "/maps/paper.yaml");
+  const Outcome nodelet = runNodelet(sequence);
+  const double core = runCore(sequence);
+  std::printf(
+      "%d images of %d x %d pixels, %.0f a second: %d answered, %d with a pose, %llu dropped\n",
+      kFrames, sequence.frames.front().image.cols, sequence.frames.front().image.rows,
+      1.0 / kFrameInterval, nodelet.answers, nodelet.poses,
+      static_cast<unsigned long long>(nodelet.last_status.images_dropped));
+  std::printf(
+      "processor ms per frame: core %.2f, nodelet %.2f (%+.1f %%), which is %.0f %% of a core\n",
+      1e3 * core, 1e3 * nodelet.processor_time, 100.0 * (nodelet.processor_time / core - 1.0),
+      100.0 * nodelet.processor_time / kFrameInterval);
+  return 0;
+}
+
+}  // namespace
+}  // namespace omnitag
+
+int main(int argc, char** argv) {
+  return omnitag::runProgram("nodelet_benchmark", [&] { return omnitag::run(argc, argv); });
+}
