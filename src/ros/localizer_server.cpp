@@ -20,6 +20,10 @@ namespace {
 /// s of tf that are kept: images that waited in a long queue still find theirs.
 constexpr double kTransformCache = 30.0;
 
+/// A thread of the listener's own would wake up a hundred times a second. Nothing on the node's
+/// queue takes long, nor waits for a transform.
+constexpr bool kHasOwnThread = false;
+
 /// A covariance of (x, y, yaw) in the axes of the map.
 Eigen::Matrix3d rotated(const Eigen::Matrix3d& covariance,
                         const Eigen::Isometry3d& map_from_frame) {
@@ -52,7 +56,7 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
       parameters_(parameters),
       localizer_(parameters_, camera),
       transforms_(ros::Duration(kTransformCache)),
-      transform_listener_(transforms_, node),
+      transform_listener_(transforms_, node, kHasOwnThread),
       map_markers_(mapMarkers(localizer_.map(), {}, localizer_.frames().map)),
       frame_markers_(localizer_.frames().map, parameters_.robot_radius),
       debug_image_painter_(localizer_.camera(), localizer_.map()),
