@@ -1,10 +1,12 @@
-// What the localizer takes besides the time of a frame: start-up, memory, and the time of a frame
-// with a map of 10,000 markers beside that of the map alone. Times are processor time.
+// What the localizer takes besides the time of a frame: start-up, memory, the time of a frame with
+// a map of 10,000 markers beside that of the map alone, and with two threads beside that with one.
+// Times are processor time, those of threads wall time.
 //
 //   resource_benchmark [BAG CAMERA MAP]     a bag of render_sequence; the shipped one by default
 
 #include <malloc.h>
 
+#include <chrono>
 #include <cstdio>
 #include <opencv2/core.hpp>
 #include <random>
@@ -63,27 +65,30 @@ struct FrameTimes {
   double searching;
 };
 
-/// Medians, ms.
-FrameTimes frameTimes(const RecordedSequence& sequence, const MarkerMap& map) {
+double wallTime() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// Medians, ms, of the time that `clock` tells.
+FrameTimes frameTimes(const RecordedSequence& sequence, const MarkerMap& map,
+                      const LocalizerConfig& config, double (*clock)()) {
   constexpr std::size_t kLeastSamples = 100;
-  Localizer localizer(sequence.camera, map, {});
+  Localizer localizer(sequence.camera, map, config);
   std::vector<double> tracking;
   std::vector<double> searching;
   double stamp = 0.0;
+  const auto measured = [&](Frame frame) {
+    frame.stamp = stamp += kFrameInterval;
+    const double start = clock();
+    localizer.process(frame);
+    return 1e3 * (clock() - start);
+  };
   while (tracking.size() < kLeastSamples) {
     for (std::size_t i = 0; i < sequence.frames.size(); ++i) {
-      Frame frame = sequence.frames[i];
-      frame.stamp = stamp += kFrameInterval;
       localizer.setPose({sequence.truth[i], 1e-4 * Eigen::Matrix3d::Identity()});
-      double start = processorTime();
-      localizer.process(frame);
-      tracking.push_back(1e3 * (processorTime() - start));
-
-      frame.stamp = stamp += kFrameInterval;
+      tracking.push_back(measured(sequence.frames[i]));
       localizer.forgetPose();
-      start = processorTime();
-      localizer.process(frame);
-      searching.push_back(1e3 * (processorTime() - start));
+      searching.push_back(measured(sequence.frames[i]));
     }
   }
   return {quantile(tracking, 0.5), quantile(searching, 0.5)};
@@ -142,13 +147,21 @@ int run(int argc, char** argv) {
   printMemory(std::move(sequence), camera_file, map_file);
   sequence = sequenceFrom(argc, argv);
   printStartUp(camera_file, map_file, sequence);
-  const FrameTimes few = frameTimes(sequence, sequence.map);
-  const FrameTimes many = frameTimes(sequence, extended(sequence.map, kManyMarkers));
+  const FrameTimes few = frameTimes(sequence, sequence.map, {}, processorTime);
+  const FrameTimes many =
+      frameTimes(sequence, extended(sequence.map, kManyMarkers), {}, processorTime);
   std::printf("map of %zu markers: %.2f ms tracking, %.2f ms searching\n",
               sequence.map.markers.size(), few.tracking, few.searching);
   std::printf("map of %zu markers: %.2f ms tracking (%+.1f %%), %.2f ms searching (%+.1f %%)\n",
               kManyMarkers, many.tracking, 100.0 * (many.tracking / few.tracking - 1.0),
               many.searching, 100.0 * (many.searching / few.searching - 1.0));
+  for (const int threads : {1, 2}) {
+    LocalizerConfig config;
+    config.threads = threads;
+    const FrameTimes times = frameTimes(sequence, sequence.map, config, wallTime);
+    std::printf("threads: %d: %.2f ms tracking, %.2f ms searching (wall time)\n", threads,
+                times.tracking, times.searching);
+  }
   return 0;
 }
 

@@ -127,10 +127,11 @@ std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& fram
                    config.estimation.max_residual, config.relocalization);
     result->timings.solve += step.lap();
     if (!found.map_from_base) continue;
-    FrameResult around = *result;
+    FrameResult around;
+    around.stamp = result->stamp;
+    around.timings = result->timings;
     around.views = seen.views;
     around.view_images = seen.view_images;
-    around.detections.clear();
     const std::size_t explained = addDetections(tools, seen.readings, found, &around).size();
     if (explained < kEnough || contradictions(around, tools.map) > 0) continue;
     // Those of the map are found anew from the pose.
@@ -143,6 +144,7 @@ std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& fram
     around.predicted = predictMarkers(tools.map, tools.index, camera, start, config.visibility);
     std::optional<PoseEstimate> pose =
         FrameTracker(tools, frame, camera, start, &around).track(turn);
+    result->timings = around.timings;
     if (!pose || around.acceptedMarkers() < static_cast<int>(explained)) continue;
     *result = std::move(around);
     return pose;

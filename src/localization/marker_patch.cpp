@@ -126,8 +126,8 @@ void MarkerPatch::setFacets(const Nodes& nodes, const Pose2& map_from_base, doub
       facet.is_visible = true;
       facet.by_pixel = pixel_by_position.inverse();
       facet.by_pose = plane.derivative(*ray);
-      facet.sides = stretch * facet.by_pixel;
-      facet.window = TagPattern::Window(facet.sides.col(0), facet.sides.col(1));
+      facet.window =
+          TagPattern::Window(stretch * facet.by_pixel.col(0), stretch * facet.by_pixel.col(1));
     }
   }
 }

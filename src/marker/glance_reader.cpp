@@ -31,36 +31,29 @@ View viewOf(const Corners<Eigen::Vector2d>& corners, const Eigen::Vector2d& cent
                   ViewPlannerConfig{});
 }
 
-/// Corners of the panorama, found anew in a view. False where one is off what the view shows.
-bool findAgain(const View& view, const cv::Mat& view_image, const ViewWarper& warper,
-               int modules_per_edge, MarkerReading* reading) {
-  Corners<Eigen::Vector2d> corners;
-  for (std::size_t k = 0; k < corners.size(); ++k) {
-    const auto position = warper.viewFromPanorama(view, reading->corners[k]);
-    if (!position) return false;
-    corners[k] = *position;
+/// A tag of which the panorama's pixels are known, about, in a view: its edges are found anew
+/// there. Nothing where one of its corners is off what the view shows.
+std::optional<TagDetection> findAgain(TagDetection tag, const View& view, const cv::Mat& view_image,
+                                      const ViewWarper& warper) {
+  for (Eigen::Vector2d& corner : tag.corners) {
+    const auto position = warper.viewFromPanorama(view, corner);
+    if (!position) return std::nullopt;
+    corner = *position;
   }
   // Of a large marker, edges may have been bent by more than one refinement reaches.
   constexpr int kMaxRefinements = 4;
   constexpr double kSettled = 0.1;  // pixels
   for (int i = 0; i < kMaxRefinements; ++i) {
-    const Corners<Eigen::Vector2d> before = corners;
-    corners = refineCorners(view_image, before, modules_per_edge);
+    const Corners<Eigen::Vector2d> before = tag.corners;
+    tag.corners = refineCorners(view_image, before, tag.modules_per_edge);
     double change = 0.0;
-    for (std::size_t k = 0; k < corners.size(); ++k) {
-      change = std::max(change, (corners[k] - before[k]).norm());
+    for (std::size_t k = 0; k < before.size(); ++k) {
+      change = std::max(change, (tag.corners[k] - before[k]).norm());
     }
     if (change < kSettled) break;
   }
-  const auto center = warper.panoramaFromView(view, centerOf(corners));
-  if (!center) return false;
-  reading->center = *center;
-  for (std::size_t k = 0; k < corners.size(); ++k) {
-    const auto pixel = warper.panoramaFromView(view, corners[k]);
-    if (!pixel) return false;
-    reading->corners[k] = *pixel;
-  }
-  return true;
+  tag.center = centerOf(tag.corners);
+  return tag;
 }
 
 }  // namespace
@@ -104,24 +97,22 @@ Glance GlanceReader::read(const cv::Mat& panorama, std::size_t glance, const Vie
   } else {
     readable = panorama;
   }
-  const auto inPanorama = [&](const Eigen::Vector2d& pixel) -> Eigen::Vector2d {
+  const auto unflipped = [&](const Eigen::Vector2d& pixel) -> Eigen::Vector2d {
     return {is_mirrored_ ? panorama.cols - 1.0 - pixel.x() : pixel.x(), pixel.y()};
   };
   Glance seen;
-  for (const TagDetection& tag : detectors_[glance].detect(readable)) {
-    MarkerReading reading;
-    reading.family = tag.family;
-    reading.id = tag.id;
-    reading.hamming = tag.hamming;
-    std::transform(tag.corners.begin(), tag.corners.end(), reading.corners.begin(), inPanorama);
-    View view = viewOf(reading.corners, inPanorama(tag.center), *camera_, warper, axis_up);
+  for (TagDetection& tag : detectors_[glance].detect(readable)) {
+    std::transform(tag.corners.begin(), tag.corners.end(), tag.corners.begin(), unflipped);
+    View view = viewOf(tag.corners, unflipped(tag.center), *camera_, warper, axis_up);
     cv::Mat image = warper.warp(panorama, view);
-    if (!findAgain(view, image, warper, tag.modules_per_edge, &reading)) continue;
-    reading.view = seen.views.size();
+    const auto again = findAgain(std::move(tag), view, image, warper);
+    auto reading = again ? inPanorama(*again, view, warper) : std::nullopt;
+    if (!reading) continue;
+    reading->view = seen.views.size();
     view.targets.clear();
     seen.views.push_back(std::move(view));
     seen.view_images.push_back(std::move(image));
-    seen.readings.push_back(std::move(reading));
+    seen.readings.push_back(std::move(*reading));
   }
   return seen;
 }

@@ -19,24 +19,6 @@ bool isCut(const TagDetection& tag, const cv::Size& size) {
   });
 }
 
-/// A tag in the panorama; nothing where a corner is off the world that the panorama shows.
-std::optional<MarkerReading> inPanorama(const TagDetection& tag, const View& view,
-                                        const ViewWarper& warper) {
-  MarkerReading reading;
-  reading.family = tag.family;
-  reading.id = tag.id;
-  reading.hamming = tag.hamming;
-  for (std::size_t k = 0; k < tag.corners.size(); ++k) {
-    const auto corner = warper.panoramaFromView(view, tag.corners[k]);
-    if (!corner) return std::nullopt;
-    reading.corners[k] = *corner;
-  }
-  const auto center = warper.panoramaFromView(view, tag.center);
-  if (!center) return std::nullopt;
-  reading.center = *center;
-  return reading;
-}
-
 }  // namespace
 
 double meanEdge(const Corners<Eigen::Vector2d>& corners) {
@@ -60,6 +42,23 @@ std::vector<MarkerReading> MarkerReader::read(const cv::Mat& view_image, const V
     if (reading) readings.push_back(std::move(*reading));
   }
   return readings;
+}
+
+std::optional<MarkerReading> inPanorama(const TagDetection& tag, const View& view,
+                                        const ViewWarper& warper) {
+  MarkerReading reading;
+  reading.family = tag.family;
+  reading.id = tag.id;
+  reading.hamming = tag.hamming;
+  for (std::size_t k = 0; k < tag.corners.size(); ++k) {
+    const auto corner = warper.panoramaFromView(view, tag.corners[k]);
+    if (!corner) return std::nullopt;
+    reading.corners[k] = *corner;
+  }
+  const auto center = warper.panoramaFromView(view, tag.center);
+  if (!center) return std::nullopt;
+  reading.center = *center;
+  return reading;
 }
 
 std::vector<MarkerReading> withoutRepetitions(const std::vector<MarkerReading>& readings,

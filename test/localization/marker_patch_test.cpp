@@ -218,11 +218,15 @@ TEST_P(MarkerPatchTest, BlurMakesTheFootprintsLarger) {
   EXPECT_LT(blurred.size(), sharp.size());
   for (const Seen& footprint : blurred) {
     const Seen& other = sharp.at({footprint.column, footprint.row});
-    EXPECT_TRUE(other.facet.sides.isApprox(other.facet.by_pixel, 1e-12));
+    // How far a parallelogram reaches: half the lengths of its sides along an axis.
+    EXPECT_TRUE(other.facet.window.reach().isApprox(
+        0.5 * other.facet.by_pixel.cwiseAbs().rowwise().sum(), 1e-12));
     EXPECT_TRUE(footprint.facet.by_pixel.isApprox(other.facet.by_pixel, 1e-12));
     // The variance of a box of width w is w^2 / 12; those of blur and pixel add up.
     const double stretch = std::sqrt(12.0 * (1.0 / 12.0 + kBlur * kBlur));
-    EXPECT_TRUE(footprint.facet.sides.isApprox(stretch * other.facet.by_pixel, 1e-12));
+    EXPECT_TRUE(
+        footprint.facet.window.reach().isApprox(stretch * other.facet.window.reach(), 1e-12));
+    EXPECT_TRUE(footprint.facet.window.size().isApprox(stretch * other.facet.window.size(), 1e-12));
   }
 }
 

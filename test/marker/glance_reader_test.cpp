@@ -31,19 +31,9 @@ struct Setup {
 /// How gtest names a setup.
 void PrintTo(const Setup& setup, std::ostream* out) { *out << setup.name; }
 
-std::shared_ptr<const CameraModel> largeSphericalCamera() {
-  return parseCamera(R"(
-    model: catadioptric
-    image: {width: 1000, height: 1000}
-    lens: {fx: 2468, fy: 2468, cx: 499.5, cy: 499.5}
-    mirror: {profile: spherical, radius_of_curvature: 0.04, apex_distance: 0.21, rim_radius: 0.0395}
-  )",
-                     "large sphere");
-}
-
 std::vector<Setup> setups() {
   return {{"Sphere", test::sphericalCamera, test::lookingDown(), 1.25, 0.5, true},
-          {"LargeSphere", largeSphericalCamera, test::lookingDown(), 1.25, 0.35, true},
+          {"LargeSphere", test::largeSphericalCamera, test::lookingDown(), 1.25, 0.35, true},
           {"Hyperboloid", test::hyperbolicCamera, test::lookingUp(), 0.3, 0.5, true},
           {"Fisheye", test::equidistantCamera, test::lookingUp(), 1.6, 0.5, false}};
 }

@@ -298,9 +298,11 @@ std::vector<Parallelogram> randomRectangles(int width, int count, double longest
 
 /// One element for each data module.
 Eigen::VectorXd sharesOf(const TagPattern& pattern, const Parallelogram& rectangle) {
-  // What was there before is replaced.
+  // What was there before stays.
   std::vector<TagPattern::DataShare> shares = {{0, 7.0}};
   pattern.appendDataShares(rectangle.middle, {rectangle.side_u.x(), rectangle.side_v.y()}, &shares);
+  EXPECT_EQ(shares.front().share, 7.0);
+  shares.erase(shares.begin());
   Eigen::VectorXd all = Eigen::VectorXd::Zero(pattern.dataModules());
   for (const TagPattern::DataShare& share : shares) all[share.module] += share.share;
   return all;

@@ -20,6 +20,17 @@ mirror: {profile: spherical, radius_of_curvature: 0.04, apex_distance: 0.21, rim
                      "sphere");
 }
 
+/// The same with 1000 x 1000 pixels.
+inline std::shared_ptr<const CameraModel> largeSphericalCamera() {
+  return parseCamera(R"(
+model: catadioptric
+image: {width: 1000, height: 1000}
+lens: {fx: 2468, fy: 2468, cx: 499.5, cy: 499.5}
+mirror: {profile: spherical, radius_of_curvature: 0.04, apex_distance: 0.21, rim_radius: 0.0395}
+)",
+                     "large sphere");
+}
+
 /// 1024 x 768 pixels, a hyperbola off its focus, a lens with unequal focal lengths and distortion.
 inline std::shared_ptr<const CameraModel> hyperbolicCamera() {
   return parseCamera(R"(

@@ -22,9 +22,8 @@ struct Facet {
   /// where the pixel stays.
   Eigen::Matrix2d by_pixel = Eigen::Matrix2d::Zero();
   Eigen::Matrix<double, 2, 3> by_pose = Eigen::Matrix<double, 2, 3>::Zero();
-  /// What a pixel sees of the drawing: a parallelogram whose sides are the columns of this
-  /// (modules), which the blur makes longer.
-  Eigen::Matrix2d sides = Eigen::Matrix2d::Zero();
+  /// What a pixel sees of the drawing: a parallelogram whose sides are the columns of `by_pixel`,
+  /// which the blur makes longer.
   TagPattern::Window window;
 };
 

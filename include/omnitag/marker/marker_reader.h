@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -27,6 +28,11 @@ struct MarkerReading {
 
 /// Mean length of a quadrilateral's edges.
 double meanEdge(const Corners<Eigen::Vector2d>& corners);
+
+/// A tag that a view shows, in the panorama, without the view's index; nothing where a corner is off
+/// the world that the panorama shows.
+std::optional<MarkerReading> inPanorama(const TagDetection& tag, const View& view,
+                                        const ViewWarper& warper);
 
 /// Reads markers in views and takes what it read back to the panorama. Not safe to use from two
 /// threads at once.
