@@ -95,10 +95,7 @@ std::optional<MarkerObservation> recognizeMarker(const TrackingTools& tools,
       recognize(panorama, marker, tools.patterns.of(marker), camera, belief.pose, *predicted,
                 tools.config.estimation.photometric.blur, tools.config.recognition);
   if (!recognition || !recognition->isAccepted()) return std::nullopt;
-  MarkerObservation observation{entry, predicted->corners,
-                                predicted->center + recognition->displacement};
-  for (Eigen::Vector2d& corner : observation.corners) corner += recognition->displacement;
-  return observation;
+  return MarkerObservation{entry, recognition->corners, recognition->center};
 }
 
 double residualLimit(const MarkerObservation& recognized, const LocalizerConfig& config) {

@@ -1,6 +1,5 @@
 #include "omnitag/localization/recognition.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -9,6 +8,7 @@
 
 #include "omnitag/localization/marker_patch.h"
 #include "omnitag/marker/marker_reader.h"
+#include "pattern_alignment.h"
 
 namespace omnitag {
 namespace {
@@ -20,39 +20,22 @@ struct Sample {
   double white;
 };
 
-/// Pixels of the marker that are looked at, about: more would only make it slower.
-constexpr std::size_t kPixels = 200;
+/// How many pixels of a marker are looked at, about, by the width of a module in pixels. More would
+/// only make it slower; but of wide modules, few pixels see an edge.
+std::size_t pixelsFor(double module) {
+  constexpr double kPixels = 200.0;
+  constexpr double kWide = 6.0;
+  constexpr double kMost = 500.0;
+  return static_cast<std::size_t>(std::clamp(kPixels * module / kWide, kPixels, kMost));
+}
 
 /// Where its place is searched for, one of so many of those, if there are enough.
 constexpr std::size_t kCoarse = 2;
 constexpr std::size_t kEnough = 150;
 
-/// Pixels; however small the marker, it is worth to look for it so far around.
+/// Pixels; however small the marker, it is worth to look for it so far around. Where it may be
+/// farther away, it may also image larger, turned or slanted.
 constexpr double kLeastMargin = 3.0;
-
-/// What is seen of a marker that is displaced: the pixels move as far as whole pixels go, and what
-/// they see of the marker by the rest. (Grey levels between pixels would be blurred.) Calls back
-/// with the footprint of each, but for what is then off the marker or the
-/// panorama.
-template <typename Visit>
-void visitDisplaced(const std::vector<Footprint>& footprints, const Eigen::Vector2d& displacement,
-                    const cv::Size& panorama, double width, const Visit& visit) {
-  const Eigen::Vector2d whole = displacement.array().round();
-  const cv::Point offset(static_cast<int>(whole.x()), static_cast<int>(whole.y()));
-  const cv::Rect image({0, 0}, panorama);
-  for (Footprint footprint : footprints) {
-    footprint.column += offset.x;
-    footprint.row += offset.y;
-    footprint.position += footprint.facet->by_pixel * (whole - displacement);
-    const Eigen::Vector2d& reach = footprint.facet->window.reach();
-    if (!image.contains({footprint.column, footprint.row}) ||
-        (footprint.position - reach).minCoeff() < 0.0 ||
-        (footprint.position + reach).maxCoeff() > width) {
-      continue;
-    }
-    visit(footprint);
-  }
-}
 
 std::vector<Sample> samplesOf(const std::vector<Footprint>& footprints, const TagPattern& pattern) {
   std::vector<Sample> samples;
@@ -151,50 +134,6 @@ Eigen::Vector2i bestPlace(const cv::Mat& panorama, const std::vector<Sample>& sa
   return best;
 }
 
-/// A place of the marker, relative to where it is predicted, and the contrast that it has there.
-struct Fit {
-  Eigen::Vector2d displacement;
-  double contrast;
-};
-
-/// Least squares over the displacement, and over grey = black + contrast * white.
-std::optional<Fit> align(const cv::Mat& panorama, const std::vector<Footprint>& footprints,
-                         const TagPattern& pattern, const Eigen::Vector2d& start) {
-  constexpr int kMaxSteps = 10;
-  constexpr double kConverged = 0.1;  // pixels; the last step leaves far less
-  Fit fit{start, 0.0};
-  for (int i = 0; i < kMaxSteps; ++i) {
-    // The unknowns: black, contrast, and contrast times the change of the displacement.
-    Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
-    Eigen::Vector4d right_side = Eigen::Vector4d::Zero();
-    visitDisplaced(footprints, fit.displacement, panorama.size(), pattern.width(),
-                   [&](const Footprint& footprint) {
-                     const TagPattern::White white =
-                         pattern.average(footprint.position, footprint.facet->window.size());
-                     const Eigen::Vector2d by_pixel =
-                         footprint.facet->by_pixel.transpose() * white.by_position;
-                     const Eigen::Vector4d x(1.0, white.share, -by_pixel.x(), -by_pixel.y());
-                     const double grey =
-                         panorama.ptr<std::uint8_t>(footprint.row)[footprint.column];
-                     normal.noalias() += x * x.transpose();
-                     right_side += grey * x;
-                   });
-    const Eigen::LDLT<Eigen::Matrix4d> factors(normal);
-    if (factors.info() != Eigen::Success || !(factors.vectorD().minCoeff() > 1e-9)) {
-      return std::nullopt;
-    }
-    const Eigen::Vector4d solution = factors.solve(right_side);
-    fit.contrast = solution[1];
-    if (!(fit.contrast > 0.0)) return std::nullopt;
-    constexpr double kMaxChange = 1.5;
-    Eigen::Vector2d change = solution.tail<2>() / fit.contrast;
-    if (change.norm() > kMaxChange) change *= kMaxChange / change.norm();
-    fit.displacement += change;
-    if (change.norm() < kConverged) break;
-  }
-  return fit;
-}
-
 struct Comparison {
   double correlation = 0.0;
   /// In how many independent ways the data modules, as the pixels see them, can vary.
@@ -223,37 +162,37 @@ struct DataPixels {
 };
 
 DataPixels dataPixels(const cv::Mat& panorama, const std::vector<Footprint>& footprints,
-                      const Eigen::Vector2d& displacement, const TagPattern& pattern,
+                      const Placement& placement, const TagPattern& pattern,
                       const std::vector<double>& signs) {
   DataPixels data;
   data.pixels.reserve(footprints.size());
   constexpr std::size_t kUsualShares = 4;
   data.shares.reserve(kUsualShares * footprints.size());
-  visitDisplaced(footprints, displacement, panorama.size(), pattern.width(),
-                 [&](const Footprint& footprint) {
-                   const Eigen::Vector2d& size = footprint.facet->window.size();
-                   const std::size_t first = data.shares.size();
-                   pattern.appendDataShares(footprint.position, size, &data.shares);
-                   DataPixel pixel;
-                   double of_data = 0.0;
-                   for (std::size_t i = first; i < data.shares.size(); ++i) {
-                     const auto& [module, share] = data.shares[i];
-                     of_data += share;
-                     pixel.expected += signs[static_cast<std::size_t>(module)] * share;
-                   }
-                   constexpr double kLeastData = 0.05;
-                   if (of_data < kLeastData) {
-                     data.shares.resize(first);
-                     return;
-                   }
-                   const double white = pattern.average(footprint.position, size).share;
-                   const double data_white = 0.5 * (of_data + pixel.expected);
-                   const Eigen::Vector2d place = footprint.position / pattern.width();
-                   pixel.nuisances << 1.0, place.x(), place.y(), white - data_white, of_data;
-                   pixel.grey = panorama.ptr<std::uint8_t>(footprint.row)[footprint.column];
-                   pixel.shares_end = static_cast<std::ptrdiff_t>(data.shares.size());
-                   data.pixels.push_back(pixel);
-                 });
+  visitPlaced(footprints, placement, panorama.size(), pattern.width(), 0.0,
+              [&](const Eigen::Vector2d&, const Footprint& footprint) {
+                const Eigen::Vector2d& size = footprint.facet->window.size();
+                const std::size_t first = data.shares.size();
+                pattern.appendDataShares(footprint.position, size, &data.shares);
+                DataPixel pixel;
+                double of_data = 0.0;
+                for (std::size_t i = first; i < data.shares.size(); ++i) {
+                  const auto& [module, share] = data.shares[i];
+                  of_data += share;
+                  pixel.expected += signs[static_cast<std::size_t>(module)] * share;
+                }
+                constexpr double kLeastData = 0.05;
+                if (of_data < kLeastData) {
+                  data.shares.resize(first);
+                  return;
+                }
+                const double white = pattern.average(footprint.position, size).share;
+                const double data_white = 0.5 * (of_data + pixel.expected);
+                const Eigen::Vector2d place = footprint.position / pattern.width();
+                pixel.nuisances << 1.0, place.x(), place.y(), white - data_white, of_data;
+                pixel.grey = panorama.ptr<std::uint8_t>(footprint.row)[footprint.column];
+                pixel.shares_end = static_cast<std::ptrdiff_t>(data.shares.size());
+                data.pixels.push_back(pixel);
+              });
   return data;
 }
 
@@ -272,14 +211,13 @@ Eigen::Matrix<double, kNuisances, kNuisances> normalizing(
 /// Compares the data modules with the panorama, whatever the light and the other modules are.
 std::optional<Comparison> compareData(const cv::Mat& panorama,
                                       const std::vector<Footprint>& footprints,
-                                      const Eigen::Vector2d& displacement,
-                                      const TagPattern& pattern) {
+                                      const Placement& placement, const TagPattern& pattern) {
   std::vector<double> signs;
   signs.reserve(static_cast<std::size_t>(pattern.dataModules()));
   for (int module = 0; module < pattern.dataModules(); ++module) {
     signs.push_back(pattern.isDataWhite(module) ? 1.0 : -1.0);
   }
-  DataPixels data = dataPixels(panorama, footprints, displacement, pattern, signs);
+  DataPixels data = dataPixels(panorama, footprints, placement, pattern, signs);
   if (data.pixels.size() <= kNuisances + 2) return std::nullopt;
 
   // All that follows leaves out what the nuisances explain.
@@ -354,7 +292,7 @@ std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& mark
   const double margin = std::max(predicted.tangential_margin, predicted.radial_margin);
   if (margin > std::max(kLeastMargin, config.max_margin * module)) return std::nullopt;
   MarkerPatch::Choice choice;
-  choice.max_considered = kPixels;
+  choice.max_considered = pixelsFor(module);
   choice.facets = 3;
   const MarkerPatch patch(marker, pattern, camera, map_from_base, blur, choice);
   const std::vector<Footprint> footprints = patch.footprints(map_from_base);
@@ -362,19 +300,30 @@ std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& mark
   if (footprints.size() < kFewestPixels) return std::nullopt;
   const std::vector<Sample> samples = samplesOf(footprints, pattern);
 
-  // Alignment finds its way from a third of a module.
-  const int step = std::max(1, static_cast<int>(0.5 * module));
+  // Alignment finds its way from a quarter of a module.
+  const int step = std::max(1, static_cast<int>(0.3 * module));
   const SearchArea area(predicted, camera.model());
   const std::vector<Eigen::Vector2i> places = area.places(step);
   const Eigen::Vector2i place = bestPlace(panorama, samples, places);
-  const std::optional<Fit> fit = align(panorama, footprints, pattern, place.cast<double>());
+  Placement start;
+  start.displacement = place.cast<double>();
+  start.predicted_middle = predicted.center;
+  const auto fit = alignPattern(panorama, footprints, pattern, start, margin > kLeastMargin);
   if (!fit || fit->contrast < config.min_contrast) return std::nullopt;
-  if (!area.contains(fit->displacement, step + 1.0)) return std::nullopt;
-  const auto comparison = compareData(panorama, footprints, fit->displacement, pattern);
+  const Placement& placement = fit->placement;
+  if (!area.contains(placement.displacement, step + 1.0)) return std::nullopt;
+  const auto comparison = compareData(panorama, footprints, placement, pattern);
   if (!comparison) return std::nullopt;
   const double rate = config.false_accept_rate / static_cast<double>(places.size());
-  return Recognition{fit->displacement, comparison->correlation,
-                     correlationThreshold(comparison->dimensions, rate)};
+  Recognition recognition;
+  recognition.center = predicted.center + placement.displacement;
+  for (std::size_t k = 0; k < predicted.corners.size(); ++k) {
+    const Eigen::Vector2d& corner = predicted.corners[k];
+    recognition.corners[k] = corner + placement.displacementAt(corner);
+  }
+  recognition.correlation = comparison->correlation;
+  recognition.threshold = correlationThreshold(comparison->dimensions, rate);
+  return recognition;
 }
 
 }  // namespace omnitag

@@ -31,8 +31,10 @@ RecognitionConfig readRecognitionConfig(const YamlReader& reader);
 
 /// A marker that was found where it was predicted.
 struct Recognition {
-  /// Pixels of the panorama by which it is away from there.
-  Eigen::Vector2d displacement = Eigen::Vector2d::Zero();
+  /// Pixels of the panorama. All of them are displaced alike where little displacement was to be
+  /// expected.
+  Corners<Eigen::Vector2d> corners;
+  Eigen::Vector2d center = Eigen::Vector2d::Zero();
   /// Correlation of what its data modules should look like with the panorama, and what it has to
   /// be at least.
   double correlation = 0.0;

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <vector>
+
+#include "omnitag/localization/marker_patch.h"
+#include "omnitag/marker/tag_pattern.h"
+
+namespace omnitag {
+
+/// Where a marker images, relative to where it is predicted.
+struct Placement {
+  /// Pixels by which its middle is displaced.
+  Eigen::Vector2d displacement = Eigen::Vector2d::Zero();
+  /// By how much more what is around the predicted middle is, per pixel from there.
+  Eigen::Matrix2d stretch = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d predicted_middle = Eigen::Vector2d::Zero();
+
+  /// Pixels by which what is predicted at a pixel is displaced.
+  Eigen::Vector2d displacementAt(const Eigen::Vector2d& predicted) const {
+    return displacement + stretch * (predicted - predicted_middle);
+  }
+};
+
+/// What is seen of a marker in its place: the pixels move as far as whole pixels go, and what they
+/// see of the marker by the rest. (Grey levels between pixels would be blurred.) Calls back with
+/// where a pixel was predicted and its footprint, but for what is then off the panorama or nearer
+/// to the drawing's edge than it reaches, or than `least_reach` modules. `width`: the drawing's,
+/// in modules.
+template <typename Visit>
+void visitPlaced(const std::vector<Footprint>& footprints, const Placement& placement,
+                 const cv::Size& panorama, double width, double least_reach, const Visit& visit) {
+  const Eigen::Vector2d whole = placement.displacement.array().round();
+  const cv::Point offset(static_cast<int>(whole.x()), static_cast<int>(whole.y()));
+  const cv::Rect image({0, 0}, panorama);
+  for (Footprint footprint : footprints) {
+    const Eigen::Vector2d predicted(footprint.column, footprint.row);
+    footprint.column += offset.x;
+    footprint.row += offset.y;
+    footprint.position += footprint.facet->by_pixel * (whole - placement.displacementAt(predicted));
+    const Eigen::Vector2d reach = footprint.facet->window.reach().cwiseMax(least_reach);
+    if (!image.contains({footprint.column, footprint.row}) ||
+        (footprint.position - reach).minCoeff() < 0.0 ||
+        (footprint.position + reach).maxCoeff() > width) {
+      continue;
+    }
+    visit(predicted, footprint);
+  }
+}
+
+struct PatternFit {
+  Placement placement;
+  /// Grey levels between black and white.
+  double contrast = 0.0;
+};
+
+/// Least squares over the placement, and over grey = black + contrast * white, from a placement
+/// whose displacement is right to a quarter of a module. `is_stretched`: whether the marker may
+/// image larger, turned or slanted; otherwise it is only displaced. Nothing where the pixels leave
+/// something open, or where black is brighter than white.
+std::optional<PatternFit> alignPattern(const cv::Mat& panorama,
+                                       const std::vector<Footprint>& footprints,
+                                       const TagPattern& pattern, const Placement& start,
+                                       bool is_stretched);
+
+}  // namespace omnitag
