@@ -169,9 +169,6 @@ std::optional<PoseEstimate> FrameTracker::track(std::size_t glance) {
     }
     solve();
     if (solution_) {
-      if (recognizeAgain(solution_->map_from_base)) solve();
-    }
-    if (solution_) {
       recognizeAll(solution_->map_from_base);
       solve();
     }
@@ -206,23 +203,6 @@ void FrameTracker::recognizeAll(const PoseEstimate& belief) {
     sightings_[targets[i]].observation = recognizeOne(targets[i], belief);
   });
   result_->timings.recognize += step.lap();
-}
-
-bool FrameTracker::recognizeAgain(const PoseEstimate& belief) {
-  // Pixels; a marker whose corners are no farther from where the belief has them looks alike.
-  constexpr double kAlike = 0.3;
-  Stopwatch step;
-  bool is_changed = false;
-  for (std::size_t k = 0; k < observed_.size(); ++k) {
-    Sighting& sighting = sightings_[observed_[k]];
-    if (sighting.was_decoded || solution_->residuals[k] < kAlike) continue;
-    if (const auto again = recognizeOne(observed_[k], belief)) {
-      sighting.observation = again;
-      is_changed = true;
-    }
-  }
-  result_->timings.recognize += step.lap();
-  return is_changed;
 }
 
 std::optional<MarkerObservation> FrameTracker::recognizeOne(std::size_t target,

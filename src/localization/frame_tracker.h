@@ -51,9 +51,6 @@ class FrameTracker {
   void recognize(const PoseEstimate& belief, std::size_t enough);
   /// Looks for the patterns of all markers that were not found.
   void recognizeAll(const PoseEstimate& belief);
-  /// Looks once more, from a better belief, for those that were found from a worse one where they
-  /// are tilted or scaled against what was expected. Whether that changed anything.
-  bool recognizeAgain(const PoseEstimate& belief);
   std::optional<MarkerObservation> recognizeOne(std::size_t target,
                                                 const PoseEstimate& belief) const;
   void decode(const std::vector<std::size_t>& targets);
