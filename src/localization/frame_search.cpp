@@ -130,8 +130,11 @@ std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& fram
     FrameResult around;
     around.stamp = result->stamp;
     around.timings = result->timings;
-    around.views = seen.views;
-    around.view_images = seen.view_images;
+    // The tracker adds those of all markers where people want to look at them.
+    if (!frame.wants_views) {
+      around.views = seen.views;
+      around.view_images = seen.view_images;
+    }
     const std::size_t explained = addDetections(tools, seen.readings, found, &around).size();
     if (explained < kEnough || contradictions(around, tools.map) > 0) continue;
     // Those of the map are found anew from the pose.
