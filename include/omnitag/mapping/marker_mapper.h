@@ -77,6 +77,9 @@ class MarkerMapper {
   /// Those of which something is known, by family and id.
   std::vector<ProvisionalMarker> provisional() const;
 
+  /// Where those seem to hang that are not good enough yet.
+  std::vector<Marker> unfinished() const;
+
   /// Makes markers the map's own, which stay as they are, since they have been saved.
   void adopt(const std::vector<Marker>& saved);
 
