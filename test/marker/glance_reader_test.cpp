@@ -43,7 +43,7 @@ std::shared_ptr<const CameraModel> largeSphericalCamera() {
 
 std::vector<Setup> setups() {
   return {{"Sphere", test::sphericalCamera, test::lookingDown(), 1.25, 0.5, true},
-          {"LargeSphere", largeSphericalCamera, test::lookingDown(), 1.25, 0.35, true},
+          {"LargeSphere", largeSphericalCamera, test::lookingDown(), 1.25, 0.55, true},
           {"Hyperboloid", test::hyperbolicCamera, test::lookingUp(), 0.3, 0.5, true},
           {"Fisheye", test::equidistantCamera, test::lookingUp(), 1.6, 0.5, false}};
 }
