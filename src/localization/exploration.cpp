@@ -36,15 +36,29 @@ std::optional<View> viewOf(const MarkerMap& map, std::size_t entry, const Mounte
                   camera.model().imagePlane().scale(), camera.axisUp(), config.view);
 }
 
+bool isAmong(const std::vector<MarkerReading>& readings, const Marker& marker) {
+  return std::any_of(readings.begin(), readings.end(), [&marker](const MarkerReading& reading) {
+    return reading.id == marker.id && reading.family == marker.family;
+  });
+}
+
 }  // namespace
+
+bool Exploration::wantsGlance(const LocalizerConfig& config) {
+  has_glanced_ = config.look_around.glance && (config.exploring_views > 1 || !has_glanced_);
+  return has_glanced_;
+}
 
 std::vector<View> Exploration::views(const std::vector<View>& all, const MountedCamera& camera,
                                      const Pose2& map_from_base, const ContourTable& table,
+                                     const std::vector<MarkerReading>& read,
                                      const LocalizerConfig& config) {
   if (all.empty()) return {};
   const double view_pixels = pixelsOf(all) / static_cast<double>(all.size());
-  const double frame_pixels = config.exploring_views * view_pixels;
-  std::vector<View> views = viewsOfSought(0.5 * frame_pixels, camera, map_from_base, table, config);
+  const double frame_pixels = (config.exploring_views - (has_glanced_ ? 1 : 0)) * view_pixels;
+  if (!(frame_pixels > 0.0)) return {};
+  std::vector<View> views =
+      viewsOfSought(0.5 * frame_pixels, camera, map_from_base, table, read, config);
   double left = saved_pixels_ + frame_pixels - pixelsOf(views);
   for (std::size_t i = 0; i < all.size(); ++i) {
     const View& view = all[next_view_ % all.size()];
@@ -60,6 +74,7 @@ std::vector<View> Exploration::views(const std::vector<View>& all, const Mounted
 
 std::vector<View> Exploration::viewsOfSought(double max_pixels, const MountedCamera& camera,
                                              const Pose2& map_from_base, const ContourTable& table,
+                                             const std::vector<MarkerReading>& read,
                                              const LocalizerConfig& config) {
   std::vector<View> views;
   double pixels = 0.0;
@@ -67,6 +82,7 @@ std::vector<View> Exploration::viewsOfSought(double max_pixels, const MountedCam
   const std::size_t first = next_sought_;
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t entry = (first + i) % count;
+    if (isAmong(read, sought_.markers[entry])) continue;
     std::optional<View> view = viewOf(sought_, entry, camera, map_from_base, table, config);
     if (!view) continue;
     pixels += pixelsOf(*view);

@@ -214,22 +214,11 @@ bool Localizer::isElsewhere(const Frame& frame, const MountedCamera& camera,
 void Localizer::patrol(const Frame& frame, const MountedCamera& camera, const Pose2& map_from_base,
                        FrameResult* result) {
   const bool is_exploring = config_.exploring_views > 0;
-  std::vector<MarkerReading> readings;
-  if (is_exploring && !result->explored.empty()) {
-    // A doubt has just looked at all of the panorama.
-    readings = result->explored;
-  } else {
-    const std::vector<View> all = viewsToSearch(trackingTools(), camera);
-    std::vector<View> due;
-    if (is_exploring) {
-      due = exploration_.views(all, camera, map_from_base, reader_.warper().table(), config_);
-    } else if (!all.empty()) {
-      due = {all[patrolled_view_ % all.size()]};
-    }
-    readings = withoutRepetitions(readViews(reader_, frame.image, std::move(due), result),
-                                  result->views, reader_.warper());
-    if (is_exploring) result->explored = readings;
+  if (is_exploring && result->explored.empty()) {
+    explore(frame, camera, map_from_base, result);
   }
+  const std::vector<MarkerReading> readings =
+      is_exploring ? result->explored : readNextView(frame, camera, result);
   constexpr double kModule = 1.0 / 8.0;  // of the edge
   bool is_odd = false;
   for (const MarkerReading& reading : readings) {
@@ -259,6 +248,29 @@ void Localizer::patrol(const Frame& frame, const MountedCamera& camera, const Po
   if (is_odd && !is_exploring && frame.stamp < *odd_since_ + kOddViewTime) return;
   odd_since_.reset();
   ++patrolled_view_;
+}
+
+std::vector<MarkerReading> Localizer::readNextView(const Frame& frame, const MountedCamera& camera,
+                                                   FrameResult* result) const {
+  const std::vector<View> all = viewsToSearch(trackingTools(), camera);
+  if (all.empty()) return {};
+  return readViews(reader_, frame.image, {all[patrolled_view_ % all.size()]}, result);
+}
+
+void Localizer::explore(const Frame& frame, const MountedCamera& camera, const Pose2& map_from_base,
+                        FrameResult* result) {
+  if (exploration_.wantsGlance(config_)) {
+    Stopwatch step;
+    result->explored =
+        glance_reader_.read(frame.image, 0, reader_.warper(), camera.axisUp()).readings;
+    result->timings.decode += step.lap();
+  }
+  std::vector<View> views =
+      exploration_.views(viewsToSearch(trackingTools(), camera), camera, map_from_base,
+                         reader_.warper().table(), result->explored, config_);
+  const std::vector<MarkerReading> readings = withoutRepetitions(
+      readViews(reader_, frame.image, std::move(views), result), result->views, reader_.warper());
+  result->explored.insert(result->explored.end(), readings.begin(), readings.end());
 }
 
 void Localizer::search(const Frame& frame, const MountedCamera& camera,

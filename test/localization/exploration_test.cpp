@@ -30,7 +30,7 @@ class ExplorationTest : public testing::Test {
   ExplorationTest() { config_.exploring_views = 2; }
 
   std::vector<View> next() {
-    return exploration_.views(all_, camera_, pose_, warper_.table(), config_);
+    return exploration_.views(all_, camera_, pose_, warper_.table(), {}, config_);
   }
 
   bool isFromAll(const View& view) const {
@@ -100,6 +100,34 @@ TEST_F(ExplorationTest, LooksAtAllSoughtMarkersAndGoesOnLookingAtEverything) {
   EXPECT_LE(pixels, (2.0 * kFrames + 1.0) * of_everything);
 }
 
+TEST_F(ExplorationTest, AGlanceCostsAView) {
+  exploration_.seek(test::roomMarkers());
+  constexpr int kFrames = 20;
+  for (const int views_per_frame : {1, 2}) {
+    config_.exploring_views = views_per_frame;
+    int glances = 0;
+    double pixels = 0.0;
+    for (int i = 0; i < kFrames; ++i) {
+      glances += exploration_.wantsGlance(config_) ? 1 : 0;
+      pixels += pixelsOf(next());
+    }
+    EXPECT_EQ(glances, views_per_frame == 1 ? kFrames / 2 : kFrames);
+    const double of_everything = pixelsOf(all_) / static_cast<double>(all_.size());
+    EXPECT_LE(pixels, (views_per_frame * kFrames - glances + 1.0) * of_everything);
+    EXPECT_GE(pixels, (views_per_frame * kFrames - glances - 1.0) * of_everything);
+  }
+}
+
+TEST_F(ExplorationTest, DoesNotLookAgainWhereAMarkerWasJustRead) {
+  const Marker marker = test::roomMarkers().front();
+  exploration_.seek({marker});
+  const MarkerReading reading = *test::exactReading(marker, camera_, pose_);
+  for (const View& view :
+       exploration_.views(all_, camera_, pose_, warper_.table(), {reading}, config_)) {
+    EXPECT_TRUE(isFromAll(view));
+  }
+}
+
 TEST_F(ExplorationTest, LeavesRoomForHowFarAMarkerMayBeOff) {
   Marker marker = test::roomMarkers().front();
   marker.deviation = 0.15;
@@ -121,10 +149,33 @@ TEST_F(ExplorationTest, DoesNotLookWhereAMarkerCannotBeRead) {
   for (const View& view : next()) EXPECT_TRUE(isFromAll(view));
 }
 
+TEST(ExploringLocalizerTest, ReadsMostOfWhatIsLargeAtAGlance) {
+  const std::vector<Marker> all = test::roomMarkers();
+  MarkerMap map{"map", {all.begin(), all.begin() + 4}};
+  map.default_family = "tag36h11";
+  LocalizerConfig config;
+  config.exploring_views = 1;
+  const auto camera = test::sphericalCamera();
+  const Eigen::Isometry3d mounting = test::lookingDown();
+  const Pose2 pose{0.3, -0.2, 0.4};
+  const cv::Mat image = test::renderPanorama({"map", all}, {camera, mounting}, pose, 2);
+  Localizer localizer(camera, map, config);
+  localizer.setPose(pose);
+  const FrameResult result = localizer.process({0.0, image, mounting, std::nullopt});
+  ASSERT_GT(result.acceptedMarkers(), 2);
+  EXPECT_GE(result.explored.size(), 5U);
+  for (const MarkerReading& reading : result.explored) {
+    const auto exact =
+        test::exactReading(all[static_cast<std::size_t>(reading.id)], {camera, mounting}, pose);
+    EXPECT_LT((reading.center - exact->center).norm(), 0.3) << reading.id;
+  }
+}
+
 TEST(ExploringLocalizerTest, ReadsASoughtMarkerInTheNextFrame) {
   const std::vector<Marker> all = test::roomMarkers();
   LocalizerConfig config;
   config.exploring_views = 1;
+  config.look_around.glance = false;
   const auto camera = test::sphericalCamera();
   const Eigen::Isometry3d mounting = test::lookingDown();
   const Pose2 pose{0.3, -0.2, 0.4};
@@ -152,6 +203,7 @@ TEST(ExploringLocalizerTest, ADoubtfulLookAllAroundIsNotLostToExploring) {
   map.default_family = "tag36h11";
   LocalizerConfig config;
   config.exploring_views = 1;
+  config.look_around.glance = false;
   const auto camera = test::sphericalCamera();
   const Eigen::Isometry3d mounting = test::lookingDown();
   Localizer localizer(camera, map, config);

@@ -105,6 +105,24 @@ TEST_F(MarkerMapperTest, AnIdAtTwoPlacesIsNotUsed) {
   EXPECT_EQ(mapper.map().markers.size(), test::roomMarkers().size() - 1);
 }
 
+TEST_F(MarkerMapperTest, AMarkerThatIsCarriedOffIsNotUsedWhereItHung) {
+  const std::vector<Pose2> poses = test::roundTrip(40);
+  std::vector<Marker> markers = test::roomMarkers();
+  constexpr std::size_t kCarried = 5;
+  constexpr std::ptrdiff_t kBefore = 3;  // one sighting too few
+  MarkerMapper mapper(camera_, roomMap(2), config_);
+  feed(&mapper, markers, {poses.begin(), poses.begin() + kBefore});
+  markers[kCarried].map_from_marker.translation().y() -= 0.3;
+  for (auto pose = poses.begin() + kBefore; pose != poses.end(); ++pose) {
+    feed(&mapper, markers, {*pose});
+    for (const Marker& marker : mapper.map().markers) {
+      const Marker& truth = markers[static_cast<std::size_t>(marker.id)];
+      EXPECT_LT((marker.center() - truth.center()).norm(), 0.05) << marker.id;
+    }
+  }
+  EXPECT_GE(mapper.map().markers.size(), markers.size() - 1);
+}
+
 TEST_F(MarkerMapperTest, KeepsABoundedNumberOfSightings) {
   MarkerMapper all(camera_, roomMap(2), config_);
   feed(&all, test::roomMarkers(), test::roundTrip(60));

@@ -76,10 +76,15 @@ class Localizer {
   /// predicted, finds the robot elsewhere. What it reads is not lost to exploring.
   bool isElsewhere(const Frame& frame, const MountedCamera& camera, const PoseEstimate& tracked,
                    FrameResult* result);
-  /// Looks, with some of the views all around, for what is not expected from a pose: with one from
-  /// time to time, or with as many of each frame as exploring asks for.
+  /// Looks for what is not expected from a pose: with one of the views all around from time to
+  /// time, or in every frame as exploring asks for, unless a doubt has just looked at all of the
+  /// panorama.
   void patrol(const Frame& frame, const MountedCamera& camera, const Pose2& map_from_base,
               FrameResult* result);
+  std::vector<MarkerReading> readNextView(const Frame& frame, const MountedCamera& camera,
+                                          FrameResult* result) const;
+  void explore(const Frame& frame, const MountedCamera& camera, const Pose2& map_from_base,
+               FrameResult* result);
   /// Looks all around, and decides between what it finds and the prediction.
   void search(const Frame& frame, const MountedCamera& camera,
               const std::optional<PoseEstimate>& predicted, bool is_refuted, FrameResult* result);

@@ -18,7 +18,8 @@ namespace omnitag {
 
 /// How a map is extended while the robot drives, and when what it sees is good enough.
 struct MarkerMapperConfig {
-  /// Views of each frame in which unknown markers are looked for, round-robin.
+  /// How many views' worth unknown markers are looked for in each frame, as
+  /// LocalizerConfig::exploring_views.
   int views_per_frame = 2;
   /// m, of unknown markers; 0: the map's default size.
   double size = 0.0;
