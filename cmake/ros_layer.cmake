@@ -39,6 +39,7 @@ add_library(omnitag_bag_tools STATIC
   src/ros/bag_tools/command_line.cpp
   src/ros/bag_tools/mounting_option.cpp
   src/ros/bag_tools/progress.cpp
+  src/ros/bag_tools/recorded_images.cpp
 )
 target_link_libraries(omnitag_bag_tools PUBLIC omnitag_ros Boost::program_options)
 

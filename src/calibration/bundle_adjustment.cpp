@@ -4,11 +4,11 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <array>
 #include <memory>
+#include <tuple>
 #include <utility>
 
-#include "omnitag/common/angle.h"
+#include "../common/least_squares.h"
 #include "omnitag/common/error.h"
 #include "perturbed_cameras.h"
 
@@ -18,7 +18,7 @@ namespace {
 /// Pixels, of a corner that the camera would not see.
 constexpr double kHidden = 300.0;
 
-constexpr int kPoseSize = 3;
+constexpr int kPoseSize = std::tuple_size<PoseBlock>::value;
 
 /// A corner as a function of the shared parameters (where any is free) and of its frame's pose.
 class CornerCost final : public ceres::CostFunction {
@@ -42,9 +42,9 @@ class CornerCost final : public ceres::CostFunction {
 
     Eigen::Matrix2Xd shared_jacobian = Eigen::Matrix2Xd::Zero(2, cameras_->size());
     Eigen::Matrix<double, 2, 3> pose_jacobian = Eigen::Matrix<double, 2, 3>::Zero();
-    const auto image = cameras_->project({pose[0], pose[1], pose[2]}, point_,
-                                         by_shared != nullptr ? &shared_jacobian : nullptr,
-                                         by_pose != nullptr ? &pose_jacobian : nullptr);
+    const auto image =
+        cameras_->project(poseOf(pose), point_, by_shared != nullptr ? &shared_jacobian : nullptr,
+                          by_pose != nullptr ? &pose_jacobian : nullptr);
     const Eigen::Vector2d residual = image ? Eigen::Vector2d(*image - pixel_) : hiddenResidual();
     std::copy_n(residual.data(), 2, residuals);
     copyRows(shared_jacobian, by_shared);
@@ -164,17 +164,14 @@ CalibrationState BundleAdjustment::minimize(const CalibrationState& start,
                                             const Progress& progress) const {
   PerturbedCameras cameras(model_, start.values, config.free);
   std::vector<double> shared(config.free.size(), 0.0);
-  std::vector<std::array<double, kPoseSize>> poses;
+  std::vector<PoseBlock> poses;
   poses.reserve(start.poses.size());
-  for (const Pose2& pose : start.poses) poses.push_back({pose.x, pose.y, pose.yaw});
+  for (const Pose2& pose : start.poses) poses.push_back(blockOf(pose));
 
-  ceres::Problem::Options ownership;
-  ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::CauchyLoss loss(config.robust_width);
   std::vector<std::unique_ptr<CornerCost>> costs;
   GuessCost guess_cost(offsetsOf(start.values, config.free));
-  ceres::Problem problem(ownership);
+  ceres::Problem problem(notOwning());
   if (!shared.empty()) problem.AddResidualBlock(&guess_cost, nullptr, shared.data());
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     for (const MarkerObservation& observation : frames_[i].observations) {
@@ -190,13 +187,8 @@ CalibrationState BundleAdjustment::minimize(const CalibrationState& start,
   }
 
   ProgressCallback callback(progress);
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_SCHUR;
-  options.max_num_iterations = config.max_iterations;
-  options.function_tolerance = 1e-9;
+  ceres::Solver::Options options = solverOptions(ceres::DENSE_SCHUR, config.max_iterations);
   options.parameter_tolerance = 1e-10;
-  options.num_threads = 1;
-  options.logging_type = ceres::SILENT;
   options.callbacks.push_back(&callback);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
@@ -204,7 +196,7 @@ CalibrationState BundleAdjustment::minimize(const CalibrationState& start,
 
   CalibrationState state;
   state.values = cameras.valuesAt(shared.data());
-  for (const auto& pose : poses) state.poses.push_back({pose[0], pose[1], normalizeAngle(pose[2])});
+  for (const auto& pose : poses) state.poses.push_back(poseOf(pose.data()));
   return state;
 }
 

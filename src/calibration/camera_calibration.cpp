@@ -4,11 +4,11 @@
 #include <cmath>
 #include <initializer_list>
 #include <limits>
-#include <map>
 #include <utility>
 
 #include "calibration_checks.h"
 #include "calibration_report.h"
+#include "calibration_result.h"
 #include "omnitag/calibration/calibration_data.h"
 #include "omnitag/calibration/calibration_model.h"
 #include "omnitag/calibration/observability.h"
@@ -22,9 +22,6 @@ namespace {
 using Indices = std::vector<Eigen::Index>;
 
 constexpr std::size_t kMinFrames = 10;
-
-/// Pixels: where the edges of blurred markers seem to be.
-constexpr double kCommonError = 0.01;
 
 /// The steps from a guess to a camera, over what they share.
 class Calibrator {
@@ -256,8 +253,7 @@ class Calibrator {
     AdjustmentConfig all;
     all.robust_width = config_.robust_width;
     all.free = candidates();
-    AdjustmentInformation information = adjustment_.information(state_, all);
-    information.common_error = kCommonError;
+    const AdjustmentInformation information = informationAt(adjustment_, state_, all);
     const Eigen::Index conic = *model_.indexOf("conic_constant");
     const auto place = std::find(all.free.begin(), all.free.end(), conic) - all.free.begin();
     const double deviation = uncertaintyOf(model_, all.free, information).deviations(place);
@@ -332,55 +328,13 @@ class Calibrator {
     return "";
   }
 
-  CalibrationResult result(const ResidualSummary& before) {
-    AdjustmentConfig adjustment;
-    adjustment.robust_width = config_.robust_width;
-    adjustment.free = observed_;
-    AdjustmentInformation information = adjustment_.information(state_, adjustment);
-    information.common_error = kCommonError;
-    const ParameterUncertainty uncertainty = uncertaintyOf(model_, observed_, information);
-
-    CalibrationResult result;
-    result.residuals = adjustment_.residuals(state_);
-    result.before = before;
-    result.after = summarize(result.residuals);
-    refuseIfBad(result.after);
+  CalibrationResult result(const ResidualSummary& before) const {
+    CalibrationOutcome outcome{model_, data_, adjustment_, state_, observed_, {}};
     for (std::size_t i = 0; i < model_.parameters().size(); ++i) {
       const auto index = static_cast<Eigen::Index>(i);
-      CalibratedParameter parameter{model_.parameters()[i], state_.values(index), 0.0,
-                                    whyHeld(index)};
-      const auto found = std::find(observed_.begin(), observed_.end(), index);
-      if (found != observed_.end()) {
-        parameter.deviation = uncertainty.deviations(found - observed_.begin());
-      }
-      result.parameters.push_back(parameter);
+      outcome.held[index] = whyHeld(index);
     }
-    result.camera_values = model_.cameraValues(state_.values);
-    result.base_from_camera = model_.baseFromCamera(state_.values);
-    result.noise = information.noise;
-    result.frames = data_.frames.size();
-    std::map<std::size_t, int> markers;
-    for (const CornerResidual& corner : result.residuals) ++markers[corner.map_entry];
-    result.markers = markers.size();
-    result.rim_radius = rimOf(model_.camera(), result);
-    result.remarks = data_.remarks;
-    addTradeOffs(model_, uncertainty, &result.remarks);
-    addLean(result.parameters, result.base_from_camera, &result.remarks);
-    return result;
-  }
-
-  void refuseIfBad(const ResidualSummary& after) const {
-    constexpr double kMostCorners = 0.7;
-    const auto all = static_cast<double>(after.counted + after.left_out);
-    if (after.rms <= config_.max_residual &&
-        static_cast<double>(after.counted) >= kMostCorners * all) {
-      return;
-    }
-    throw InputError(
-        "no camera of this kind explains the images: " + std::to_string(after.left_out) + " of " +
-        std::to_string(after.counted + after.left_out) + " corners are far off, the others by " +
-        decimals(after.rms, 2) +
-        " px (RMS); look at the map (positions, sizes), at the guess's model and at the mounting");
+    return resultOf(outcome, before, config_);
   }
 
   const MarkerMap& map_;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "calibration_report.h"
+#include "omnitag/common/drawing.h"
 #include "outliers.h"
 
 namespace omnitag {
@@ -25,17 +26,11 @@ constexpr int kImageSide = 900;
 constexpr int kChartWidth = 520;
 constexpr int kMargin = 60;
 constexpr double kMagnified = 200.0;  // pixels of the picture per pixel of residual, at 900
-constexpr int kFraction = 4;          // OpenCV draws at 1/16 px
-
-cv::Point fixedPoint(const Eigen::Vector2d& position) {
-  constexpr double kOne = 1 << kFraction;
-  return {static_cast<int>(std::lround(position.x() * kOne)),
-          static_cast<int>(std::lround(position.y() * kOne))};
-}
+constexpr double kTextSize = 0.45;
 
 void write(const std::string& text, const cv::Point& place, cv::Mat* picture,
            const cv::Scalar& colour = kBlack) {
-  cv::putText(*picture, text, place, cv::FONT_HERSHEY_SIMPLEX, 0.45, colour, 1, cv::LINE_AA);
+  writeText(text, place, colour, kTextSize, picture);
 }
 
 /// Squared residuals of the corners in one ring of the image.
@@ -54,25 +49,28 @@ cv::Mat drawArrows(const CalibrationResult& result, const CameraModel& camera, c
   picture.convertTo(picture, CV_8U, 0.4, 153.0);
   cv::cvtColor(picture, picture, cv::COLOR_GRAY2BGR);
   const auto place = [scale](const Eigen::Vector2d& pixel) {
-    return Eigen::Vector2d((pixel.array() + 0.5) * scale - 0.5);
+    return cv::Point2d(scale * (pixel.x() + 0.5) - 0.5, scale * (pixel.y() + 0.5) - 0.5);
   };
   const ImagePlane& plane = camera.imagePlane();
   for (const double radius : {camera.minRadius(), camera.maxRadius()}) {
-    cv::circle(picture, fixedPoint(place(plane.principalPoint())),
-               static_cast<int>(std::lround(scale * plane.scale() * radius * (1 << kFraction))),
-               kCircle, 1, cv::LINE_AA, kFraction);
+    cv::circle(
+        picture, fixedPoint(place(plane.principalPoint())),
+        static_cast<int>(std::lround(scale * plane.scale() * radius * (1 << kFractionalBits))),
+        kCircle, 1, cv::LINE_AA, kFractionalBits);
   }
   for (const CornerResidual& corner : result.residuals) {
     const double length = lengthOf(corner);
-    const Eigen::Vector2d start = place(corner.pixel);
+    const cv::Point2d start = place(corner.pixel);
     if (length > far) {
-      cv::circle(picture, fixedPoint(start), 3 << kFraction, kBad, 1, cv::LINE_AA, kFraction);
+      cv::circle(picture, fixedPoint(start), 3 << kFractionalBits, kBad, 1, cv::LINE_AA,
+                 kFractionalBits);
       continue;
     }
-    const Eigen::Vector2d end = start + kMagnified * *corner.residual;
+    const cv::Point2d end =
+        start + kMagnified * cv::Point2d(corner.residual->x(), corner.residual->y());
     cv::arrowedLine(picture, fixedPoint(start), fixedPoint(end),
                     length > 3.0 * std::sqrt(2.0) * result.noise ? kBad : kGood, 1, cv::LINE_AA,
-                    kFraction, 0.2);
+                    kFractionalBits, 0.2);
   }
   return picture;
 }

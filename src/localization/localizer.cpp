@@ -88,6 +88,8 @@ void Localizer::setMap(MarkerMap map) {
   index_ = MarkerIndex(map_);
 }
 
+void Localizer::seek(std::vector<Marker> markers) { exploration_.seek(std::move(markers)); }
+
 void Localizer::setPose(const PoseEstimate& map_from_base) { given_pose_ = map_from_base; }
 
 void Localizer::setPose(const Pose2& map_from_base) {
@@ -157,7 +159,7 @@ bool Localizer::track(const Frame& frame, const MountedCamera& camera,
   // Where most of what is read contradicts, the prediction itself is in doubt.
   if (!pose || contradictions(*result, map_) > result->acceptedMarkers()) return true;
   if (!markersAgree(camera, predicted, pose->pose, *result)) return false;
-  if (isElsewhere(frame, camera, *pose, *result)) return false;
+  if (isElsewhere(frame, camera, *pose, result)) return false;
   motion_.correct(*pose);
   result->mode = Mode::kTracking;
   result->map_from_base = pose;
@@ -194,15 +196,16 @@ bool Localizer::markersAgree(const MountedCamera& camera, const PoseEstimate& pr
 }
 
 bool Localizer::isElsewhere(const Frame& frame, const MountedCamera& camera,
-                            const PoseEstimate& tracked, const FrameResult& result) {
-  const int accepted = result.acceptedMarkers();
-  const bool is_weak = accepted <= kFew && accepted < static_cast<int>(result.predicted.size());
+                            const PoseEstimate& tracked, FrameResult* result) {
+  const int accepted = result->acceptedMarkers();
+  const bool is_weak = accepted <= kFew && accepted < static_cast<int>(result->predicted.size());
   if (!is_weak || frame.stamp < next_doubt_) return false;
   next_doubt_ = frame.stamp + config_.recognition.period;
   FrameResult around;
   const Relocalization found = relocalize(
       map_, camera, lookAround(trackingTools(), frame, camera, &around),
       config_.estimation.reprojection, config_.estimation.max_residual, config_.relocalization);
+  result->explored = std::move(around.explored);
   const auto explained = std::count_if(found.entries.begin(), found.entries.end(),
                                        [](const auto& entry) { return entry.has_value(); });
   return found.map_from_base && explained >= 2 && !agree(*found.map_from_base, tracked);
@@ -210,15 +213,12 @@ bool Localizer::isElsewhere(const Frame& frame, const MountedCamera& camera,
 
 void Localizer::patrol(const Frame& frame, const MountedCamera& camera, const Pose2& map_from_base,
                        FrameResult* result) {
-  const std::vector<View> all = viewsToSearch(trackingTools(), camera);
   const bool is_exploring = config_.exploring_views > 0;
-  const std::size_t count =
-      std::min(all.size(), static_cast<std::size_t>(std::max(1, config_.exploring_views)));
-  std::vector<View> due;
-  for (std::size_t i = 0; i < count; ++i) due.push_back(all[(patrolled_view_ + i) % all.size()]);
-  const std::vector<MarkerReading> readings = withoutRepetitions(
-      readViews(reader_, frame.image, std::move(due), result), result->views, reader_.warper());
-  if (is_exploring) result->explored = readings;
+  if (is_exploring && result->explored.empty()) {
+    explore(frame, camera, map_from_base, result);
+  }
+  const std::vector<MarkerReading> readings =
+      is_exploring ? result->explored : readNextView(frame, camera, result);
   constexpr double kModule = 1.0 / 8.0;  // of the edge
   bool is_odd = false;
   for (const MarkerReading& reading : readings) {
@@ -247,7 +247,30 @@ void Localizer::patrol(const Frame& frame, const MountedCamera& camera, const Po
   if (is_odd && !odd_since_) odd_since_ = frame.stamp;
   if (is_odd && !is_exploring && frame.stamp < *odd_since_ + kOddViewTime) return;
   odd_since_.reset();
-  patrolled_view_ += count;
+  ++patrolled_view_;
+}
+
+std::vector<MarkerReading> Localizer::readNextView(const Frame& frame, const MountedCamera& camera,
+                                                   FrameResult* result) const {
+  const std::vector<View> all = viewsToSearch(trackingTools(), camera);
+  if (all.empty()) return {};
+  return readViews(reader_, frame.image, {all[patrolled_view_ % all.size()]}, result);
+}
+
+void Localizer::explore(const Frame& frame, const MountedCamera& camera, const Pose2& map_from_base,
+                        FrameResult* result) {
+  if (exploration_.wantsGlance(config_)) {
+    Stopwatch step;
+    result->explored =
+        glance_reader_.read(frame.image, 0, reader_.warper(), camera.axisUp()).readings;
+    result->timings.decode += step.lap();
+  }
+  std::vector<View> views =
+      exploration_.views(viewsToSearch(trackingTools(), camera), camera, map_from_base,
+                         reader_.warper().table(), result->explored, config_);
+  const std::vector<MarkerReading> readings = withoutRepetitions(
+      readViews(reader_, frame.image, std::move(views), result), result->views, reader_.warper());
+  result->explored.insert(result->explored.end(), readings.begin(), readings.end());
 }
 
 void Localizer::search(const Frame& frame, const MountedCamera& camera,

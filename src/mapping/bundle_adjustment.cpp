@@ -8,7 +8,7 @@
 #include <memory>
 #include <utility>
 
-#include "omnitag/common/angle.h"
+#include "../common/least_squares.h"
 
 namespace omnitag {
 namespace {
@@ -91,7 +91,7 @@ class CornersCost : public ceres::SizedCostFunction<8, 3, 3, 3, 1> {
 
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override {
-    const Pose2 pose{parameters[0][0], parameters[0][1], parameters[0][2]};
+    const Pose2 pose = poseOf(parameters[0]);
     const MarkerIncrement increment = MarkerBlocks::incrementOf(parameters[1], parameters[2]);
     const double size = parameters[3][0];
     if (!(size > 0.0)) return false;
@@ -138,8 +138,8 @@ class MotionCost : public ceres::SizedCostFunction<3, 3, 3> {
 
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override {
-    const Pose2 from{parameters[0][0], parameters[0][1], parameters[0][2]};
-    const Pose2 to{parameters[1][0], parameters[1][1], parameters[1][2]};
+    const Pose2 from = poseOf(parameters[0]);
+    const Pose2 to = poseOf(parameters[1]);
     const Pose2 moved = inverse(from) * to;
     const Eigen::Vector3d weights = motion_.deviations.cwiseInverse();
     Eigen::Map<Eigen::Vector3d> residual(residuals);
@@ -177,8 +177,7 @@ class Adjustment {
         poses_(bundle.frames.size()),
         blocks_(bundle.landmarks.size()) {
     for (std::size_t i = 0; i < poses_.size(); ++i) {
-      const Pose2& pose = bundle.frames[i].map_from_base;
-      poses_[i] = {pose.x, pose.y, pose.yaw};
+      poses_[i] = blockOf(bundle.frames[i].map_from_base);
     }
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
       blocks_[i].size = bundle.landmarks[i].marker.size;
@@ -197,7 +196,7 @@ class Adjustment {
   /// Puts the result into the bundle that this was made from.
   void store(Bundle* bundle) const {
     for (std::size_t i = 0; i < poses_.size(); ++i) {
-      bundle->frames[i].map_from_base = {poses_[i][0], poses_[i][1], normalizeAngle(poses_[i][2])};
+      bundle->frames[i].map_from_base = poseOf(poses_[i].data());
     }
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
       Marker& marker = bundle->landmarks[i].marker;
@@ -226,13 +225,6 @@ class Adjustment {
  private:
   bool isSeen(std::size_t landmark) const {
     return problem_.HasParameterBlock(blocks_[landmark].on_floor.data());
-  }
-
-  static ceres::Problem::Options notOwning() {
-    ceres::Problem::Options options;
-    options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-    options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-    return options;
   }
 
   void addObservations() {
@@ -264,7 +256,7 @@ class Adjustment {
 
   const Bundle& bundle_;
   const BundleConfig& config_;
-  std::vector<std::array<double, 3>> poses_;
+  std::vector<PoseBlock> poses_;
   std::vector<MarkerBlocks> blocks_;
   std::vector<std::unique_ptr<ceres::CostFunction>> costs_;
   ExpectedLoss loss_;
@@ -275,11 +267,9 @@ class Adjustment {
 
 bool adjust(Bundle* bundle, const BundleConfig& config) {
   Adjustment adjustment(*bundle, config);
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-  options.max_num_iterations = 100;
-  options.function_tolerance = 1e-9;
-  options.logging_type = ceres::SILENT;
+  constexpr int kMaxIterations = 100;
+  const ceres::Solver::Options options =
+      solverOptions(ceres::SPARSE_NORMAL_CHOLESKY, kMaxIterations);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &adjustment.problem(), &summary);
   if (!summary.IsSolutionUsable()) return false;

@@ -167,16 +167,16 @@ std::optional<AlignedCorners> alignCorners(const cv::Mat& panorama, const Marker
   AlignedCorners aligned;
   aligned.pixels = projection->pixels + unknowns.head<8>();
   aligned.covariance = normal.inverse().topLeftCorner<8, 8>();
-  // What a renderer, a lens or a print does to all edges alike makes a marker larger or smaller.
-  constexpr double kCornerDeviation = 0.02;  // pixels
-  aligned.covariance.diagonal().array() += kCornerDeviation * kCornerDeviation;
-  // Pixels by which all corners of a marker err together.
-  constexpr double kTogether = 0.003;
-  for (int row = 0; row < 8; ++row) {
-    for (int column = row % 2; column < 8; column += 2) {
-      aligned.covariance(row, column) += kTogether * kTogether;
-    }
-  }
+  // What the pixels' noise does not know: the pattern was laid out for the pose that was given, the
+  // edges of shadows are sharper than the grid, and no camera is known exactly.
+  constexpr double kOfShift = 0.04;
+  constexpr double kOfShadow = 0.005;        // pixels, of contrasts that bend by the mean contrast
+  constexpr double kLeastDeviation = 0.002;  // pixels
+  const GridLight light = lightOf(unknowns);
+  const double by_shift = kOfShift * std::sqrt(unknowns.head<8>().squaredNorm() / 4.0);
+  const double by_shadow = kOfShadow * std::sqrt(light.dot(roughness() * light)) / contrast;
+  aligned.covariance.diagonal().array() +=
+      by_shift * by_shift + by_shadow * by_shadow + kLeastDeviation * kLeastDeviation;
   return aligned;
 }
 

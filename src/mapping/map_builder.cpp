@@ -185,7 +185,9 @@ class MapBuilder {
     }
   }
 
-  /// Where readings are off by more than their noise, all is less certain.
+  /// Where readings are off by more than their noise, all is less certain. And what a marker errs
+  /// by in all images alike, as in a shadow that stands still, does not become less by reading it
+  /// often.
   void scaleCovariances() {
     // Robustly, as those that moved have no say.
     std::vector<double> squares;
@@ -197,8 +199,15 @@ class MapBuilder {
     std::nth_element(squares.begin(), middle, squares.end());
     constexpr double kMedian = 7.34;  // of chi-square with 8 degrees of freedom
     const double factor = std::max(1.0, *middle / kMedian);
-    for (MarkerCovariance& covariance : covariances_->landmarks) covariance *= factor;
-    for (double& variance : covariances_->sizes) variance *= factor;
+    // So many readings have as much of that as of noise.
+    constexpr double kAlike = 20.0;
+    std::vector<double> counts(indexed_.bundle.landmarks.size());
+    for (const Bundle::Observation& each : indexed_.bundle.observations)
+      counts[each.landmark] += 1.0;
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+      covariances_->landmarks[i] *= factor * (1.0 + counts[i] / kAlike);
+      covariances_->sizes[i] *= factor * (1.0 + counts[i] / kAlike);
+    }
   }
 
   /// Places the corners of all readings of the map's markers by these markers' pixels.

@@ -205,6 +205,16 @@ std::vector<ProvisionalMarker> MarkerMapper::provisional() const {
   return markers;
 }
 
+std::vector<Marker> MarkerMapper::unfinished() const {
+  std::vector<Marker> markers;
+  for (const auto& [key, track] : tracks_) {
+    if (track.estimate && !track.entry && track.repetitions < kRepetitions) {
+      markers.push_back(track.estimate->marker);
+    }
+  }
+  return markers;
+}
+
 void MarkerMapper::adopt(const std::vector<Marker>& saved) {
   for (const Marker& marker : saved) {
     const auto track = tracks_.find({marker.family, marker.id});

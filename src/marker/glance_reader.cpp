@@ -1,8 +1,10 @@
 #include "omnitag/marker/glance_reader.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <optional>
@@ -31,15 +33,43 @@ View viewOf(const Corners<Eigen::Vector2d>& corners, const Eigen::Vector2d& cent
                   ViewPlannerConfig{});
 }
 
+/// Where the edges between corners of the panorama meet in a view. What a glance takes for straight
+/// edges runs through the middle of bent ones, so that corners lie off, by more than a refinement
+/// reaches where the marker is large; edges as a whole do not. Nothing where one is off what the
+/// view can show.
+std::optional<Corners<Eigen::Vector2d>> cornersInView(const Corners<Eigen::Vector2d>& corners,
+                                                      const View& view, const ViewWarper& warper) {
+  using Line = Eigen::Hyperplane<double, 2>;
+  std::array<Line, 4> edges;
+  for (std::size_t k = 0; k < edges.size(); ++k) {
+    constexpr int kPlaces = 9;
+    Eigen::Matrix<double, 2, kPlaces> places;
+    for (int i = 0; i < kPlaces; ++i) {
+      const double along = (i + 0.5) / kPlaces;
+      const auto place = warper.viewFromPanorama(
+          view, (1.0 - along) * corners[k] + along * corners[(k + 1) % corners.size()]);
+      if (!place) return std::nullopt;
+      places.col(i) = *place;
+    }
+    const Eigen::Vector2d middle = places.rowwise().mean();
+    const Eigen::Matrix<double, 2, kPlaces> off = places.colwise() - middle;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> spread(off * off.transpose());
+    edges[k] = Line(spread.eigenvectors().col(0), middle);
+  }
+  Corners<Eigen::Vector2d> in_view;
+  for (std::size_t k = 0; k < edges.size(); ++k) {
+    in_view[k] = edges[(k + 3) % edges.size()].intersection(edges[k]);
+  }
+  return in_view;
+}
+
 /// A tag of which the panorama's pixels are known, about, in a view: its edges are found anew
 /// there. Nothing where one of its corners is off what the view shows.
 std::optional<TagDetection> findAgain(TagDetection tag, const View& view, const cv::Mat& view_image,
                                       const ViewWarper& warper) {
-  for (Eigen::Vector2d& corner : tag.corners) {
-    const auto position = warper.viewFromPanorama(view, corner);
-    if (!position) return std::nullopt;
-    corner = *position;
-  }
+  const auto start = cornersInView(tag.corners, view, warper);
+  if (!start) return std::nullopt;
+  tag.corners = *start;
   // Of a large marker, edges may have been bent by more than one refinement reaches.
   constexpr int kMaxRefinements = 4;
   constexpr double kSettled = 0.1;  // pixels

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "omnitag/common/angle.h"
+#include "omnitag/common/drawing.h"
 #include "omnitag/ros/debug_image_layout.h"
 
 namespace omnitag {
@@ -27,13 +28,6 @@ const cv::Scalar kYellow(70, 210, 245);
 constexpr double kWorkingDistance = 3.0;
 constexpr int kMargin = 8;
 constexpr int kTextLine = 20;
-/// cv::polylines takes fixed-point coordinates with this many fractional bits.
-constexpr int kFractionalBits = 4;
-
-cv::Point fixedPoint(const cv::Point2d& point) {
-  constexpr double kOne = 1 << kFractionalBits;
-  return {cvRound(point.x * kOne), cvRound(point.y * kOne)};
-}
 
 void drawPolygon(const std::vector<cv::Point2d>& corners, const cv::Scalar& color, int thickness,
                  cv::Mat* canvas) {
@@ -47,18 +41,6 @@ void drawPolygon(const std::vector<cv::Point2d>& corners, const cv::Scalar& colo
 void drawLine(const cv::Point2d& a, const cv::Point2d& b, const cv::Scalar& color,
               cv::Mat* canvas) {
   cv::line(*canvas, fixedPoint(a), fixedPoint(b), color, 1, cv::LINE_AA, kFractionalBits);
-}
-
-int widthOf(const std::string& text, double size) {
-  int below = 0;
-  return cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, size, 1, &below).width;
-}
-
-/// Writes from the left and returns where the text ends.
-int write(const std::string& text, const cv::Point& baseline, const cv::Scalar& color, double size,
-          cv::Mat* canvas) {
-  cv::putText(*canvas, text, baseline, cv::FONT_HERSHEY_SIMPLEX, size, color, 1, cv::LINE_AA);
-  return baseline.x + widthOf(text, size);
 }
 
 std::string shortened(std::string text, std::size_t length) {
@@ -187,14 +169,16 @@ void DebugImagePainter::paintView(const FrameResult& result, std::size_t view_in
   const auto startOf = [&](int width) { return std::min(corner.x, cell.x + kCell - width); };
   int ids_width = 0;
   for (const Sighting& sighting : sightings) {
-    ids_width += kMargin + widthOf(std::to_string(map_.markers[sighting.map_entry].id), kTextSize);
+    ids_width +=
+        kMargin + sizeOfText(std::to_string(map_.markers[sighting.map_entry].id), kTextSize).width;
   }
   cv::Point pen(startOf(ids_width), is_below ? corner.y + size.height + kTextLine
                                              : corner.y - words_height + kTextLine - kMargin / 2);
   for (const Sighting& sighting : sightings) {
     const Marker& marker = map_.markers[sighting.map_entry];
-    pen.x = write(std::to_string(marker.id), pen, colorOf(sighting.detected), kTextSize, canvas) +
-            kMargin;
+    pen.x =
+        writeText(std::to_string(marker.id), pen, colorOf(sighting.detected), kTextSize, canvas) +
+        kMargin;
   }
   std::string verdict = sightings.empty() ? "no marker" : "not detected";
   if (used > 0) verdict = "DETECTED";
@@ -204,8 +188,8 @@ void DebugImagePainter::paintView(const FrameResult& result, std::size_t view_in
   if (used == 0 && !rejected.empty()) {
     verdict = std::to_string(rejected.front()->id) + ": " + shortened(rejected.front()->reason, 18);
   }
-  write(verdict, {startOf(widthOf(verdict, kTextSize)), pen.y + kTextLine}, frame_color, kTextSize,
-        canvas);
+  writeText(verdict, {startOf(sizeOfText(verdict, kTextSize).width), pen.y + kTextLine},
+            frame_color, kTextSize, canvas);
 }
 
 void DebugImagePainter::paintTitle(const FrameResult& result, cv::Mat* canvas) {
@@ -213,16 +197,16 @@ void DebugImagePainter::paintTitle(const FrameResult& result, cv::Mat* canvas) {
   const bool has_pose = result.map_from_base.has_value();
   const cv::Scalar color = result.mode == Mode::kTracking ? kGreen : (has_pose ? kYellow : kOrange);
   cv::Point pen(kMargin, 29);
-  pen.x = write(toString(result.mode), pen, color, kTextSize, canvas) + 2 * kMargin;
+  pen.x = writeText(toString(result.mode), pen, color, kTextSize, canvas) + 2 * kMargin;
   std::array<char, 200> words{};
   // A search expects none.
   const std::string of =
       result.predicted.empty() ? "" : " of " + std::to_string(result.predicted.size());
   std::snprintf(words.data(), words.size(), "%d%s markers   %.0f ms", result.acceptedMarkers(),
                 of.c_str(), 1e3 * result.timings.total);
-  pen.x = write(words.data(), pen, kWhite, kTextSize, canvas) + 2 * kMargin;
+  pen.x = writeText(words.data(), pen, kWhite, kTextSize, canvas) + 2 * kMargin;
   if (!has_pose) {
-    write(result.remark, pen, color, kTextSize, canvas);
+    writeText(result.remark, pen, color, kTextSize, canvas);
     return;
   }
   const Pose2& pose = result.map_from_base->pose;
@@ -231,7 +215,7 @@ void DebugImagePainter::paintTitle(const FrameResult& result, cv::Mat* canvas) {
                 "x %.3f m  y %.3f m  yaw %.2f deg  sigma %.2g mm, %.2g deg", pose.x, pose.y,
                 degrees(pose.yaw), 1e3 * std::sqrt(covariance.topLeftCorner<2, 2>().trace()),
                 degrees(std::sqrt(covariance(2, 2))));
-  write(words.data(), pen, kWhite, kTextSize, canvas);
+  writeText(words.data(), pen, kWhite, kTextSize, canvas);
 }
 
 std::vector<DebugImagePainter::Sighting> DebugImagePainter::sightingsIn(

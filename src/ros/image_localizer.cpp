@@ -52,6 +52,7 @@ void ImageLocalizer::extendMap(LocalizedImage* localized) {
   Stopwatch step;
   localized->map_changed = mapper_->add(localized->input.frame, localized->result);
   if (localized->map_changed) localizer_->setMap(mapper_->map());
+  localizer_->seek(mapper_->unfinished());
   const double duration = step.lap();
   localized->result.timings.solve += duration;
   localized->result.timings.total += duration;

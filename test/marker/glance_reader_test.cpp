@@ -33,7 +33,7 @@ void PrintTo(const Setup& setup, std::ostream* out) { *out << setup.name; }
 
 std::vector<Setup> setups() {
   return {{"Sphere", test::sphericalCamera, test::lookingDown(), 1.25, 0.5, true},
-          {"LargeSphere", test::largeSphericalCamera, test::lookingDown(), 1.25, 0.35, true},
+          {"LargeSphere", test::largeSphericalCamera, test::lookingDown(), 1.25, 0.55, true},
           {"Hyperboloid", test::hyperbolicCamera, test::lookingUp(), 0.3, 0.5, true},
           {"Fisheye", test::equidistantCamera, test::lookingUp(), 1.6, 0.5, false}};
 }

@@ -12,6 +12,7 @@
 
 #include "omnitag/camera/mounted_camera.h"
 #include "omnitag/common/pose2.h"
+#include "omnitag/localization/exploration.h"
 #include "omnitag/localization/frame_result.h"
 #include "omnitag/localization/localizer_config.h"
 #include "omnitag/localization/motion_model.h"
@@ -48,6 +49,10 @@ class Localizer {
   /// default.
   void setMap(MarkerMap map);
 
+  /// Takes markers that the map does not have, and where they seem to hang: exploring
+  /// (LocalizerConfig::exploring_views) looks for them there, too.
+  void seek(std::vector<Marker> markers);
+
   /// Stamps must increase; frame.image must have the camera's size. Throws InputError otherwise and
   /// keeps its state.
   FrameResult process(const Frame& frame);
@@ -68,13 +73,18 @@ class Localizer {
   bool markersAgree(const MountedCamera& camera, const PoseEstimate& predicted,
                     const Pose2& solution, const FrameResult& result) const;
   /// Whether a look all around, now and then where a marker or two are all that was found of those
-  /// predicted, finds the robot elsewhere.
+  /// predicted, finds the robot elsewhere. What it reads is not lost to exploring.
   bool isElsewhere(const Frame& frame, const MountedCamera& camera, const PoseEstimate& tracked,
-                   const FrameResult& result);
-  /// Looks, with some of the views all around, for what is not expected from a pose: with one from
-  /// time to time, or with as many of each frame as exploring asks for.
+                   FrameResult* result);
+  /// Looks for what is not expected from a pose: with one of the views all around from time to
+  /// time, or in every frame as exploring asks for, unless a doubt has just looked at all of the
+  /// panorama.
   void patrol(const Frame& frame, const MountedCamera& camera, const Pose2& map_from_base,
               FrameResult* result);
+  std::vector<MarkerReading> readNextView(const Frame& frame, const MountedCamera& camera,
+                                          FrameResult* result) const;
+  void explore(const Frame& frame, const MountedCamera& camera, const Pose2& map_from_base,
+               FrameResult* result);
   /// Looks all around, and decides between what it finds and the prediction.
   void search(const Frame& frame, const MountedCamera& camera,
               const std::optional<PoseEstimate>& predicted, bool is_refuted, FrameResult* result);
@@ -109,6 +119,7 @@ class Localizer {
   std::optional<double> odd_since_;
   /// Stamp from which a pose that stands on few markers is doubted next.
   double next_doubt_ = -std::numeric_limits<double>::infinity();
+  Exploration exploration_;
   /// By family and id: when it was last seen how far a marker hangs from its place.
   std::map<std::pair<std::string, int>, double> measured_;
 };

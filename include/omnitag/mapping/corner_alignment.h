@@ -22,8 +22,8 @@ struct AlignedCorners {
 /// the pattern is laid where a pose and the marker's place have it, to about half a pixel, and its
 /// corners are moved, what is between them in proportion, until it explains the panorama's grey
 /// levels (CV_8UC1); the light is free. Least squares (Gauss-Newton) with robust weights. The
-/// covariance is the inverse of the pixels' information at the noise that their residuals show, and
-/// what all of a marker's pixels err by together.
+/// covariance is the inverse of the pixels' information at the noise that their residuals show,
+/// and what they do not know: how far the pose was off, and shadows.
 ///
 /// Nothing where too little of the pattern is in the image or too pale, or where it does not fit.
 std::optional<AlignedCorners> alignCorners(const cv::Mat& panorama, const Marker& marker,

@@ -18,7 +18,8 @@ namespace omnitag {
 
 /// How a map is extended while the robot drives, and when what it sees is good enough.
 struct MarkerMapperConfig {
-  /// Views of each frame in which unknown markers are looked for, round-robin.
+  /// How many views' worth unknown markers are looked for in each frame, as
+  /// LocalizerConfig::exploring_views.
   int views_per_frame = 2;
   /// m, of unknown markers; 0: the map's default size.
   double size = 0.0;
@@ -76,6 +77,9 @@ class MarkerMapper {
 
   /// Those of which something is known, by family and id.
   std::vector<ProvisionalMarker> provisional() const;
+
+  /// Where those seem to hang that are not good enough yet.
+  std::vector<Marker> unfinished() const;
 
   /// Makes markers the map's own, which stay as they are, since they have been saved.
   void adopt(const std::vector<Marker>& saved);

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "omnitag/common/angle.h"
+#include "omnitag/common/drawing.h"
 #include "omnitag/common/error.h"
 
 namespace omnitag {
@@ -22,9 +23,6 @@ const cv::Scalar kSeed(30, 30, 30);
 const cv::Scalar kNew(190, 90, 20);
 const cv::Scalar kEllipse(230, 190, 150);
 
-/// OpenCV draws at fractions of a pixel, so many binary digits of them.
-constexpr int kShift = 4;
-
 /// A sheet of paper over a part of the floor.
 class Sheet {
  public:
@@ -38,17 +36,15 @@ class Sheet {
 
   void line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const cv::Scalar& color,
             int width) {
-    cv::line(image_, fixed(a), fixed(b), color, width, cv::LINE_AA, kShift);
+    cv::line(image_, fixedPoint(position(a)), fixedPoint(position(b)), color, width, cv::LINE_AA,
+             kFractionalBits);
   }
 
   void text(const Eigen::Vector2d& middle, const std::string& words, const cv::Scalar& color) {
     constexpr double kSize = 0.45;
-    const cv::Size size = cv::getTextSize(words, cv::FONT_HERSHEY_SIMPLEX, kSize, 1, nullptr);
-    const Eigen::Vector2d at = position(middle);
-    cv::putText(
-        image_, words,
-        {static_cast<int>(at.x()) - size.width / 2, static_cast<int>(at.y()) + size.height / 2},
-        cv::FONT_HERSHEY_SIMPLEX, kSize, color, 1, cv::LINE_AA);
+    const cv::Size size = sizeOfText(words, kSize);
+    const cv::Point at = position(middle);
+    writeText(words, {at.x - size.width / 2, at.y + size.height / 2}, color, kSize, &image_);
   }
 
   /// `covariance` in m^2.
@@ -57,9 +53,8 @@ class Sheet {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(covariance);
     const Eigen::Vector2d radii = scale_ * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt();
     const Eigen::Vector2d axis = eigen.eigenvectors().col(1);
-    const auto at = position(middle);
     cv::ellipse(image_,
-                {cv::Point2f(static_cast<float>(at.x()), static_cast<float>(at.y())),
+                {cv::Point2f(position(middle)),
                  cv::Size2f(static_cast<float>(2.0 * radii(1)), static_cast<float>(2.0 * radii(0))),
                  static_cast<float>(degrees(std::atan2(-axis.y(), axis.x())))},
                 color, cv::FILLED, cv::LINE_AA);
@@ -81,12 +76,8 @@ class Sheet {
   const cv::Mat& image() const { return image_; }
 
  private:
-  Eigen::Vector2d position(const Eigen::Vector2d& point) const {
+  cv::Point2d position(const Eigen::Vector2d& point) const {
     return {scale_ * (point.x() - low_.x()), scale_ * (high_.y() - point.y())};
-  }
-  cv::Point fixed(const Eigen::Vector2d& point) const {
-    const Eigen::Vector2d at = position(point) * (1 << kShift);
-    return {static_cast<int>(std::lround(at.x())), static_cast<int>(std::lround(at.y()))};
   }
 
   Eigen::Vector2d low_;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <rosbag/message_instance.h>
-#include <rosbag/view.h>
 
 #include <cstddef>
 #include <memory>
@@ -20,10 +19,8 @@ namespace omnitag {
 struct ReadRecording {
   std::vector<FrameReadings> frames;
   /// Of each frame, its image in the bag, which must outlive this.
-  std::unique_ptr<rosbag::View> view;
   std::vector<rosbag::MessageInstance> messages;
   std::size_t with_odometry = 0;
-  std::size_t unusable = 0;
 };
 
 /// Reads every marker in the images of a bag, `max_images` of them at most, wherever the panorama
