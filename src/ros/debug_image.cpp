@@ -193,7 +193,7 @@ void DebugImagePainter::paintView(const FrameResult& result, std::size_t view_in
 }
 
 void DebugImagePainter::paintTitle(const FrameResult& result, cv::Mat* canvas) {
-  constexpr double kTextSize = 0.55;
+  constexpr double kTextSize = 0.5;
   const bool has_pose = result.map_from_base.has_value();
   const cv::Scalar color = result.mode == Mode::kTracking ? kGreen : (has_pose ? kYellow : kOrange);
   cv::Point pen(kMargin, 29);
