@@ -27,9 +27,9 @@ struct LocalizerConfig {
   /// How many cores a frame may use at once. One leaves the others to the robot's other nodes; more
   /// make searches and frames with many markers faster.
   int threads = 1;
-  /// How much is looked, in each frame, for markers that the map does not have: as many views' worth,
-  /// of those that together show all of the panorama (see Exploration); all of them while searching.
-  /// 0: the map has all.
+  /// How much is looked, in each frame, for markers that the map does not have: as many views'
+  /// worth, of those that together show all of the panorama (see Exploration); all of them while
+  /// searching. 0: the map has all.
   int exploring_views = 0;
 };
 
