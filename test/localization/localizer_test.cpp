@@ -14,6 +14,7 @@
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
 #include "omnitag/common/error.h"
+#include "omnitag/view/view_warper.h"
 
 namespace omnitag {
 namespace {
@@ -91,6 +92,28 @@ TEST_P(LocalizerTest, BearingsAreThoseOfTheMarkersFromTheRobot) {
     EXPECT_NEAR(detection.range, (center - map_from_camera.translation()).head<2>().norm(), 5e-3);
     EXPECT_LT(detection.residual, 0.3);
     EXPECT_EQ(detection.reason, "");
+  }
+}
+
+TEST_P(LocalizerTest, ASearchThatPeopleWatchShowsEachMarkerInOneView) {
+  Localizer localizer = this->localizer();
+  Frame frame = frameAt(0);
+  frame.wants_views = true;
+  const FrameResult result = localizer.process(frame);
+  ASSERT_EQ(result.mode, Mode::kSearching);
+  ASSERT_GE(result.acceptedMarkers(), 5);
+  ASSERT_EQ(result.view_images.size(), result.views.size());
+  constexpr double kWorkingDistance = 3.0;  // m
+  const ViewWarper warper(camera_, kWorkingDistance);
+  for (const MarkerDetection& detection : result.detections) {
+    if (!detection.accepted) continue;
+    const auto shows = [&](const View& view) {
+      const auto position = warper.viewFromPanorama(view, detection.center);
+      return position && cv::Rect({0, 0}, view.size)
+                             .contains({static_cast<int>(std::lround(position->x())),
+                                        static_cast<int>(std::lround(position->y()))});
+    };
+    EXPECT_EQ(std::count_if(result.views.begin(), result.views.end(), shows), 1) << detection.id;
   }
 }
 
