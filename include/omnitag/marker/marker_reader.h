@@ -29,8 +29,8 @@ struct MarkerReading {
 /// Mean length of a quadrilateral's edges.
 double meanEdge(const Corners<Eigen::Vector2d>& corners);
 
-/// A tag that a view shows, in the panorama, without the view's index; nothing where a corner is off
-/// the world that the panorama shows.
+/// A tag that a view shows, in the panorama, without the view's index; nothing where a corner is
+/// off the world that the panorama shows.
 std::optional<MarkerReading> inPanorama(const TagDetection& tag, const View& view,
                                         const ViewWarper& warper);
 
