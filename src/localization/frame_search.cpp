@@ -25,8 +25,8 @@ std::vector<MarkerReading> lookAround(const TrackingTools& tools, const Frame& f
   std::vector<View> views = viewsToSearch(tools, camera);
   result->timings.predict += step.lap();
   std::vector<MarkerReading> readings =
-      withoutRepetitions(readViews(tools.reader, frame.image, std::move(views), result),
-                         result->views, tools.reader.warper());
+      withoutRepetitions(readViews(tools, frame.image, std::move(views), result), result->views,
+                         tools.reader.warper());
   if (tools.config.exploring_views > 0) result->explored = readings;
   return readings;
 }

@@ -64,18 +64,19 @@ MarkerDetection toDetection(const MarkerObservation& observation, const Marker& 
   return detection;
 }
 
-std::vector<MarkerReading> readViews(const MarkerReader& reader, const cv::Mat& panorama,
+std::vector<MarkerReading> readViews(const TrackingTools& tools, const cv::Mat& panorama,
                                      std::vector<View> views, FrameResult* result) {
   Stopwatch step;
   const std::size_t first = result->views.size();
-  for (View& view : views) {
-    result->view_images.push_back(reader.warper().warp(panorama, view));
-    result->views.push_back(std::move(view));
-  }
+  result->view_images.resize(first + views.size());
+  forEachIndex(views.size(), tools.config.threads, [&](std::size_t i) {
+    result->view_images[first + i] = tools.reader.warper().warp(panorama, views[i]);
+  });
+  std::move(views.begin(), views.end(), std::back_inserter(result->views));
   result->timings.warp += step.lap();
   std::vector<MarkerReading> readings;
   for (std::size_t v = first; v < result->views.size(); ++v) {
-    for (MarkerReading& reading : reader.read(result->view_images[v], result->views[v])) {
+    for (MarkerReading& reading : tools.reader.read(result->view_images[v], result->views[v])) {
       reading.view = v;
       readings.push_back(std::move(reading));
     }
@@ -246,8 +247,7 @@ void FrameTracker::decode(const std::vector<std::size_t>& targets) {
   // Views overlap: what one of them shows may have been expected in another.
   std::vector<std::size_t> all(result_->predicted.size());
   std::iota(all.begin(), all.end(), 0U);
-  for (const MarkerReading& reading :
-       readViews(tools_.reader, frame_.image, std::move(views), result_)) {
+  for (const MarkerReading& reading : readViews(tools_, frame_.image, std::move(views), result_)) {
     const Association association =
         associate(reading, result_->predicted, all, tools_.map, tools_.config.association);
     if (association.prediction) {

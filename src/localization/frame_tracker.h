@@ -86,7 +86,7 @@ MarkerDetection toDetection(const MarkerReading& reading);
 MarkerDetection toDetection(const MarkerObservation& observation, const Marker& marker);
 
 /// Reads views and adds them, with what they show, to the result.
-std::vector<MarkerReading> readViews(const MarkerReader& reader, const cv::Mat& panorama,
+std::vector<MarkerReading> readViews(const TrackingTools& tools, const cv::Mat& panorama,
                                      std::vector<View> views, FrameResult* result);
 
 /// The marker at an entry of the map, where its pattern is found about where `belief` has it.

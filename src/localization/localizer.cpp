@@ -73,8 +73,8 @@ Localizer::Localizer(std::shared_ptr<const CameraModel> camera, MarkerMap map,
       map_(std::move(map)),
       index_(map_),
       config_(config),
-      reader_(camera_, kWorkingDistance, config.detector, familiesOf(map_), config.threads),
-      glance_reader_(camera_, config.detector, reader_.detector()),
+      reader_(camera_, kWorkingDistance, config.detector, familiesOf(map_)),
+      glance_reader_(camera_, config.detector, reader_.detector(), config.threads),
       patterns_(map_),
       motion_(config.motion) {}
 
@@ -254,7 +254,7 @@ std::vector<MarkerReading> Localizer::readNextView(const Frame& frame, const Mou
                                                    FrameResult* result) const {
   const std::vector<View> all = viewsToSearch(trackingTools(), camera);
   if (all.empty()) return {};
-  return readViews(reader_, frame.image, {all[patrolled_view_ % all.size()]}, result);
+  return readViews(trackingTools(), frame.image, {all[patrolled_view_ % all.size()]}, result);
 }
 
 void Localizer::explore(const Frame& frame, const MountedCamera& camera, const Pose2& map_from_base,
@@ -268,8 +268,9 @@ void Localizer::explore(const Frame& frame, const MountedCamera& camera, const P
   std::vector<View> views =
       exploration_.views(viewsToSearch(trackingTools(), camera), camera, map_from_base,
                          reader_.warper().table(), result->explored, config_);
-  const std::vector<MarkerReading> readings = withoutRepetitions(
-      readViews(reader_, frame.image, std::move(views), result), result->views, reader_.warper());
+  const std::vector<MarkerReading> readings =
+      withoutRepetitions(readViews(trackingTools(), frame.image, std::move(views), result),
+                         result->views, reader_.warper());
   result->explored.insert(result->explored.end(), readings.begin(), readings.end());
 }
 

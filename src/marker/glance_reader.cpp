@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "omnitag/common/parallel.h"
 #include "omnitag/marker/corner_refinement.h"
 #include "omnitag/marker/marker_prediction.h"
 #include "omnitag/view/view_planner.h"
@@ -105,8 +106,9 @@ bool isMirrored(const CameraModel& camera) {
 }
 
 GlanceReader::GlanceReader(std::shared_ptr<const CameraModel> camera,
-                           const TagDetectorConfig& config, const TagDetector& detector)
-    : camera_(std::move(camera)), is_mirrored_(isMirrored(*camera_)) {
+                           const TagDetectorConfig& config, const TagDetector& detector,
+                           int threads)
+    : camera_(std::move(camera)), is_mirrored_(isMirrored(*camera_)), threads_(threads) {
   const ImageSize& size = camera_->imageSize();
   for (int reduction = std::max(1, std::min(size.width, size.height) / kFirstSize); reduction >= 1;
        reduction /= 2) {
@@ -130,19 +132,30 @@ Glance GlanceReader::read(const cv::Mat& panorama, std::size_t glance, const Vie
   const auto unflipped = [&](const Eigen::Vector2d& pixel) -> Eigen::Vector2d {
     return {is_mirrored_ ? panorama.cols - 1.0 - pixel.x() : pixel.x(), pixel.y()};
   };
-  Glance seen;
-  for (TagDetection& tag : detectors_[glance].detect(readable)) {
+  const std::vector<TagDetection> tags = detectors_[glance].detect(readable);
+  struct Look {
+    View view;
+    cv::Mat image;
+    std::optional<MarkerReading> reading;
+  };
+  std::vector<Look> looks(tags.size());
+  forEachIndex(tags.size(), threads_, [&](std::size_t i) {
+    TagDetection tag = tags[i];
     std::transform(tag.corners.begin(), tag.corners.end(), tag.corners.begin(), unflipped);
-    View view = viewOf(tag.corners, unflipped(tag.center), *camera_, warper, axis_up);
-    cv::Mat image = warper.warp(panorama, view);
-    const auto again = findAgain(std::move(tag), view, image, warper);
-    auto reading = again ? inPanorama(*again, view, warper) : std::nullopt;
-    if (!reading) continue;
-    reading->view = seen.views.size();
-    view.targets.clear();
-    seen.views.push_back(std::move(view));
-    seen.view_images.push_back(std::move(image));
-    seen.readings.push_back(std::move(*reading));
+    Look& look = looks[i];
+    look.view = viewOf(tag.corners, unflipped(tag.center), *camera_, warper, axis_up);
+    look.image = warper.warp(panorama, look.view);
+    const auto again = findAgain(std::move(tag), look.view, look.image, warper);
+    if (again) look.reading = inPanorama(*again, look.view, warper);
+    look.view.targets.clear();
+  });
+  Glance seen;
+  for (Look& look : looks) {
+    if (!look.reading) continue;
+    look.reading->view = seen.views.size();
+    seen.views.push_back(std::move(look.view));
+    seen.view_images.push_back(std::move(look.image));
+    seen.readings.push_back(std::move(*look.reading));
   }
   return seen;
 }

@@ -30,9 +30,8 @@ double meanEdge(const Corners<Eigen::Vector2d>& corners) {
 }
 
 MarkerReader::MarkerReader(std::shared_ptr<const CameraModel> camera, double working_distance,
-                           const TagDetectorConfig& config, const std::set<std::string>& families,
-                           int threads)
-    : warper_(std::move(camera), working_distance), detector_(config, families, threads) {}
+                           const TagDetectorConfig& config, const std::set<std::string>& families)
+    : warper_(std::move(camera), working_distance), detector_(config, families) {}
 
 std::vector<MarkerReading> MarkerReader::read(const cv::Mat& view_image, const View& view) const {
   std::vector<MarkerReading> readings;

@@ -98,14 +98,12 @@ TagDetectorConfig readTagDetectorConfig(const YamlReader& reader) {
 struct TagDetector::Library {
   using Families = std::vector<AprilTagFamily>;
 
-  Library(const TagDetectorConfig& config, std::shared_ptr<const Families> shared_families,
-          int threads)
+  Library(const TagDetectorConfig& config, std::shared_ptr<const Families> shared_families)
       : min_decision_margin(config.min_decision_margin),
         blurs(config.quad_sigma != 0.0 && config.quad_decimate <= 1.0),
         deglitches(config.deglitch && config.quad_decimate <= 1.0),
         smallest_side(8.0 * std::max(1.0, config.quad_decimate)),
         families(std::move(shared_families)) {
-    detector->nthreads = threads;
     detector->quad_decimate = static_cast<float>(config.quad_decimate);
     detector->quad_sigma = static_cast<float>(config.quad_sigma);
     detector->refine_edges = config.refine_edges;
@@ -146,13 +144,11 @@ struct TagDetector::Library {
   std::unique_ptr<apriltag_detector_t, DestroyDetector> detector{apriltag_detector_create()};
 };
 
-TagDetector::TagDetector(const TagDetectorConfig& config, const std::set<std::string>& families,
-                         int threads)
-    : library_(std::make_unique<Library>(config, Library::create(families), threads)) {}
+TagDetector::TagDetector(const TagDetectorConfig& config, const std::set<std::string>& families)
+    : library_(std::make_unique<Library>(config, Library::create(families))) {}
 
 TagDetector::TagDetector(const TagDetectorConfig& config, const TagDetector& other)
-    : library_(std::make_unique<Library>(config, other.library_->families,
-                                         other.library_->detector->nthreads)) {}
+    : library_(std::make_unique<Library>(config, other.library_->families)) {}
 
 TagDetector::~TagDetector() = default;
 TagDetector::TagDetector(TagDetector&&) noexcept = default;

@@ -28,9 +28,10 @@ struct Glance {
 /// since the panorama bends their edges. Not safe to use from two threads at once.
 class GlanceReader {
  public:
-  /// `config`: the settings of the last glance. The families are those of `detector`.
+  /// `config`: the settings of the last glance. The families are those of `detector`. `threads`:
+  /// how many find corners anew.
   GlanceReader(std::shared_ptr<const CameraModel> camera, const TagDetectorConfig& config,
-               const TagDetector& detector);
+               const TagDetector& detector, int threads = 1);
 
   /// How many glances there are, each at twice the resolution of the one before, the last at that
   /// of the detector's settings.
@@ -44,6 +45,7 @@ class GlanceReader {
  private:
   std::shared_ptr<const CameraModel> camera_;
   bool is_mirrored_;
+  int threads_;
   std::vector<TagDetector> detectors_;
 };
 

@@ -38,11 +38,10 @@ std::optional<MarkerReading> inPanorama(const TagDetection& tag, const View& vie
 /// threads at once.
 class MarkerReader {
  public:
-  /// `working_distance`: m, as in ViewWarper. `threads`: as in TagDetector. Throws InputError for a
-  /// family that the AprilTag library does not have.
+  /// `working_distance`: m, as in ViewWarper. Throws InputError for a family that the AprilTag
+  /// library does not have.
   MarkerReader(std::shared_ptr<const CameraModel> camera, double working_distance,
-               const TagDetectorConfig& config, const std::set<std::string>& families,
-               int threads = 1);
+               const TagDetectorConfig& config, const std::set<std::string>& families);
 
   /// The markers of one view's image. One that the view cuts, or that reaches off the world that
   /// the panorama shows, is left out.

@@ -62,11 +62,10 @@ Eigen::Vector2d centerOf(const Corners<Eigen::Vector2d>& corners);
 /// own.
 class TagDetector {
  public:
-  /// `threads`: how many the library may use. Throws InputError for a family that it does not have.
-  TagDetector(const TagDetectorConfig& config, const std::set<std::string>& families,
-              int threads = 1);
-  /// With another one's families, whose decoding tables (many megabytes) the two share, and as many
-  /// threads. `max_hamming` stays the other one's.
+  /// Throws InputError for a family that the library does not have.
+  TagDetector(const TagDetectorConfig& config, const std::set<std::string>& families);
+  /// With another one's families, whose decoding tables (many megabytes) the two share.
+  /// `max_hamming` stays the other one's.
   TagDetector(const TagDetectorConfig& config, const TagDetector& other);
   ~TagDetector();
   TagDetector(TagDetector&& other) noexcept;
