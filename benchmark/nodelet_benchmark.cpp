@@ -146,7 +146,7 @@ double sendAll(Sender* sender) {
   return (processorTime() - threadTime() - since) / (kFrames - kWarmUp);
 }
 
-/// The same of the nodelet, which answers.
+/// The same of the nodelet, which answers, less what the process takes without it.
 double runNodelet(Sender* sender, Answers* answers) {
   ros::NodeHandle node;
   const ros::Subscriber statuses = node.subscribe<LocalizationStatus>(

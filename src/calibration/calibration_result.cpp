@@ -1,6 +1,7 @@
 #include "calibration_result.h"
 
 #include <algorithm>
+#include <map>
 
 #include "calibration_report.h"
 #include "omnitag/calibration/observability.h"
@@ -26,9 +27,8 @@ std::vector<CalibratedParameter> parametersOf(const CalibrationOutcome& outcome,
   std::vector<CalibratedParameter> parameters;
   for (std::size_t i = 0; i < outcome.model.parameters().size(); ++i) {
     const auto index = static_cast<Eigen::Index>(i);
-    const auto why_held = outcome.held.find(index);
     CalibratedParameter parameter{outcome.model.parameters()[i], outcome.state.values(index), 0.0,
-                                  why_held == outcome.held.end() ? "" : why_held->second};
+                                  outcome.why_held[i]};
     const auto found = std::find(outcome.observed.begin(), outcome.observed.end(), index);
     if (found != outcome.observed.end()) {
       parameter.deviation = uncertainty.deviations(found - outcome.observed.begin());

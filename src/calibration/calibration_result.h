@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -19,8 +18,8 @@ struct CalibrationOutcome {
   const BundleAdjustment& adjustment;
   const CalibrationState& state;
   std::vector<Eigen::Index> observed;
-  /// Why the others were held; empty for one that was not.
-  std::map<Eigen::Index, std::string> held;
+  /// Why each parameter was held; empty for one that was not.
+  std::vector<std::string> why_held;
 };
 
 /// What the images tell at the outcome, but for what the edges of blurred markers err by together.

@@ -331,8 +331,7 @@ class Calibrator {
   CalibrationResult result(const ResidualSummary& before) const {
     CalibrationOutcome outcome{model_, data_, adjustment_, state_, observed_, {}};
     for (std::size_t i = 0; i < model_.parameters().size(); ++i) {
-      const auto index = static_cast<Eigen::Index>(i);
-      outcome.held[index] = whyHeld(index);
+      outcome.why_held.push_back(whyHeld(static_cast<Eigen::Index>(i)));
     }
     return resultOf(outcome, before, config_);
   }

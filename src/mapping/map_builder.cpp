@@ -202,11 +202,13 @@ class MapBuilder {
     // So many readings have as much of that as of noise.
     constexpr double kAlike = 20.0;
     std::vector<double> counts(indexed_.bundle.landmarks.size());
-    for (const Bundle::Observation& each : indexed_.bundle.observations)
+    for (const Bundle::Observation& each : indexed_.bundle.observations) {
       counts[each.landmark] += 1.0;
+    }
     for (std::size_t i = 0; i < counts.size(); ++i) {
-      covariances_->landmarks[i] *= factor * (1.0 + counts[i] / kAlike);
-      covariances_->sizes[i] *= factor * (1.0 + counts[i] / kAlike);
+      const double factor_of_marker = factor * (1.0 + counts[i] / kAlike);
+      covariances_->landmarks[i] *= factor_of_marker;
+      covariances_->sizes[i] *= factor_of_marker;
     }
   }
 
