@@ -113,15 +113,18 @@ std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& fram
                                    FrameResult* result) {
   const LocalizerConfig& config = tools.config;
   const GlanceReader& reader = tools.glance_reader;
-  constexpr std::size_t kEnough = 3;
+  constexpr std::size_t kFewest = 1;
+  constexpr int kBeyondDoubt = 3;
   // Pixels are asked next: what corners say of the pose is only to be where to look.
   constexpr double kDoubt = 3.0;
-  const bool is_asked_for = config.look_around.glance && config.exploring_views == 0;
-  for (std::size_t i = 0; is_asked_for && i < reader.count(); ++i) {
+  if (!config.look_around.glance || config.exploring_views > 0) return std::nullopt;
+  const std::optional<Annulus> where =
+      annulusOfMarkers(tools.map, camera, config.visibility.max_range, config.look_around);
+  for (std::size_t i = 0; where && i < reader.count(); ++i) {
     Stopwatch step;
-    const Glance seen = reader.read(frame.image, i, tools.reader.warper(), camera.axisUp());
+    const Glance seen = reader.read(frame.image, i, tools.reader.warper(), camera.axisUp(), *where);
     result->timings.decode += step.lap();
-    if (seen.readings.size() < kEnough) continue;
+    if (seen.readings.size() < kFewest) continue;
     const Relocalization found =
         relocalize(tools.map, camera, seen.readings, config.estimation.reprojection,
                    config.estimation.max_residual, config.relocalization);
@@ -136,7 +139,7 @@ std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& fram
       around.view_images = seen.view_images;
     }
     const std::size_t explained = addDetections(tools, seen.readings, found, &around).size();
-    if (explained < kEnough || contradictions(around, tools.map) > 0) continue;
+    if (explained < kFewest || contradictions(around, tools.map) > 0) continue;
     // Those of the map are found anew from the pose.
     const auto isMapped = [](const MarkerDetection& detection) { return detection.accepted; };
     around.detections.erase(
@@ -148,7 +151,9 @@ std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& fram
     std::optional<PoseEstimate> pose =
         FrameTracker(tools, frame, camera, start, &around).track(turn);
     result->timings = around.timings;
-    if (!pose || around.acceptedMarkers() < static_cast<int>(explained)) continue;
+    const int accepted = around.acceptedMarkers();
+    if (!pose || accepted < std::max(2, static_cast<int>(explained))) continue;
+    if (accepted < kBeyondDoubt && accepted < static_cast<int>(around.predicted.size())) continue;
     *result = std::move(around);
     return pose;
   }

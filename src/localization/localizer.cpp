@@ -52,6 +52,14 @@ std::set<std::string> familiesOf(const MarkerMap& map) {
   return families;
 }
 
+/// Two markers without a prediction have no third to contradict them where something shades or
+/// covers one of them: a pose to start from is to be modest.
+PoseEstimate modest(const PoseEstimate& pose, const FrameResult& result) {
+  constexpr double kDoubt = 2.0;
+  const double rise = result.acceptedMarkers() <= kFew ? kDoubt : 1.0;
+  return {pose.pose, rise * rise * pose.covariance};
+}
+
 std::string describe(const cv::Mat& image) {
   return std::to_string(image.cols) + " x " + std::to_string(image.rows) + " pixels of type " +
          cv::typeToString(image.type());
@@ -279,7 +287,8 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
                        FrameResult* result) {
   if (const std::optional<PoseEstimate> seen =
           glance(trackingTools(), frame, camera, frames_, result)) {
-    settle(*seen, frame, predicted, predicted && agree(*predicted, *seen), result);
+    const bool is_expected = predicted && agree(*predicted, *seen);
+    settle(is_expected ? *seen : modest(*seen, *result), frame, predicted, is_expected, result);
     return;
   }
   const std::vector<MarkerReading> readings = lookAround(trackingTools(), frame, camera, result);
@@ -309,10 +318,7 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
       pose = aligned && agree(*aligned, pose) ? *aligned
                                               : standingOnCorners(pose, explaining.size(), config_);
       pose = withUndecoded(trackingTools(), frame, camera, pose, explaining, prior, result);
-      // Two markers without a prediction have no third to contradict them where something shades or
-      // covers one of them: a pose to start from is to be modest.
-      constexpr double kDoubt = 2.0;
-      if (!is_expected && result->acceptedMarkers() <= kFew) pose.covariance *= kDoubt * kDoubt;
+      if (!is_expected) pose = modest(pose, *result);
     }
     settle(pose, frame, predicted, is_expected, result);
   } else if (predicted) {

@@ -186,6 +186,18 @@ LookAroundConfig readLookAroundConfig(const YamlReader& reader) {
   return config;
 }
 
+std::optional<Annulus> annulusOfMarkers(const MarkerMap& map, const MountedCamera& camera,
+                                        double max_range, const LookAroundConfig& config) {
+  const Heights heights = heightsOf(map, camera);
+  for (const bool up : {true, false}) {
+    if (canBeAtEnd(up, heights) && seesEnd(up, camera)) return Annulus{};
+  }
+  const Range radii =
+      radiiOf(heights, camera, config.min_range, std::max(max_range, config.min_range));
+  if (!(radii.low < radii.high)) return std::nullopt;
+  return Annulus{radii.low, radii.high};
+}
+
 std::vector<View> viewsAllAround(const MarkerMap& map, const MountedCamera& camera,
                                  const ContourTable& table, double max_range,
                                  const LookAroundConfig& config) {

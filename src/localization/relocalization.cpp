@@ -34,8 +34,6 @@ struct Hypothesis {
 
 /// A start for a hypothesis: the pose of one marker's corners, and how many readings may agree.
 struct Seed {
-  std::size_t reading = 0;
-  std::size_t entry = 0;
   PoseEstimate map_from_base;
   Assignment entries;
   std::size_t promised = 0;
@@ -69,21 +67,29 @@ class Search {
 
   /// All poses worth comparing, the best first: those that it does not clearly surpass.
   std::vector<Hypothesis> hypotheses() const {
-    std::vector<Seed> seeds = this->seeds();
-    std::stable_sort(seeds.begin(), seeds.end(),
-                     [](const Seed& a, const Seed& b) { return a.promised > b.promised; });
     std::vector<Hypothesis> hypotheses;
     double least = std::numeric_limits<double>::infinity();
-    for (const Seed& seed : seeds) {
-      const auto unexplained = static_cast<double>(readings_.size() - seed.promised);
-      if (unexplained * kCostOfUnexplained >= least + config_.min_lead) break;
-      // From afar all pull at once, and one that hangs a little beside its place drags the others
-      // along; near the seed those that agree outvote it.
-      for (const auto refine : {&refineFromAfar, &refineByReprojection}) {
-        std::optional<Hypothesis> hypothesis = grow(seed, refine);
-        if (!hypothesis) continue;
-        least = std::min(least, hypothesis->saturated_cost);
-        addUnlessKnown(std::move(*hypothesis), &hypotheses);
+    const auto isWorthLooking = [&](std::size_t unexplained) {
+      return static_cast<double>(unexplained) * kCostOfUnexplained < least + config_.min_lead;
+    };
+    const std::vector<std::size_t> sources = readingsToStartFrom();
+    for (std::size_t k = 0; k < sources.size(); ++k) {
+      // Whatever explains a reading is found from there: what was not found yet leaves all those
+      // before unexplained.
+      if (!isWorthLooking(readings_.size() - sources.size() + k)) break;
+      std::vector<Seed> seeds = seedsFrom(sources[k]);
+      std::stable_sort(seeds.begin(), seeds.end(),
+                       [](const Seed& a, const Seed& b) { return a.promised > b.promised; });
+      for (const Seed& seed : seeds) {
+        if (!isWorthLooking(readings_.size() - seed.promised)) break;
+        // From afar all pull at once, and one that hangs a little beside its place drags the others
+        // along; near the seed those that agree outvote it.
+        for (const auto refine : {&refineFromAfar, &refineByReprojection}) {
+          std::optional<Hypothesis> hypothesis = grow(seed, refine);
+          if (!hypothesis) continue;
+          least = std::min(least, hypothesis->saturated_cost);
+          addUnlessKnown(std::move(*hypothesis), &hypotheses);
+        }
       }
     }
     std::stable_sort(hypotheses.begin(), hypotheses.end(),
@@ -151,19 +157,33 @@ class Search {
     return {entry, readings_[reading].corners, readings_[reading].center};
   }
 
-  std::vector<Seed> seeds() const {
-    std::vector<Seed> seeds;
+  /// Those of which the map has a marker, the least ambiguous and largest first.
+  std::vector<std::size_t> readingsToStartFrom() const {
+    std::vector<std::size_t> sources;
     for (std::size_t i = 0; i < readings_.size(); ++i) {
-      for (const std::size_t entry : candidates_[i]) {
-        for (const ReprojectionFit& fit : posesFromMarker(map_, camera_, observationOf(i, entry),
-                                                          reprojection_, max_residual_)) {
-          Seed seed{i, entry, fit.map_from_base, Assignment(readings_.size()), 0};
-          for (std::size_t j = 0; j < readings_.size(); ++j) {
-            seed.entries[j] = j == i ? entry : nearbyEntry(j, seed.map_from_base);
-          }
-          seed.promised = countOf(seed.entries);
-          seeds.push_back(std::move(seed));
+      if (!candidates_[i].empty()) sources.push_back(i);
+    }
+    std::stable_sort(sources.begin(), sources.end(), [this](std::size_t a, std::size_t b) {
+      if (candidates_[a].size() != candidates_[b].size()) {
+        return candidates_[a].size() < candidates_[b].size();
+      }
+      return meanEdge(readings_[a].corners) > meanEdge(readings_[b].corners);
+    });
+    return sources;
+  }
+
+  std::vector<Seed> seedsFrom(std::size_t reading) const {
+    std::vector<Seed> seeds;
+    for (const std::size_t entry : candidates_[reading]) {
+      for (const ReprojectionFit& fit :
+           posesFromMarker(map_, camera_, observationOf(reading, entry), reprojection_,
+                           max_residual_)) {
+        Seed seed{fit.map_from_base, Assignment(readings_.size()), 0};
+        for (std::size_t j = 0; j < readings_.size(); ++j) {
+          seed.entries[j] = j == reading ? entry : nearbyEntry(j, seed.map_from_base);
         }
+        seed.promised = countOf(seed.entries);
+        seeds.push_back(std::move(seed));
       }
     }
     return seeds;

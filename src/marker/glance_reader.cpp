@@ -7,9 +7,11 @@
 #include <array>
 #include <cmath>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <utility>
 
+#include "omnitag/common/angle.h"
 #include "omnitag/common/parallel.h"
 #include "omnitag/marker/corner_refinement.h"
 #include "omnitag/marker/marker_prediction.h"
@@ -20,6 +22,54 @@ namespace {
 
 /// Pixels, the image's smaller side, to which it is reduced for the first glance.
 constexpr int kFirstSize = 500;
+
+/// A part of the panorama in which writing runs as it should.
+struct Excerpt {
+  cv::Mat image;
+  /// Of its first pixel.
+  cv::Point corner;
+  bool is_mirrored = false;
+
+  Eigen::Vector2d inPanorama(const Eigen::Vector2d& pixel) const {
+    const double column = is_mirrored ? image.cols - 1.0 - pixel.x() : pixel.x();
+    return {corner.x + column, corner.y + pixel.y()};
+  }
+};
+
+/// The pixels, to about one, of a circle of the ideal image plane.
+std::vector<cv::Point> circle(const ImagePlane& plane, double radius) {
+  constexpr int kPoints = 128;
+  std::vector<cv::Point> points;
+  for (int i = 0; i < kPoints; ++i) {
+    const double azimuth = 2.0 * kPi * i / kPoints;
+    const Eigen::Vector2d pixel =
+        plane.pixelFromIdeal(radius * Eigen::Vector2d(std::cos(azimuth), std::sin(azimuth)));
+    points.emplace_back(cvRound(pixel.x()), cvRound(pixel.y()));
+  }
+  return points;
+}
+
+/// What a panorama shows between two circles, and even grey elsewhere, where the library then finds
+/// nothing to spend its time on.
+Excerpt excerptOf(const cv::Mat& panorama, const CameraModel& camera, const Annulus& where,
+                  bool is_mirrored) {
+  constexpr double kMargin = 8.0;  // pixels
+  const ImagePlane& plane = camera.imagePlane();
+  const double margin = kMargin / plane.scale();
+  const double inner_radius = where.min_radius - margin;
+  const double outer_radius = std::min(where.max_radius, camera.maxRadius()) + margin;
+  std::vector<cv::Point> outer = circle(plane, outer_radius);
+  const cv::Rect box = cv::boundingRect(outer) & cv::Rect({}, panorama.size());
+  Excerpt excerpt{panorama(box).clone(), box.tl(), is_mirrored};
+  const cv::Scalar grey = cv::mean(excerpt.image);
+  const auto fill = [&](std::vector<std::vector<cv::Point>> outlines) {
+    cv::fillPoly(excerpt.image, outlines, grey, cv::LINE_8, 0, -box.tl());
+  };
+  fill({outer, {box.tl(), {box.br().x, box.y}, box.br(), {box.x, box.br().y}}});
+  if (inner_radius > 0.0) fill({circle(plane, inner_radius)});
+  if (is_mirrored) cv::flip(excerpt.image, excerpt.image, 1);
+  return excerpt;
+}
 
 /// A view of a tag that was found, to about a pixel, at these corners of the panorama.
 View viewOf(const Corners<Eigen::Vector2d>& corners, const Eigen::Vector2d& center,
@@ -122,17 +172,9 @@ GlanceReader::GlanceReader(std::shared_ptr<const CameraModel> camera,
 }
 
 Glance GlanceReader::read(const cv::Mat& panorama, std::size_t glance, const ViewWarper& warper,
-                          bool axis_up) const {
-  cv::Mat readable;
-  if (is_mirrored_) {
-    cv::flip(panorama, readable, 1);
-  } else {
-    readable = panorama;
-  }
-  const auto unflipped = [&](const Eigen::Vector2d& pixel) -> Eigen::Vector2d {
-    return {is_mirrored_ ? panorama.cols - 1.0 - pixel.x() : pixel.x(), pixel.y()};
-  };
-  const std::vector<TagDetection> tags = detectors_[glance].detect(readable);
+                          bool axis_up, const Annulus& where) const {
+  const Excerpt excerpt = excerptOf(panorama, *camera_, where, is_mirrored_);
+  const std::vector<TagDetection> tags = detectors_[glance].detect(excerpt.image);
   struct Look {
     View view;
     cv::Mat image;
@@ -141,9 +183,9 @@ Glance GlanceReader::read(const cv::Mat& panorama, std::size_t glance, const Vie
   std::vector<Look> looks(tags.size());
   forEachIndex(tags.size(), threads_, [&](std::size_t i) {
     TagDetection tag = tags[i];
-    std::transform(tag.corners.begin(), tag.corners.end(), tag.corners.begin(), unflipped);
+    for (Eigen::Vector2d& corner : tag.corners) corner = excerpt.inPanorama(corner);
     Look& look = looks[i];
-    look.view = viewOf(tag.corners, unflipped(tag.center), *camera_, warper, axis_up);
+    look.view = viewOf(tag.corners, excerpt.inPanorama(tag.center), *camera_, warper, axis_up);
     look.image = warper.warp(panorama, look.view);
     const auto again = findAgain(std::move(tag), look.view, look.image, warper);
     if (again) look.reading = inPanorama(*again, look.view, warper);

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <vector>
 
 #include "omnitag/camera/mounted_camera.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/common/yaml_reader.h"
+#include "omnitag/marker/glance_reader.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/marker/marker_reader.h"
 #include "omnitag/view/contour_table.h"
@@ -36,6 +38,12 @@ struct LookAroundConfig {
 
 /// Reads the keys above; absent ones keep their defaults. Throws InputError.
 LookAroundConfig readLookAroundConfig(const YamlReader& reader);
+
+/// Where markers of the map can image, whole, that are from `config.min_range` to `max_range` metres
+/// away, and those on the floor and under the ceiling however near. Nothing where the camera sees
+/// none of these.
+std::optional<Annulus> annulusOfMarkers(const MarkerMap& map, const MountedCamera& camera,
+                                        double max_range, const LookAroundConfig& config);
 
 /// Views all around the camera, at the elevations at which the map's markers can be, from
 /// `config.min_range` to `max_range` metres away, and one along the axis where markers can be

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <opencv2/core/mat.hpp>
 #include <vector>
@@ -14,6 +15,12 @@ namespace omnitag {
 
 /// Whether an image shows the world as mirrors do: writing in it runs backwards.
 bool isMirrored(const CameraModel& camera);
+
+/// What images at these radii of the ideal image plane.
+struct Annulus {
+  double min_radius = 0.0;
+  double max_radius = std::numeric_limits<double>::infinity();
+};
 
 /// What a glance at a panorama read. Each reading has a view of its own.
 struct Glance {
@@ -38,9 +45,9 @@ class GlanceReader {
   std::size_t count() const { return detectors_.size(); }
 
   /// `panorama`: CV_8UC1, as large as the camera's image. `glance`: less than count(). `warper`:
-  /// the camera's.
-  Glance read(const cv::Mat& panorama, std::size_t glance, const ViewWarper& warper,
-              bool axis_up) const;
+  /// the camera's. `where` markers are looked for, all of each.
+  Glance read(const cv::Mat& panorama, std::size_t glance, const ViewWarper& warper, bool axis_up,
+              const Annulus& where = {}) const;
 
  private:
   std::shared_ptr<const CameraModel> camera_;
