@@ -2,12 +2,10 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 
 namespace omnitag {
 namespace {
-
-/// What a pixel's grey level is a sum of in some light, and the grey level itself last.
-using Column = Eigen::Matrix<double, kLightTerms + 1, 1>;
 
 /// 1, and what the contrast is a sum of.
 Light regressorsOf(const MarkerPixel& pixel) {
@@ -32,71 +30,98 @@ Eigen::RowVector3d greyByPose(const MarkerPixel& pixel, const Light& light) {
   return contrastAt(pixel.position, light) * pixel.white_by_pose;
 }
 
+PixelResidual residualOf(const MarkerPixel& pixel, const Light& light) {
+  const double contrast = contrastAt(pixel.position, light);
+  return {pixel.grey - light[0] - pixel.white * contrast, pixel.gradient,
+          contrast * pixel.gradient};
+}
+
 bool isSaturated(const MarkerPixel& pixel, const PixelResidual& residual) {
   return omnitag::isSaturated(pixel.grey, pixel.grey - residual.grey);
 }
 
+using LightInformation = Eigen::Matrix<double, kLightTerms, kLightTerms>;
+
+/// Nothing where the pixels leave some of the light open.
+std::optional<Eigen::LDLT<LightInformation>> factorsOf(const LightInformation& information) {
+  std::optional<Eigen::LDLT<LightInformation>> factors(information);
+  const bool is_known = factors->info() == Eigen::Success && factors->vectorD().minCoeff() > 1e-9;
+  return is_known ? factors : std::nullopt;
+}
+
+/// From some of the pixels, all alike.
+std::optional<Light> roughLight(const std::vector<MarkerPixel>& pixels) {
+  constexpr std::size_t kEnough = 200;
+  const std::size_t every = std::max<std::size_t>(1, pixels.size() / kEnough);
+  LightInformation information = LightInformation::Zero();
+  Light gradient = Light::Zero();
+  for (std::size_t i = 0; i < pixels.size(); i += every) {
+    if (omnitag::isSaturated(pixels[i].grey, pixels[i].grey)) continue;
+    const Light regressors = regressorsOf(pixels[i]);
+    information.noalias() += regressors * regressors.transpose();
+    gradient += pixels[i].grey * regressors;
+  }
+  const auto factors = factorsOf(information);
+  return factors ? std::optional<Light>(factors->solve(gradient)) : std::nullopt;
+}
+
 }  // namespace
 
-std::optional<LitPatch> fitLight(const std::vector<MarkerPixel>& pixels, const PixelNoise& noise) {
+std::optional<LitPatch> fitLight(const std::vector<MarkerPixel>& pixels, const PixelNoise& noise,
+                                 const std::optional<Light>& start) {
   constexpr std::size_t kFewestPixels = 24;
-  constexpr std::size_t kEnough = 200;
   if (pixels.size() < kFewestPixels) return std::nullopt;
+  const std::optional<Light> rough = start ? start : roughLight(pixels);
+  if (!rough) return std::nullopt;
+
   // To write a vector number by number and read it at once as a whole would take most of the time.
-  std::vector<Column> columns(pixels.size());
+  using Column = Eigen::Matrix<double, kLightTerms + 1, 1>;
+  struct Terms {
+    double weight;
+    /// What the grey level is a sum of in some light, and the residual.
+    Column light;
+    /// The derivatives by the pose, and the residual.
+    Eigen::Vector4d change;
+  };
+  std::vector<Terms> terms(pixels.size());
   for (std::size_t i = 0; i < pixels.size(); ++i) {
-    columns[i] << regressorsOf(pixels[i]), pixels[i].grey;
+    const PixelResidual residual = residualOf(pixels[i], *rough);
+    terms[i].weight = isSaturated(pixels[i], residual) ? 0.0 : weightOf(residual, noise);
+    terms[i].light << regressorsOf(pixels[i]), residual.grey;
+    terms[i].change << greyByPose(pixels[i], *rough).transpose(), residual.grey;
   }
+  Eigen::Matrix<double, kLightTerms + 1, kLightTerms + 1> of_light;
+  Eigen::Matrix<double, kLightTerms + 1, 4> mixed;
+  Eigen::Matrix4d of_change;
+  of_light.setZero();
+  mixed.setZero();
+  of_change.setZero();
+  for (const Terms& of_pixel : terms) {
+    const Column light = of_pixel.weight * of_pixel.light;
+    const Eigen::Vector4d change = of_pixel.weight * of_pixel.change;
+    of_light.noalias() += light * of_pixel.light.transpose();
+    mixed.noalias() += light * of_pixel.change.transpose();
+    of_change.noalias() += change * of_pixel.change.transpose();
+  }
+  const auto light_and_pose = mixed.topLeftCorner<kLightTerms, 3>();
+  const auto light_and_residual = of_light.topRightCorner<kLightTerms, 1>();
+  const auto factors = factorsOf(of_light.topLeftCorner<kLightTerms, kLightTerms>());
+  if (!factors) return std::nullopt;
+
   LitPatch patch;
-  patch.residuals.assign(pixels.size(), {});
-  Eigen::LDLT<Eigen::Matrix<double, kLightTerms, kLightTerms>> factors;
-  // The first round weighs all pixels alike, and some will do; the second knows what is off.
-  constexpr int kRounds = 2;
-  for (int round = 0; round < kRounds; ++round) {
-    const std::size_t every = round == 0 ? std::max<std::size_t>(1, pixels.size() / kEnough) : 1;
-    // The last column and row are what the regressors have in common with the grey level.
-    Eigen::Matrix<double, kLightTerms + 1, kLightTerms + 1> sums;
-    sums.setZero();
-    for (std::size_t i = 0; i < pixels.size(); i += every) {
-      if (isSaturated(pixels[i], patch.residuals[i])) continue;
-      const Column weighted = weightOf(patch.residuals[i], noise) * columns[i];
-      sums.noalias() += weighted * columns[i].transpose();
-    }
-    factors.compute(sums.topLeftCorner<kLightTerms, kLightTerms>());
-    if (factors.info() != Eigen::Success || !(factors.vectorD().minCoeff() > 1e-9)) {
-      return std::nullopt;
-    }
-    patch.light = factors.solve(sums.topRightCorner<kLightTerms, 1>());
-    for (std::size_t i = 0; i < pixels.size(); ++i) {
-      const double contrast = contrastAt(pixels[i].position, patch.light);
-      patch.residuals[i] = {pixels[i].grey - patch.light[0] - pixels[i].white * contrast,
-                            pixels[i].gradient, contrast * pixels[i].gradient};
-    }
-  }
+  patch.light = *rough + factors->solve(light_and_residual);
   constexpr double kLowestContrast = 8.0;
   if (patch.light[1] < kLowestContrast) return std::nullopt;
-
-  // The derivatives by the pose, and the residual.
-  std::vector<Eigen::Vector4d> changes(pixels.size());
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    changes[i] << greyByPose(pixels[i], patch.light).transpose(), patch.residuals[i].grey;
-  }
-  // What they have in common with each other, and the regressors with them.
-  Eigen::Matrix4d among_changes = Eigen::Matrix4d::Zero();
-  Eigen::Matrix<double, kLightTerms + 1, 4> mixed;
-  mixed.setZero();
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    if (isSaturated(pixels[i], patch.residuals[i])) continue;
-    const Eigen::Vector4d weighted = weightOf(patch.residuals[i], noise) * changes[i];
-    among_changes.noalias() += changes[i] * weighted.transpose();
-    mixed.noalias() += columns[i] * weighted.transpose();
-  }
-  patch.information = among_changes.topLeftCorner<3, 3>();
-  patch.gradient = among_changes.topRightCorner<3, 1>();
-  const auto light_and_pose = mixed.topLeftCorner<kLightTerms, 3>();
   // The light is free: what it could explain says nothing about the pose.
-  patch.light_by_pose = -factors.solve(light_and_pose);
-  patch.information += light_and_pose.transpose() * patch.light_by_pose;
+  patch.light_by_pose = -factors->solve(light_and_pose);
+  patch.information =
+      of_change.topLeftCorner<3, 3>() + light_and_pose.transpose() * patch.light_by_pose;
+  patch.gradient =
+      of_change.topRightCorner<3, 1>() + patch.light_by_pose.transpose() * light_and_residual;
+  patch.residuals.reserve(pixels.size());
+  for (const MarkerPixel& pixel : pixels) {
+    patch.residuals.push_back(residualOf(pixel, patch.light));
+  }
   return patch;
 }
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -76,7 +77,7 @@ MarkerPatch::MarkerPatch(const Marker& marker, const TagPattern& pattern,
       facets_along_(choice.facets) {
   const Nodes nodes = nodesAt(map_from_base);
   setFacets(nodes, map_from_base, blur);
-  chooseLinesOfSight(map_from_base, boundingBox(nodes), choice);
+  choosePlaces(map_from_base, boundingBox(nodes), choice);
 }
 
 inline const Facet& MarkerPatch::facetOf(const Eigen::Vector2d& position) const {
@@ -162,48 +163,76 @@ Eigen::Vector2i MarkerPatch::gridSteps(std::size_t max_considered) const {
 /// Tells pixels at edges from those on even ground.
 class MarkerPatch::Sorter {
  public:
-  Sorter(const MarkerPatch& patch, const Pose2& map_from_base, const Choice& choice)
+  Sorter(const MarkerPatch& patch, const Pose2& map_from_base, const Box& box, const Choice& choice)
       : patch_(patch),
         plane_(patch, map_from_base),
         step_(patch.gridSteps(choice.max_considered)),
-        reach_(choice.reach) {
+        block_(blockOf(step_.x(), box, choice.tolerance),
+               blockOf(step_.y(), box, choice.tolerance)),
+        reach_(choice.reach),
+        tells_apart_(choice.max_at_edges < choice.max_considered ||
+                     choice.max_on_even_ground < choice.max_considered) {
     const std::size_t most = std::min(choice.max_considered, kMostReserved);
     at_edges_.reserve(most);
     on_even_ground_.reserve(most);
   }
 
   void sort(const Box& box) {
-    // Roughly, positions follow from those of nodes around them.
-    const Eigen::Vector2i node_step = 8 * step_;
-    for (int top = box.top; top <= box.bottom; top += node_step.y()) {
-      const int below = top + node_step.y();
-      auto upper_left = positionAt(box.left, top);
-      auto lower_left = positionAt(box.left, below);
-      for (int left = box.left; left <= box.right; left += node_step.x()) {
-        const int beyond = left + node_step.x();
-        const auto upper_right = positionAt(beyond, top);
-        const auto lower_right = positionAt(beyond, below);
-        const Box block{left, top, std::min(beyond - 1, box.right),
-                        std::min(below - 1, box.bottom)};
-        if (upper_left && lower_left && upper_right && lower_right) {
-          const Eigen::Vector2d right = (*upper_right - *upper_left) / node_step.x();
-          const Eigen::Vector2d down = (*lower_left - *upper_left) / node_step.y();
-          const Eigen::Vector2d twist =
-              ((*lower_right - *lower_left) / node_step.x() - right) / node_step.y();
-          sortBlock(block, *upper_left, right, down, twist);
-        } else {
-          sortOneByOne(block);
-        }
-        upper_left = upper_right;
-        lower_left = lower_right;
+    for (int top = box.top; top <= box.bottom; top += block_.y()) {
+      const int bottom = std::min(top + block_.y() - 1, box.bottom);
+      NodeColumn left_nodes = nodesBelow(box.left, top);
+      for (int left = box.left; left <= box.right; left += block_.x()) {
+        const NodeColumn middle_nodes = nodesBelow(left + block_.x() / 2, top);
+        const NodeColumn right_nodes = nodesBelow(left + block_.x(), top);
+        sortBlock({left, top, std::min(left + block_.x() - 1, box.right), bottom}, left_nodes,
+                  middle_nodes, right_nodes);
+        left_nodes = right_nodes;
       }
     }
   }
 
-  const std::vector<Pixel>& atEdges() const { return at_edges_; }
-  const std::vector<Pixel>& onEvenGround() const { return on_even_ground_; }
+  const std::vector<Place>& atEdges() const { return at_edges_; }
+  const std::vector<Place>& onEvenGround() const { return on_even_ground_; }
 
  private:
+  /// A polynomial of the second degree, by its coefficients.
+  struct Parabola {
+    Eigen::Vector2d constant;
+    Eigen::Vector2d linear;
+    Eigen::Vector2d quadratic;
+
+    /// Through values at 0, 1 and 2.
+    static Parabola through(const Eigen::Vector2d& first, const Eigen::Vector2d& middle,
+                            const Eigen::Vector2d& last) {
+      return {first, 2.0 * middle - 1.5 * first - 0.5 * last, 0.5 * (first + last) - middle};
+    }
+
+    Eigen::Vector2d at(double x) const { return constant + x * (linear + x * quadratic); }
+  };
+
+  /// Positions at three rows of a block; nothing where one of them is not seen.
+  using NodeColumn = std::optional<std::array<Eigen::Vector2d, 3>>;
+
+  NodeColumn nodesBelow(int column, int top) const {
+    const auto first = positionAt(column, top);
+    const auto middle = positionAt(column, top + block_.y() / 2);
+    const auto last = positionAt(column, top + block_.y());
+    if (!first || !middle || !last) return std::nullopt;
+    return {{*first, *middle, *last}};
+  }
+
+  /// The side, a whole and even number of steps, of a block of pixels in which positions may follow
+  /// from those of three times three nodes.
+  int blockOf(int step, const Box& box, double tolerance) const {
+    // Interpolated between nodes that are h pixels apart, they are off by up to this times h^3 /
+    // r^2 at r pixels from the middle of the image: measured in PositionsAreWhatThePixelsSee.
+    constexpr double kError = 2.0;
+    const Eigen::Vector2d middle(0.5 * (box.left + box.right), 0.5 * (box.top + box.bottom));
+    const double radius = (middle - patch_.camera_.model().imagePlane().principalPoint()).norm();
+    const double spacing = std::cbrt(tolerance * radius * radius / kError);
+    return 2 * step * std::max(1, static_cast<int>(spacing / step));
+  }
+
   std::optional<Eigen::Vector2d> positionAt(int column, int row) const {
     const std::optional<Ray> ray = patch_.camera_.tabulatedRayInBase({column, row});
     return ray ? plane_.meet(*ray) : std::nullopt;
@@ -215,20 +244,26 @@ class MarkerPatch::Sorter {
     return facet.window.reach() + reach_ * facet.by_pixel.cwiseAbs().rowwise().sum();
   }
 
-  /// A block of pixels by the position of its first one, and how that changes along columns, along
-  /// rows, and along both.
-  void sortBlock(const Box& block, const Eigen::Vector2d& first, const Eigen::Vector2d& right,
-                 const Eigen::Vector2d& down, const Eigen::Vector2d& twist) {
-    const double width = block.right - block.left;
-    const double height = block.bottom - block.top;
-    const Eigen::Vector2d surroundings = surroundingsAt(
-        first + 0.5 * width * right + 0.5 * height * down + 0.25 * width * height * twist);
+  void sortBlock(const Box& block, const NodeColumn& left, const NodeColumn& middle,
+                 const NodeColumn& right) {
+    if (!left || !middle || !right) return sortOneByOne(block);
+    std::array<Parabola, 3> along_rows;
+    for (std::size_t i = 0; i < along_rows.size(); ++i) {
+      along_rows[i] = Parabola::through((*left)[i], (*middle)[i], (*right)[i]);
+    }
+    const auto along_columns = [&along_rows](const auto& part) {
+      return Parabola::through(part(along_rows[0]), part(along_rows[1]), part(along_rows[2]));
+    };
+    const Parabola constant = along_columns([](const Parabola& p) { return p.constant; });
+    const Parabola linear = along_columns([](const Parabola& p) { return p.linear; });
+    const Parabola quadratic = along_columns([](const Parabola& p) { return p.quadratic; });
+    const Eigen::Vector2d surroundings = surroundingsAt(along_rows[1].at(1.0));
+    const Eigen::Vector2d scale = 2.0 * block_.cast<double>().cwiseInverse();
     for (int row = block.top; row <= block.bottom; row += step_.y()) {
-      const double below = row - block.top;
-      const Eigen::Vector2d start = first + below * down;
-      const Eigen::Vector2d by_column = right + below * twist;
+      const double down = scale.y() * (row - block.top);
+      const Parabola along_row{constant.at(down), linear.at(down), quadratic.at(down)};
       for (int column = block.left; column <= block.right; column += step_.x()) {
-        add(column, row, start + (column - block.left) * by_column, surroundings);
+        add(column, row, along_row.at(scale.x() * (column - block.left)), surroundings);
       }
     }
   }
@@ -248,81 +283,100 @@ class MarkerPatch::Sorter {
     const Eigen::Vector2d high = position + surroundings;
     const TagPattern& pattern = patch_.pattern_;
     if (high.minCoeff() < 0.0 || low.maxCoeff() > static_cast<double>(pattern.width())) return;
-    Pixel& pixel = (pattern.isEven(low, high) ? on_even_ground_ : at_edges_).emplace_back();
-    pixel.column = column;
-    pixel.row = row;
+    const bool is_even = tells_apart_ && pattern.isEven(low, high);
+    (is_even ? on_even_ground_ : at_edges_).push_back({column, row, position});
   }
 
   const MarkerPatch& patch_;
   Plane plane_;
   Eigen::Vector2i step_;
+  /// Pixels along columns and rows.
+  Eigen::Vector2i block_;
   double reach_;
-  std::vector<Pixel> at_edges_;
-  std::vector<Pixel> on_even_ground_;
+  bool tells_apart_;
+  std::vector<Place> at_edges_;
+  std::vector<Place> on_even_ground_;
 };
 
-void MarkerPatch::chooseLinesOfSight(const Pose2& map_from_base, const Box& box,
-                                     const Choice& choice) {
-  Sorter sorter(*this, map_from_base, choice);
+void MarkerPatch::choosePlaces(const Pose2& map_from_base, const Box& box, const Choice& choice) {
+  Sorter sorter(*this, map_from_base, box, choice);
   sorter.sort(box);
-  lines_of_sight_.reserve(std::min(sorter.atEdges().size(), choice.max_at_edges) +
-                          std::min(sorter.onEvenGround().size(), choice.max_on_even_ground));
+  places_.reserve(std::min(sorter.atEdges().size(), choice.max_at_edges) +
+                  std::min(sorter.onEvenGround().size(), choice.max_on_even_ground));
   keep(sorter.atEdges(), choice.max_at_edges);
   keep(sorter.onEvenGround(), choice.max_on_even_ground);
 }
 
-void MarkerPatch::keep(const std::vector<Pixel>& pixels, std::size_t at_most) {
+void MarkerPatch::keep(const std::vector<Place>& places, std::size_t at_most) {
   if (at_most == 0) return;
   const std::size_t every =
-      std::max<std::size_t>(1, pixels.size() / at_most + (pixels.size() % at_most != 0 ? 1 : 0));
-  for (std::size_t i = 0; i < pixels.size(); i += every) {
-    const auto ray = camera_.tabulatedRayInBase({pixels[i].column, pixels[i].row});
-    if (ray) lines_of_sight_.push_back({pixels[i], *ray});
-  }
+      std::max<std::size_t>(1, places.size() / at_most + (places.size() % at_most != 0 ? 1 : 0));
+  for (std::size_t i = 0; i < places.size(); i += every) places_.push_back(places[i]);
 }
 
-template <typename Visit>
-void MarkerPatch::visit(const Pose2& map_from_base, const Visit& visit) const {
-  const Plane plane(*this, map_from_base);
+inline const Facet* MarkerPatch::facetWithinDrawing(const Eigen::Vector2d& position) const {
+  const Facet& facet = facetOf(position);
+  const Eigen::Vector2d& reach = facet.window.reach();
   const double width = pattern_.width();
-  for (const LineOfSight& line : lines_of_sight_) {
-    const auto position = plane.meet(line.in_base);
-    if (!position) continue;
-    const Facet& facet = facetOf(*position);
-    if (!facet.is_visible) continue;
-    const Eigen::Vector2d& reach = facet.window.reach();
-    if ((*position - reach).minCoeff() < 0.0 || (*position + reach).maxCoeff() > width) continue;
-    visit(line, *position, facet);
-  }
+  const bool is_within = facet.is_visible && (position - reach).minCoeff() >= 0.0 &&
+                         (position + reach).maxCoeff() <= width;
+  return is_within ? &facet : nullptr;
 }
 
-std::vector<Footprint> MarkerPatch::footprints(const Pose2& map_from_base) const {
+inline MarkerPixel MarkerPatch::pixelAt(const cv::Mat& panorama, const Place& place,
+                                        const Facet& facet) const {
+  const TagPattern::White white = pattern_.averageOver(place.position, facet.window);
+  MarkerPixel pixel;
+  pixel.column = place.column;
+  pixel.row = place.row;
+  pixel.grey = panorama.ptr<std::uint8_t>(place.row)[place.column];
+  pixel.white = white.share;
+  pixel.gradient = (white.by_position.transpose() * facet.by_pixel).norm();
+  pixel.position = place.position / pattern_.width() - Eigen::Vector2d(0.5, 0.5);
+  pixel.white_by_pose = white.by_position.transpose() * facet.by_pose;
+  return pixel;
+}
+
+std::vector<Footprint> MarkerPatch::footprints() const {
   std::vector<Footprint> footprints;
-  footprints.reserve(lines_of_sight_.size());
-  visit(map_from_base,
-        [&](const LineOfSight& line, const Eigen::Vector2d& position, const Facet& facet) {
-          footprints.push_back({line.pixel.column, line.pixel.row, position, &facet});
-        });
+  footprints.reserve(places_.size());
+  for (const Place& place : places_) {
+    const Facet* const facet = facetWithinDrawing(place.position);
+    if (facet != nullptr) footprints.push_back({place.column, place.row, place.position, facet});
+  }
   return footprints;
 }
 
-std::vector<MarkerPixel> MarkerPatch::pixels(const cv::Mat& panorama,
-                                             const Pose2& map_from_base) const {
-  const double scale = 1.0 / pattern_.width();
+std::vector<MarkerPixel> MarkerPatch::pixels(const cv::Mat& panorama) const {
   std::vector<MarkerPixel> pixels;
-  pixels.reserve(lines_of_sight_.size());
-  visit(map_from_base,
-        [&](const LineOfSight& line, const Eigen::Vector2d& position, const Facet& facet) {
-          const TagPattern::White white = pattern_.averageOver(position, facet.window);
-          MarkerPixel& pixel = pixels.emplace_back();
-          pixel.column = line.pixel.column;
-          pixel.row = line.pixel.row;
-          pixel.grey = panorama.ptr<std::uint8_t>(pixel.row)[pixel.column];
-          pixel.white = white.share;
-          pixel.gradient = (white.by_position.transpose() * facet.by_pixel).norm();
-          pixel.position = scale * position - Eigen::Vector2d(0.5, 0.5);
-          pixel.white_by_pose = white.by_position.transpose() * facet.by_pose;
-        });
+  pixels.reserve(places_.size());
+  for (const Place& place : places_) {
+    const Facet* const facet = facetWithinDrawing(place.position);
+    if (facet != nullptr) pixels.push_back(pixelAt(panorama, place, *facet));
+  }
+  return pixels;
+}
+
+LinesOfSight MarkerPatch::linesOfSight() const {
+  LinesOfSight lines;
+  lines.reserve(places_.size());
+  for (const Place& place : places_) {
+    lines.push_back(camera_.tabulatedRayInBase({place.column, place.row}));
+  }
+  return lines;
+}
+
+std::vector<MarkerPixel> MarkerPatch::pixels(const cv::Mat& panorama, const LinesOfSight& lines,
+                                             const Pose2& map_from_base) const {
+  const Plane plane(*this, map_from_base);
+  std::vector<MarkerPixel> pixels;
+  pixels.reserve(places_.size());
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const auto position = lines[i] ? plane.meet(*lines[i]) : std::nullopt;
+    const Facet* const facet = position ? facetWithinDrawing(*position) : nullptr;
+    if (facet == nullptr) continue;
+    pixels.push_back(pixelAt(panorama, {places_[i].column, places_[i].row, *position}, *facet));
+  }
   return pixels;
 }
 

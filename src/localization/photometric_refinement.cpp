@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "lit_patch.h"
@@ -55,8 +56,9 @@ struct MarkerFit {
 struct Alignment {
   Pose2 pose;
   PixelNoise noise;
-  /// One for each marker.
+  /// One for each marker; no light where it was not seen yet.
   std::vector<double> weights;
+  std::vector<std::optional<Light>> lights;
 };
 
 /// All that is known about the pose.
@@ -84,6 +86,7 @@ class Aligner {
   /// The parts of the panorama that show the markers, to find the pose from an initial one.
   std::vector<MarkerPatch> roughPatches(const Pose2& pose) const {
     MarkerPatch::Choice choice;
+    choice.tolerance = 0.1;
     choice.facets = 2;
     return patches(pose, config_.max_pixels, choice);
   }
@@ -97,13 +100,19 @@ class Aligner {
     return patches(pose, config_.max_final_pixels, choice);
   }
 
-  /// What each marker says at the alignment's pose and noise; nothing where it is not seen.
+  /// What each marker says at the pose of the patches; nothing where it is not seen.
   std::vector<std::optional<MarkerFit>> fits(const std::vector<MarkerPatch>& patches,
                                              const Alignment& alignment) const {
-    std::vector<std::optional<MarkerFit>> fits(patches.size());
-    forEachIndex(patches.size(), threads_,
-                 [&](std::size_t i) { fits[i] = fitOf(patches[i], entries_[i], alignment); });
-    return fits;
+    return fits(alignment, [&](std::size_t i) { return patches[i].pixels(panorama_); });
+  }
+
+  /// The same at the alignment's pose, near that of the patches. `lines` are the patches'.
+  std::vector<std::optional<MarkerFit>> fits(const std::vector<MarkerPatch>& patches,
+                                             const std::vector<LinesOfSight>& lines,
+                                             const Alignment& alignment) const {
+    return fits(alignment, [&](std::size_t i) {
+      return patches[i].pixels(panorama_, lines[i], alignment.pose);
+    });
   }
 
   /// What all markers' residuals say about the pixels' noise; there must be some.
@@ -122,38 +131,64 @@ class Aligner {
   }
 
  private:
-  std::optional<MarkerFit> fitOf(const MarkerPatch& patch, std::size_t entry,
+  template <typename PixelsOf>
+  std::vector<std::optional<MarkerFit>> fits(const Alignment& alignment,
+                                             const PixelsOf& pixels_of) const {
+    std::vector<std::optional<MarkerFit>> fits(entries_.size());
+    forEachIndex(fits.size(), threads_,
+                 [&](std::size_t i) { fits[i] = fitOf(i, pixels_of(i), alignment); });
+    return fits;
+  }
+
+  std::optional<MarkerFit> fitOf(std::size_t index, std::vector<MarkerPixel> pixels,
                                  const Alignment& alignment) const {
-    std::vector<MarkerPixel> pixels = patch.pixels(panorama_, alignment.pose);
-    const std::optional<LitPatch> lit = fitLight(pixels, alignment.noise);
+    const std::optional<LitPatch> lit = fitLight(pixels, alignment.noise, alignment.lights[index]);
     if (!lit) return std::nullopt;
     const Eigen::Matrix3d misplacement =
-        misplacementOf(map_.markers[entry], camera_, alignment.pose, config_);
+        misplacementOf(map_.markers[entries_[index]], camera_, alignment.pose, config_);
     // (information^-1 + misplacement)^-1, also where the information has no inverse.
     const Eigen::Matrix3d share =
         (Eigen::Matrix3d::Identity() + lit->information * misplacement).inverse();
     return MarkerFit{std::move(pixels), *lit, misplacement, share};
   }
 
-  /// With so many pixels at edges at most, all together, but for what a marker needs.
+  /// With so many pixels at edges at most, all together, but for what a marker needs. Large markers
+  /// get more of them: they are near, and each of their pixels tells more of the pose.
   std::vector<MarkerPatch> patches(const Pose2& pose, int max_pixels,
-                                   MarkerPatch::Choice choice) const {
-    constexpr std::size_t kLeast = 75;
+                                   const MarkerPatch::Choice& choice) const {
+    constexpr double kLeast = 75.0;
     // So many more are looked at to find those at edges.
     constexpr std::size_t kLookedAt = 2;
-    choice.max_at_edges = std::max(
-        kLeast, static_cast<std::size_t>(max_pixels) / std::max<std::size_t>(1, entries_.size()));
-    choice.max_on_even_ground = choice.max_at_edges / 8;
-    choice.max_considered = kLookedAt * choice.max_at_edges;
+    std::vector<double> areas;
+    for (const std::size_t entry : entries_) areas.push_back(areaOf(map_.markers[entry], pose));
+    const double whole = std::accumulate(areas.begin(), areas.end(), 1.0);
     std::vector<std::optional<MarkerPatch>> made(entries_.size());
     forEachIndex(entries_.size(), threads_, [&](std::size_t i) {
       const Marker& marker = map_.markers[entries_[i]];
-      made[i].emplace(marker, patterns_.of(marker), camera_, pose, config_.blur, choice);
+      MarkerPatch::Choice own = choice;
+      own.max_at_edges = static_cast<std::size_t>(std::max(kLeast, max_pixels * areas[i] / whole));
+      own.max_on_even_ground = own.max_at_edges / 8;
+      own.max_considered = kLookedAt * own.max_at_edges;
+      made[i].emplace(marker, patterns_.of(marker), camera_, pose, config_.blur, own);
     });
     std::vector<MarkerPatch> patches;
     patches.reserve(made.size());
     for (std::optional<MarkerPatch>& patch : made) patches.push_back(std::move(*patch));
     return patches;
+  }
+
+  /// Of a marker between its corners, in pixels, about; 0 where one of them is not seen.
+  double areaOf(const Marker& marker, const Pose2& pose) const {
+    const Corners<Eigen::Vector3d> corners = marker.corners();
+    Corners<Eigen::Vector2d> pixels;
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      const auto pixel = camera_.pixelFromMap(pose, corners[k]);
+      if (!pixel) return 0.0;
+      pixels[k] = *pixel;
+    }
+    const Eigen::Vector2d a = pixels[2] - pixels[0];
+    const Eigen::Vector2d b = pixels[3] - pixels[1];
+    return 0.5 * std::abs(a.x() * b.y() - a.y() * b.x());
   }
 
   const cv::Mat& panorama_;
@@ -223,8 +258,11 @@ bool converge(const Aligner& aligner, const std::vector<MarkerPatch>& patches,
   constexpr int kMaxSteps = 25;
   // Standard deviations of what these pixels can tell, which is far less than what is to come.
   constexpr double kConverged = 1.0;
+  std::vector<LinesOfSight> lines;
+  lines.reserve(patches.size());
+  for (const MarkerPatch& patch : patches) lines.push_back(patch.linesOfSight());
   for (int step = 0; step < kMaxSteps; ++step) {
-    const Linearization all = combine(aligner.fits(patches, *alignment), prior, *alignment);
+    const Linearization all = combine(aligner.fits(patches, lines, *alignment), prior, *alignment);
     const std::optional<Eigen::Vector3d> change = changeOf(all);
     if (!change) return false;
     alignment->pose = moved(alignment->pose, *change);
@@ -232,6 +270,9 @@ bool converge(const Aligner& aligner, const std::vector<MarkerPatch>& patches,
     const PixelNoise& noise = alignment->noise;
     const bool is_settled = step > 0 && std::abs(noise.flat - before.flat) < 0.2 * noise.flat &&
                             std::abs(noise.edge - before.edge) < 0.2 * noise.edge + 0.01;
+    for (std::size_t i = 0; i < all.fits.size(); ++i) {
+      if (all.fits[i]) alignment->lights[i] = all.fits[i]->patch.light;
+    }
     if (is_settled && change->dot(all.information * *change) < kConverged * kConverged) return true;
     weigh(all, *change, alignment);
   }
@@ -285,7 +326,7 @@ double photometricMisfit(const cv::Mat& panorama, const MarkerMap& map, const Mo
   const PixelNoise noise{fit.noise, fit.edge_noise};
   double misfit = 0.0;
   for (const MarkerPatch& patch : aligner.roughPatches(map_from_base)) {
-    const auto lit = fitLight(patch.pixels(panorama, map_from_base), noise);
+    const auto lit = fitLight(patch.pixels(panorama), noise);
     if (!lit) return std::numeric_limits<double>::infinity();
     for (const PixelResidual& residual : lit->residuals) {
       misfit += weightOf(residual, noise) * residual.grey * residual.grey;
@@ -299,7 +340,10 @@ std::optional<PhotometricFit> refinePhotometrically(
     const TagPatterns& patterns, const std::vector<std::size_t>& entries, const Pose2& initial,
     const std::optional<PoseEstimate>& prior, const PhotometricConfig& config, int threads) {
   const Aligner aligner(panorama, map, camera, patterns, entries, config, threads);
-  Alignment alignment{initial, {}, std::vector<double>(entries.size(), 1.0)};
+  Alignment alignment{initial,
+                      {},
+                      std::vector<double>(entries.size(), 1.0),
+                      std::vector<std::optional<Light>>(entries.size())};
   if (!converge(aligner, aligner.roughPatches(initial), prior, &alignment)) {
     return std::nullopt;
   }

@@ -293,9 +293,10 @@ std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& mark
   if (margin > std::max(kLeastMargin, config.max_margin * module)) return std::nullopt;
   MarkerPatch::Choice choice;
   choice.max_considered = pixelsFor(module);
+  choice.tolerance = 0.02;
   choice.facets = 3;
   const MarkerPatch patch(marker, pattern, camera, map_from_base, blur, choice);
-  const std::vector<Footprint> footprints = patch.footprints(map_from_base);
+  const std::vector<Footprint> footprints = patch.footprints();
   constexpr std::size_t kFewestPixels = 24;
   if (footprints.size() < kFewestPixels) return std::nullopt;
   const std::vector<Sample> samples = samplesOf(footprints, pattern);

@@ -175,9 +175,8 @@ class Search {
   std::vector<Seed> seedsFrom(std::size_t reading) const {
     std::vector<Seed> seeds;
     for (const std::size_t entry : candidates_[reading]) {
-      for (const ReprojectionFit& fit :
-           posesFromMarker(map_, camera_, observationOf(reading, entry), reprojection_,
-                           max_residual_)) {
+      for (const ReprojectionFit& fit : posesFromMarker(
+               map_, camera_, observationOf(reading, entry), reprojection_, max_residual_)) {
         Seed seed{fit.map_from_base, Assignment(readings_.size()), 0};
         for (std::size_t j = 0; j < readings_.size(); ++j) {
           seed.entries[j] = j == reading ? entry : nearbyEntry(j, seed.map_from_base);

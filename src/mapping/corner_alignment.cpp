@@ -131,7 +131,7 @@ std::optional<AlignedCorners> alignCorners(const cv::Mat& panorama, const Marker
   choice.max_at_edges = kMaxPixels;
   choice.max_on_even_ground = kMaxPixels / 4;
   const MarkerPatch patch(marker, pattern, camera, map_from_base, blur, choice);
-  const std::vector<Footprint> footprints = patch.footprints(map_from_base);
+  const std::vector<Footprint> footprints = patch.footprints();
   constexpr std::size_t kFewestPixels = 60;
   if (footprints.size() < kFewestPixels) return std::nullopt;
   Unknowns unknowns = fitLight(footprints, panorama, pattern);

@@ -86,10 +86,9 @@ bool TagPattern::isEven(const Eigen::Vector2d& low, const Eigen::Vector2d& high)
   const int right = module(high.x()) + 1;
   const int bottom = module(high.y()) + 1;
   const int modules = (right - left) * (bottom - top);
-  if (modules == 1) return true;
   const double white =
       sumAt(right, bottom) - sumAt(left, bottom) - sumAt(right, top) + sumAt(left, top);
-  return white < 0.5 || white > modules - 0.5;
+  return std::abs(white - 0.5 * modules) > 0.5 * modules - 0.5;
 }
 
 bool TagPattern::isDataWhite(int module) const {

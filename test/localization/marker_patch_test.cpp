@@ -31,9 +31,9 @@ struct Seen {
   Facet facet;
 };
 
-std::vector<Seen> seen(const MarkerPatch& patch, const Pose2& pose) {
+std::vector<Seen> seen(const MarkerPatch& patch) {
   std::vector<Seen> all;
-  for (const Footprint& footprint : patch.footprints(pose)) {
+  for (const Footprint& footprint : patch.footprints()) {
     all.push_back({footprint.column, footprint.row, footprint.position, *footprint.facet});
   }
   return all;
@@ -53,7 +53,7 @@ struct Scene {
   }
 
   std::vector<Seen> footprints(const MarkerPatch::Choice& choice = {}, double blur = 0.0) const {
-    return seen(patch(choice, blur), pose);
+    return seen(patch(choice, blur));
   }
 
   double metresPerModule() const { return marker.size / pattern.widthBetweenCorners(); }
@@ -176,10 +176,16 @@ TEST_P(MarkerPatchTest, PositionsFollowThePose) {
   const Scene& scene = GetParam();
   const MarkerPatch patch = scene.patch();
   const Pose2 moved{scene.pose.x + 0.004, scene.pose.y - 0.003, scene.pose.yaw + 0.004};
-  for (const Seen& footprint : seen(patch, moved)) {
-    const auto pixel = scene.pixelOf(footprint.position, moved);
+  const ImageSize& size = scene.camera.model().imageSize();
+  const cv::Mat panorama(size.height, size.width, CV_8UC1, cv::Scalar(100));
+  const auto pixels = patch.pixels(panorama, patch.linesOfSight(), moved);
+  ASSERT_GT(pixels.size(), 100U);
+  for (const MarkerPixel& seen : pixels) {
+    const Eigen::Vector2d position =
+        scene.pattern.width() * (seen.position + Eigen::Vector2d(0.5, 0.5));
+    const auto pixel = scene.pixelOf(position, moved);
     ASSERT_TRUE(pixel);
-    EXPECT_LT((*pixel - Eigen::Vector2d(footprint.column, footprint.row)).norm(), 2e-3);
+    EXPECT_LT((*pixel - Eigen::Vector2d(seen.column, seen.row)).norm(), 2e-3);
   }
 }
 
@@ -346,7 +352,7 @@ TEST_P(MarkerPatchTest, PixelsSeeWhatAPanoramaShows) {
   const cv::Mat panorama =
       test::renderPanorama({"map", {scene.marker}}, scene.camera, scene.pose, 8);
   double squares = 0.0;
-  const std::vector<MarkerPixel> pixels = scene.patch().pixels(panorama, scene.pose);
+  const std::vector<MarkerPixel> pixels = scene.patch().pixels(panorama);
   ASSERT_GT(pixels.size(), 100U);
   for (const MarkerPixel& pixel : pixels) {
     const double error = 30.0 + 190.0 * pixel.white - pixel.grey;

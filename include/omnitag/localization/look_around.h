@@ -39,9 +39,9 @@ struct LookAroundConfig {
 /// Reads the keys above; absent ones keep their defaults. Throws InputError.
 LookAroundConfig readLookAroundConfig(const YamlReader& reader);
 
-/// Where markers of the map can image, whole, that are from `config.min_range` to `max_range` metres
-/// away, and those on the floor and under the ceiling however near. Nothing where the camera sees
-/// none of these.
+/// Where markers of the map can image, whole, that are from `config.min_range` to `max_range`
+/// metres away, and those on the floor and under the ceiling however near. Nothing where the camera
+/// sees none of these.
 std::optional<Annulus> annulusOfMarkers(const MarkerMap& map, const MountedCamera& camera,
                                         double max_range, const LookAroundConfig& config);
 

@@ -52,6 +52,9 @@ struct MarkerPixel {
   Eigen::RowVector3d white_by_pose = Eigen::RowVector3d::Zero();
 };
 
+/// One for each pixel of a patch; nothing where a pixel shows no world.
+using LinesOfSight = std::vector<std::optional<Ray>>;
+
 /// The part of a panorama that shows a marker.
 class MarkerPatch {
  public:
@@ -65,6 +68,8 @@ class MarkerPatch {
     std::size_t max_on_even_ground = std::numeric_limits<std::size_t>::max();
     /// Pixels by which edges may still turn out to be elsewhere.
     double reach = 1.5;
+    /// Pixels by which positions may be off; many are faster.
+    double tolerance = 0.001;
     /// Facets along either side of the drawing.
     int facets = 4;
   };
@@ -75,21 +80,25 @@ class MarkerPatch {
   MarkerPatch(const Marker& marker, const TagPattern& pattern, const MountedCamera& camera,
               const Pose2& map_from_base, double blur, const Choice& choice);
 
-  /// What the pixels see that see nothing but the drawing at a pose near the one of the
-  /// constructor. Valid as long as the patch.
-  std::vector<Footprint> footprints(const Pose2& map_from_base) const;
+  /// What the pixels see that see nothing but the drawing. Valid as long as the patch.
+  std::vector<Footprint> footprints() const;
 
   /// The same pixels with their grey levels in the panorama (CV_8UC1).
-  std::vector<MarkerPixel> pixels(const cv::Mat& panorama, const Pose2& map_from_base) const;
+  std::vector<MarkerPixel> pixels(const cv::Mat& panorama) const;
+
+  /// The lines of sight of the patch's pixels in base_link, to follow them to other poses.
+  LinesOfSight linesOfSight() const;
+
+  /// As pixels() above, at a pose near the one of the constructor. `lines` are the patch's.
+  std::vector<MarkerPixel> pixels(const cv::Mat& panorama, const LinesOfSight& lines,
+                                  const Pose2& map_from_base) const;
 
  private:
-  struct Pixel {
+  /// A pixel and the position on the drawing that it sees from the pose of the constructor.
+  struct Place {
     int column = 0;
     int row = 0;
-  };
-  struct LineOfSight {
-    Pixel pixel;
-    Ray in_base;
+    Eigen::Vector2d position = Eigen::Vector2d::Zero();
   };
   /// Of pixels, the last ones included.
   struct Box {
@@ -112,12 +121,11 @@ class MarkerPatch {
   /// Pixels along columns and rows.
   Eigen::Vector2i gridSteps(std::size_t max_considered) const;
   /// Keeps at most so many of the pixels, evenly spread.
-  void keep(const std::vector<Pixel>& pixels, std::size_t at_most);
-  void chooseLinesOfSight(const Pose2& map_from_base, const Box& box, const Choice& choice);
-  /// Calls back with the line of sight, the position and the facet of each pixel that sees nothing
-  /// but the drawing.
-  template <typename Visit>
-  void visit(const Pose2& map_from_base, const Visit& visit) const;
+  void keep(const std::vector<Place>& places, std::size_t at_most);
+  void choosePlaces(const Pose2& map_from_base, const Box& box, const Choice& choice);
+  /// The facet of a position about which a pixel sees nothing but the drawing; null elsewhere.
+  const Facet* facetWithinDrawing(const Eigen::Vector2d& position) const;
+  MarkerPixel pixelAt(const cv::Mat& panorama, const Place& place, const Facet& facet) const;
 
   const Marker& marker_;
   const TagPattern& pattern_;
@@ -126,7 +134,7 @@ class MarkerPatch {
   int facets_along_;
   /// Row by row.
   std::vector<Facet> facets_;
-  std::vector<LineOfSight> lines_of_sight_;
+  std::vector<Place> places_;
 };
 
 }  // namespace omnitag

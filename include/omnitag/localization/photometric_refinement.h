@@ -30,7 +30,7 @@ struct PhotometricConfig {
   /// until the pose stays, and for the last step from there. More of the latter make the pose more
   /// exact. Of each marker up to 75 are used all the same.
   int max_pixels = 600;
-  int max_final_pixels = 4000;
+  int max_final_pixels = 12000;
 };
 
 /// A pose that was aligned with the panorama.
