@@ -108,13 +108,21 @@ PoseEstimate withUndecoded(const TrackingTools& tools, const Frame& frame,
   return *aligned;
 }
 
+namespace {
+
+/// Whether what was seen from the pose of a glance leaves no doubt about it.
+bool isEnough(const FrameResult& seen) {
+  const int accepted = seen.acceptedMarkers();
+  return accepted > 2 || (accepted == 2 && seen.predicted.size() == 2);
+}
+
+}  // namespace
+
 std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& frame,
                                    const MountedCamera& camera, std::size_t turn,
                                    FrameResult* result) {
   const LocalizerConfig& config = tools.config;
   const GlanceReader& reader = tools.glance_reader;
-  constexpr std::size_t kFewest = 1;
-  constexpr int kBeyondDoubt = 3;
   // Pixels are asked next: what corners say of the pose is only to be where to look.
   constexpr double kDoubt = 3.0;
   if (!config.look_around.glance || config.exploring_views > 0) return std::nullopt;
@@ -124,7 +132,7 @@ std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& fram
     Stopwatch step;
     const Glance seen = reader.read(frame.image, i, tools.reader.warper(), camera.axisUp(), *where);
     result->timings.decode += step.lap();
-    if (seen.readings.size() < kFewest) continue;
+    if (seen.readings.empty()) continue;
     const Relocalization found =
         relocalize(tools.map, camera, seen.readings, config.estimation.reprojection,
                    config.estimation.max_residual, config.relocalization);
@@ -138,8 +146,9 @@ std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& fram
       around.views = seen.views;
       around.view_images = seen.view_images;
     }
-    const std::size_t explained = addDetections(tools, seen.readings, found, &around).size();
-    if (explained < kFewest || contradictions(around, tools.map) > 0) continue;
+    const auto explained =
+        static_cast<int>(addDetections(tools, seen.readings, found, &around).size());
+    if (contradictions(around, tools.map) > 0) continue;
     // Those of the map are found anew from the pose.
     const auto isMapped = [](const MarkerDetection& detection) { return detection.accepted; };
     around.detections.erase(
@@ -151,9 +160,7 @@ std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& fram
     std::optional<PoseEstimate> pose =
         FrameTracker(tools, frame, camera, start, &around).track(turn);
     result->timings = around.timings;
-    const int accepted = around.acceptedMarkers();
-    if (!pose || accepted < std::max(2, static_cast<int>(explained))) continue;
-    if (accepted < kBeyondDoubt && accepted < static_cast<int>(around.predicted.size())) continue;
+    if (!pose || around.acceptedMarkers() < explained || !isEnough(around)) continue;
     *result = std::move(around);
     return pose;
   }

@@ -223,6 +223,27 @@ TEST_F(LocalizerFaultTest, FindsItsPoseInTheFirstFrameAndFollowsOn) {
   EXPECT_EQ(second.mode, Mode::kTracking);
 }
 
+TEST_F(LocalizerFaultTest, AGlanceIsEnoughWhereTwoMarkersAreAllThatShouldBeSeen) {
+  MarkerMap two = map_;
+  two.markers.resize(2);
+  const MountedCamera camera(camera_, test::lookingDown());
+  Localizer localizer(camera_, two, {});
+  const FrameResult result =
+      localizer.process(frame(0.0, test::renderPanorama(two, camera, routeAt(0))));
+  expectAt(routeAt(0), result);
+  EXPECT_EQ(result.mode, Mode::kSearching);
+  EXPECT_EQ(result.acceptedMarkers(), 2);
+  // All around there are eight.
+  EXPECT_LE(result.views.size(), 2U);
+
+  // That others are missing is a reason to doubt it, and to look all around.
+  const FrameResult doubted =
+      localizer_.process(frame(0.0, test::renderPanorama(two, camera, routeAt(0))));
+  expectAt(routeAt(0), doubted);
+  EXPECT_EQ(doubted.acceptedMarkers(), 2);
+  EXPECT_EQ(doubted.views.size(), 8U);
+}
+
 TEST_F(LocalizerFaultTest, ASearchUsesMarkersThatItsViewsDoNotShowWhole) {
   // So near that it is wider than what neighbouring views have in common.
   MarkerMap map = map_;

@@ -115,6 +115,38 @@ TEST_P(LookAroundTest, EveryMarkerThatCanBeSeenIsWholeInAView) {
   EXPECT_GT(seen, 100);
 }
 
+TEST_P(LookAroundTest, EveryMarkerThatCanBeSeenIsWithinTheAnnulus) {
+  constexpr double kMaxRange = 12.0;
+  const Eigen::Vector2d viewpoint = camera_.baseFromCamera().translation().head<2>();
+  const double width = model_->maxRadius() - model_->minRadius();
+  int seen = 0;
+  for (const double height : {0.6, 1.2, 1.9}) {
+    Marker marker = test::wallMarker(0, {100.0, 0.0, height}, 0.0);
+    marker.size = 0.3;
+    const auto annulus = annulusOfMarkers({"map", {marker}}, camera_, kMaxRange, config_);
+    if (annulus) EXPECT_LT(annulus->max_radius - annulus->min_radius, 0.8 * width);
+    for (const double range : {1.0, 1.5, 2.5, 5.0, 11.5}) {
+      for (int i = 0; i < 40; ++i) {
+        const double azimuth = 2.0 * kPi * i / 40;
+        const Eigen::Vector2d place =
+            viewpoint + range * Eigen::Vector2d(std::cos(azimuth), std::sin(azimuth));
+        marker = test::wallMarker(0, {place.x(), place.y(), height}, azimuth + kPi);
+        marker.size = 0.3;
+        const auto reading = test::exactReading(marker, camera_, {});
+        if (!reading) continue;
+        ++seen;
+        ASSERT_TRUE(annulus);
+        for (const Eigen::Vector2d& corner : reading->corners) {
+          const double radius = model_->imagePlane().idealFromPixel(corner)->norm();
+          EXPECT_GE(radius, annulus->min_radius) << "range " << range << ", azimuth " << azimuth;
+          EXPECT_LE(radius, annulus->max_radius) << "range " << range << ", azimuth " << azimuth;
+        }
+      }
+    }
+  }
+  EXPECT_GT(seen, 100);
+}
+
 TEST_P(LookAroundTest, EverythingHoldsMarkersAtAnyHeightWithoutAMap) {
   const Eigen::Vector2d viewpoint = camera_.baseFromCamera().translation().head<2>();
   const std::vector<View> views = viewsOfEverything(camera_, warper_.table(), config_);
@@ -202,10 +234,12 @@ TEST(LookAroundFisheye, HoldsEveryMarkerUnderTheCeilingHoweverNear) {
 
 TEST_P(LookAroundTest, WithoutAMarkerOrWhereNoneCanBeSeenThereIsNothingToLookAt) {
   EXPECT_TRUE(views({"map", {}}, 12.0).empty());
+  EXPECT_FALSE(annulusOfMarkers({"map", {}}, camera_, 12.0, config_));
   // Straight ahead of the camera, behind the mirror.
   const double height = camera_.axisUp() ? 500.0 : -500.0;
   const MarkerMap hidden{"map", {test::wallMarker(0, {0.0, 0.0, height}, 0.0)}};
   EXPECT_TRUE(views(hidden, 1.0).empty());
+  EXPECT_FALSE(annulusOfMarkers(hidden, camera_, 1.0, config_));
 }
 
 INSTANTIATE_TEST_SUITE_P(Cameras, LookAroundTest, testing::ValuesIn(setups()),

@@ -84,6 +84,35 @@ TEST_P(GlanceReaderTest, ReadsLargeMarkersWithExactCorners) {
   }
 }
 
+TEST_P(GlanceReaderTest, ReadsWhatIsInTheAnnulusAndNothingElse) {
+  const cv::Mat panorama = test::renderPanorama(map_, camera_, truth_);
+  const auto radiusOf = [this](const Eigen::Vector2d& pixel) {
+    return model_->imagePlane().idealFromPixel(pixel)->norm();
+  };
+  const std::size_t last = reader_.count() - 1;
+  const double module = 1.0 / 8.0;  // of the edge
+  for (const Marker& marker : map_.markers) {
+    const MarkerReading exact = *test::exactReading(marker, camera_, truth_);
+    Annulus annulus{radiusOf(exact.corners[0]), radiusOf(exact.corners[0])};
+    for (const Eigen::Vector2d& corner : exact.corners) {
+      const double border = 2.0 * module * meanEdge(exact.corners) / model_->imagePlane().scale();
+      annulus.min_radius = std::min(annulus.min_radius, radiusOf(corner) - border);
+      annulus.max_radius = std::max(annulus.max_radius, radiusOf(corner) + border);
+    }
+    const Glance seen = reader_.read(panorama, last, warper_, camera_.axisUp(), annulus);
+    EXPECT_TRUE(std::any_of(seen.readings.begin(), seen.readings.end(), [&](const auto& reading) {
+      return reading.id == marker.id && (reading.center - exact.center).norm() < 0.2;
+    })) << marker.id;
+    for (const Annulus& beside : {Annulus{0.0, radiusOf(exact.center)},
+                                  Annulus{radiusOf(exact.center), annulus.max_radius + 1.0}}) {
+      const Glance without = reader_.read(panorama, last, warper_, camera_.axisUp(), beside);
+      EXPECT_TRUE(std::none_of(without.readings.begin(), without.readings.end(),
+                               [&](const auto& reading) { return reading.id == marker.id; }))
+          << marker.id;
+    }
+  }
+}
+
 TEST_P(GlanceReaderTest, LeavesThePanoramaAsItIs) {
   const cv::Mat panorama = test::renderPanorama(map_, camera_, truth_);
   const cv::Mat before = panorama.clone();

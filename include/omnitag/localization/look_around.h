@@ -20,7 +20,7 @@ namespace omnitag {
 /// Section 8).
 struct LookAroundConfig {
   /// Whether the panorama itself is looked at first, which is several times faster: three markers
-  /// that agree are enough.
+  /// that agree are enough, or two that are all that should be seen.
   bool glance = true;
   /// rad, between the middles of neighbouring views.
   double step = radians(45.0);
