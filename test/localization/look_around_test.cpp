@@ -124,7 +124,9 @@ TEST_P(LookAroundTest, EveryMarkerThatCanBeSeenIsWithinTheAnnulus) {
     Marker marker = test::wallMarker(0, {100.0, 0.0, height}, 0.0);
     marker.size = 0.3;
     const auto annulus = annulusOfMarkers({"map", {marker}}, camera_, kMaxRange, config_);
-    if (annulus) EXPECT_LT(annulus->max_radius - annulus->min_radius, 0.8 * width);
+    if (annulus) {
+      EXPECT_LT(annulus->max_radius - annulus->min_radius, 0.8 * width);
+    }
     for (const double range : {1.0, 1.5, 2.5, 5.0, 11.5}) {
       for (int i = 0; i < 40; ++i) {
         const double azimuth = 2.0 * kPi * i / 40;
