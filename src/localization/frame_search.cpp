@@ -128,9 +128,13 @@ std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& fram
   if (!config.look_around.glance || config.exploring_views > 0) return std::nullopt;
   const std::optional<Annulus> where =
       annulusOfMarkers(tools.map, camera, config.visibility.max_range, config.look_around);
-  for (std::size_t i = 0; where && i < reader.count(); ++i) {
+  if (!where) return std::nullopt;
+  // More of them hardly tell more of where to look for the others.
+  constexpr std::size_t kAtMost = 8;
+  const GlanceAim aim{*where, kAtMost, true};
+  for (std::size_t i = 0; i < reader.count(); ++i) {
     Stopwatch step;
-    const Glance seen = reader.read(frame.image, i, tools.reader.warper(), camera.axisUp(), *where);
+    const Glance seen = reader.read(frame.image, i, tools.reader.warper(), camera.axisUp(), aim);
     result->timings.decode += step.lap();
     if (seen.readings.empty()) continue;
     const Relocalization found =

@@ -31,9 +31,9 @@ struct LitPatch {
 };
 
 /// Fits the light in the sense of weighted least squares and linearises what remains by the pose.
-/// Pixels are weighed by how well the light explains them that the fit starts from; without it, that
-/// is one in which all of them count alike. Nothing where there are too few pixels or hardly any
-/// contrast.
+/// Pixels are weighed by how well the light explains them that the fit starts from; without it,
+/// that is one in which all of them count alike. Nothing where there are too few pixels or hardly
+/// any contrast.
 std::optional<LitPatch> fitLight(const std::vector<MarkerPixel>& pixels, const PixelNoise& noise,
                                  const std::optional<Light>& start = std::nullopt);
 

@@ -294,8 +294,8 @@ double excessOf(const Linearization& all, const std::vector<Eigen::Matrix3d>& gr
     chi_square += gradient.dot(gradient_covariances[i].ldlt().solve(gradient));
     freedom += kUnknowns;
   }
-  // One marker alone cannot disagree: what it is off more than its pixels say is that on average, as
-  // the NEES of 1,900 poses from one marker has it.
+  // One marker alone cannot disagree: what it is off more than its pixels say is that on average,
+  // as the NEES of 1,900 poses from one marker has it.
   constexpr double kExcessOfOne = 1.2;
   if (freedom <= 0) return kExcessOfOne;
   // By chance, chi-square is beyond this in one of a hundred frames.

@@ -20,6 +20,9 @@
 namespace omnitag {
 namespace {
 
+/// Standard deviations of the grey levels, between white and black of what stands out.
+constexpr double kObvious = 1.5;
+
 /// Pixels, the image's smaller side, to which it is reduced for the first glance.
 constexpr int kFirstSize = 500;
 
@@ -29,6 +32,8 @@ struct Excerpt {
   /// Of its first pixel.
   cv::Point corner;
   bool is_mirrored = false;
+  /// Standard deviation of its grey levels.
+  double spread = 0.0;
 
   Eigen::Vector2d inPanorama(const Eigen::Vector2d& pixel) const {
     const double column = is_mirrored ? image.cols - 1.0 - pixel.x() : pixel.x();
@@ -61,7 +66,10 @@ Excerpt excerptOf(const cv::Mat& panorama, const CameraModel& camera, const Annu
   std::vector<cv::Point> outer = circle(plane, outer_radius);
   const cv::Rect box = cv::boundingRect(outer) & cv::Rect({}, panorama.size());
   Excerpt excerpt{panorama(box).clone(), box.tl(), is_mirrored};
-  const cv::Scalar grey = cv::mean(excerpt.image);
+  cv::Scalar grey;
+  cv::Scalar spread;
+  cv::meanStdDev(excerpt.image, grey, spread);
+  excerpt.spread = spread[0];
   const auto fill = [&](std::vector<std::vector<cv::Point>> outlines) {
     cv::fillPoly(excerpt.image, outlines, grey, cv::LINE_8, 0, -box.tl());
   };
@@ -137,6 +145,16 @@ std::optional<TagDetection> findAgain(TagDetection tag, const View& view, const 
   return tag;
 }
 
+void keepLargest(std::size_t count, std::vector<TagDetection>* tags) {
+  if (tags->size() <= count) return;
+  const auto end = tags->begin() + static_cast<std::ptrdiff_t>(count);
+  std::nth_element(tags->begin(), end, tags->end(),
+                   [](const TagDetection& a, const TagDetection& b) {
+                     return meanEdge(a.corners) > meanEdge(b.corners);
+                   });
+  tags->erase(end, tags->end());
+}
+
 }  // namespace
 
 bool isMirrored(const CameraModel& camera) {
@@ -172,9 +190,12 @@ GlanceReader::GlanceReader(std::shared_ptr<const CameraModel> camera,
 }
 
 Glance GlanceReader::read(const cv::Mat& panorama, std::size_t glance, const ViewWarper& warper,
-                          bool axis_up, const Annulus& where) const {
-  const Excerpt excerpt = excerptOf(panorama, *camera_, where, is_mirrored_);
-  const std::vector<TagDetection> tags = detectors_[glance].detect(excerpt.image);
+                          bool axis_up, const GlanceAim& aim) const {
+  const Excerpt excerpt = excerptOf(panorama, *camera_, aim.where, is_mirrored_);
+  const bool is_for_the_obvious = aim.starts_with_the_obvious && glance == 0;
+  const int min_contrast = is_for_the_obvious ? cvRound(kObvious * excerpt.spread) : 0;
+  std::vector<TagDetection> tags = detectors_[glance].detect(excerpt.image, min_contrast);
+  keepLargest(aim.at_most, &tags);
   struct Look {
     View view;
     cv::Mat image;

@@ -99,7 +99,8 @@ struct TagDetector::Library {
   using Families = std::vector<AprilTagFamily>;
 
   Library(const TagDetectorConfig& config, std::shared_ptr<const Families> shared_families)
-      : min_decision_margin(config.min_decision_margin),
+      : min_white_black_diff(config.min_white_black_diff),
+        min_decision_margin(config.min_decision_margin),
         blurs(config.quad_sigma != 0.0 && config.quad_decimate <= 1.0),
         deglitches(config.deglitch && config.quad_decimate <= 1.0),
         smallest_side(8.0 * std::max(1.0, config.quad_decimate)),
@@ -114,7 +115,6 @@ struct TagDetector::Library {
     detector->qtp.critical_rad = static_cast<float>(config.critical_angle);
     detector->qtp.cos_critical_rad = static_cast<float>(std::cos(config.critical_angle));
     detector->qtp.max_line_fit_mse = static_cast<float>(config.max_line_fit_mse);
-    detector->qtp.min_white_black_diff = config.min_white_black_diff;
     detector->qtp.deglitch = config.deglitch ? 1 : 0;
     // The library makes a family's decoding table unless it has one.
     for (const AprilTagFamily& family : *families) {
@@ -135,6 +135,7 @@ struct TagDetector::Library {
     return families;
   }
 
+  int min_white_black_diff;
   double min_decision_margin;
   bool blurs;
   bool deglitches;
@@ -154,7 +155,7 @@ TagDetector::~TagDetector() = default;
 TagDetector::TagDetector(TagDetector&&) noexcept = default;
 TagDetector& TagDetector::operator=(TagDetector&&) noexcept = default;
 
-std::vector<TagDetection> TagDetector::detect(const cv::Mat& image) const {
+std::vector<TagDetection> TagDetector::detect(const cv::Mat& image, int min_contrast) const {
   constexpr int kLargestSide = std::numeric_limits<std::int16_t>::max();
   if (image.type() != CV_8UC1 || std::max(image.cols, image.rows) > kLargestSide) {
     throw std::invalid_argument("tag detection needs a CV_8UC1 image, at most 32767 pixels a side");
@@ -168,6 +169,8 @@ std::vector<TagDetection> TagDetector::detect(const cv::Mat& image) const {
   const cv::Mat input = needs_copy ? image.clone() : image;
   image_u8_t library_image{input.cols, input.rows, static_cast<int>(input.step), input.data};
 
+  library_->detector->qtp.min_white_black_diff =
+      std::max(library_->min_white_black_diff, min_contrast);
   const std::unique_ptr<zarray_t, DestroyDetections> detections(
       apriltag_detector_detect(library_->detector.get(), &library_image));
   std::vector<TagDetection> result;

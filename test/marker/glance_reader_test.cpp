@@ -99,17 +99,57 @@ TEST_P(GlanceReaderTest, ReadsWhatIsInTheAnnulusAndNothingElse) {
       annulus.min_radius = std::min(annulus.min_radius, radiusOf(corner) - border);
       annulus.max_radius = std::max(annulus.max_radius, radiusOf(corner) + border);
     }
-    const Glance seen = reader_.read(panorama, last, warper_, camera_.axisUp(), annulus);
+    const Glance seen = reader_.read(panorama, last, warper_, camera_.axisUp(), {annulus});
     EXPECT_TRUE(std::any_of(seen.readings.begin(), seen.readings.end(), [&](const auto& reading) {
       return reading.id == marker.id && (reading.center - exact.center).norm() < 0.2;
     })) << marker.id;
     for (const Annulus& beside : {Annulus{0.0, radiusOf(exact.center)},
                                   Annulus{radiusOf(exact.center), annulus.max_radius + 1.0}}) {
-      const Glance without = reader_.read(panorama, last, warper_, camera_.axisUp(), beside);
+      const Glance without = reader_.read(panorama, last, warper_, camera_.axisUp(), {beside});
       EXPECT_TRUE(std::none_of(without.readings.begin(), without.readings.end(),
                                [&](const auto& reading) { return reading.id == marker.id; }))
           << marker.id;
     }
+  }
+}
+
+TEST_P(GlanceReaderTest, MayStartWithWhatStandsOut) {
+  cv::Mat panorama = test::renderPanorama(map_, camera_, truth_);
+  // One marker in deep shade: all around it, and so in no contrast to speak of.
+  const MarkerReading exact = *test::exactReading(map_.markers[0], camera_, truth_);
+  const double reach = meanEdge(exact.corners);
+  const cv::Rect shade =
+      cv::Rect(cvRound(exact.center.x() - reach), cvRound(exact.center.y() - reach),
+               cvRound(2.0 * reach), cvRound(2.0 * reach)) &
+      cv::Rect({}, panorama.size());
+  panorama(shade) = 0.25 * panorama(shade) + 20.0;
+  GlanceAim obvious;
+  obvious.starts_with_the_obvious = true;
+  const auto isRead = [](const Glance& seen, int id) {
+    return std::any_of(seen.readings.begin(), seen.readings.end(),
+                       [id](const MarkerReading& reading) { return reading.id == id; });
+  };
+  const Glance first = reader_.read(panorama, 0, warper_, camera_.axisUp(), obvious);
+  EXPECT_FALSE(isRead(first, map_.markers[0].id));
+  EXPECT_GE(first.readings.size(), 2U);
+  const std::size_t last = reader_.count() - 1;
+  EXPECT_TRUE(isRead(reader_.read(panorama, last, warper_, camera_.axisUp()), map_.markers[0].id));
+}
+
+TEST_P(GlanceReaderTest, ReadsTheLargestWhereSomeAreEnough) {
+  const cv::Mat panorama = test::renderPanorama(map_, camera_, truth_);
+  std::vector<double> edges;
+  for (const Marker& marker : map_.markers) {
+    edges.push_back(meanEdge(test::exactReading(marker, camera_, truth_)->corners));
+  }
+  std::sort(edges.begin(), edges.end());
+  GlanceAim aim;
+  aim.at_most = 2;
+  const Glance seen = reader_.read(panorama, reader_.count() - 1, warper_, camera_.axisUp(), aim);
+  ASSERT_EQ(seen.readings.size(), 2U);
+  for (const MarkerReading& reading : seen.readings) {
+    constexpr double kAlike = 0.97;  // as corners are found before they are refined
+    EXPECT_GT(meanEdge(reading.corners), kAlike * edges[edges.size() - 2]);
   }
 }
 

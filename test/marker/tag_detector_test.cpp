@@ -296,6 +296,19 @@ TEST(TagDetector, LeavesOutFaintTags) {
   EXPECT_TRUE(TagDetector(config, {"tag36h11"}).detect(image).empty());
 }
 
+TEST(TagDetector, ReadsNoTagOfLessContrastThanAskedFor) {
+  // Black and white are 51 grey levels apart.
+  const cv::Mat image = 0.2 * renderOne(3) + 100.0;
+  const TagDetector detector({}, {"tag36h11"});
+  EXPECT_EQ(detector.detect(image, 45).size(), 1u);
+  EXPECT_TRUE(detector.detect(image, 60).empty());
+  // The settings of the detector stay the least that is asked for, and what they are.
+  EXPECT_EQ(detector.detect(image, 0).size(), 1u);
+  TagDetectorConfig config;
+  config.min_white_black_diff = 60;
+  EXPECT_TRUE(TagDetector(config, {"tag36h11"}).detect(image, 45).empty());
+}
+
 void expectPaddedRowsReadAndKept(double quad_sigma, bool deglitch) {
   TagDetectorConfig config;
   config.quad_sigma = quad_sigma;

@@ -72,9 +72,10 @@ class TagDetector {
   TagDetector& operator=(TagDetector&& other) noexcept;
 
   /// The tags in an image (CV_8UC1, at most 32767 pixels a side), ordered by id. In an image of
-  /// less than 8 pixels a side, times `quad_decimate`, there is none. Rows may be padded. Throws
-  /// std::invalid_argument for other images.
-  std::vector<TagDetection> detect(const cv::Mat& image) const;
+  /// less than 8 pixels a side, times `quad_decimate`, there is none. Rows may be padded.
+  /// `min_contrast`: grey levels between white and black, where that is more than the settings ask
+  /// for. Throws std::invalid_argument for other images.
+  std::vector<TagDetection> detect(const cv::Mat& image, int min_contrast = 0) const;
 
  private:
   struct Library;
