@@ -77,7 +77,7 @@ std::optional<LitPatch> fitLight(const std::vector<MarkerPixel>& pixels, const P
   // To write a vector number by number and read it at once as a whole would take most of the time.
   using Column = Eigen::Matrix<double, kLightTerms + 1, 1>;
   struct Terms {
-    double weight;
+    double weight = 0.0;
     /// What the grey level is a sum of in some light, and the residual.
     Column light;
     /// The derivatives by the pose, and the residual.

@@ -70,7 +70,7 @@ Excerpt excerptOf(const cv::Mat& panorama, const CameraModel& camera, const Annu
   cv::Scalar spread;
   cv::meanStdDev(excerpt.image, grey, spread);
   excerpt.spread = spread[0];
-  const auto fill = [&](std::vector<std::vector<cv::Point>> outlines) {
+  const auto fill = [&](const std::vector<std::vector<cv::Point>>& outlines) {
     cv::fillPoly(excerpt.image, outlines, grey, cv::LINE_8, 0, -box.tl());
   };
   fill({outer, {box.tl(), {box.br().x, box.y}, box.br(), {box.x, box.br().y}}});
