@@ -65,6 +65,29 @@ std::optional<Light> roughLight(const std::vector<MarkerPixel>& pixels) {
   return factors ? std::optional<Light>(factors->solve(gradient)) : std::nullopt;
 }
 
+/// A pixel's part in least squares in the light, the pose, and the residual.
+struct Terms {
+  double weight = 0.0;
+  /// What the grey level is a sum of in some light, and the residual.
+  Eigen::Matrix<double, kLightTerms + 1, 1> light;
+  /// The derivatives by the pose, and the residual.
+  Eigen::Vector4d change;
+};
+
+/// To write a vector number by number and read it at once as a whole would take most of the time:
+/// all are written before the first is read.
+std::vector<Terms> termsOf(const std::vector<MarkerPixel>& pixels, const Light& light,
+                           const PixelNoise& noise) {
+  std::vector<Terms> terms(pixels.size());
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const PixelResidual residual = residualOf(pixels[i], light);
+    terms[i].weight = isSaturated(pixels[i], residual) ? 0.0 : weightOf(residual, noise);
+    terms[i].light << regressorsOf(pixels[i]), residual.grey;
+    terms[i].change << greyByPose(pixels[i], light).transpose(), residual.grey;
+  }
+  return terms;
+}
+
 }  // namespace
 
 std::optional<LitPatch> fitLight(const std::vector<MarkerPixel>& pixels, const PixelNoise& noise,
@@ -74,30 +97,14 @@ std::optional<LitPatch> fitLight(const std::vector<MarkerPixel>& pixels, const P
   const std::optional<Light> rough = start ? start : roughLight(pixels);
   if (!rough) return std::nullopt;
 
-  // To write a vector number by number and read it at once as a whole would take most of the time.
-  using Column = Eigen::Matrix<double, kLightTerms + 1, 1>;
-  struct Terms {
-    double weight = 0.0;
-    /// What the grey level is a sum of in some light, and the residual.
-    Column light;
-    /// The derivatives by the pose, and the residual.
-    Eigen::Vector4d change;
-  };
-  std::vector<Terms> terms(pixels.size());
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    const PixelResidual residual = residualOf(pixels[i], *rough);
-    terms[i].weight = isSaturated(pixels[i], residual) ? 0.0 : weightOf(residual, noise);
-    terms[i].light << regressorsOf(pixels[i]), residual.grey;
-    terms[i].change << greyByPose(pixels[i], *rough).transpose(), residual.grey;
-  }
   Eigen::Matrix<double, kLightTerms + 1, kLightTerms + 1> of_light;
   Eigen::Matrix<double, kLightTerms + 1, 4> mixed;
   Eigen::Matrix4d of_change;
   of_light.setZero();
   mixed.setZero();
   of_change.setZero();
-  for (const Terms& of_pixel : terms) {
-    const Column light = of_pixel.weight * of_pixel.light;
+  for (const Terms& of_pixel : termsOf(pixels, *rough, noise)) {
+    const Eigen::Matrix<double, kLightTerms + 1, 1> light = of_pixel.weight * of_pixel.light;
     const Eigen::Vector4d change = of_pixel.weight * of_pixel.change;
     of_light.noalias() += light * of_pixel.light.transpose();
     mixed.noalias() += light * of_pixel.change.transpose();
