@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace omnitag {
@@ -74,17 +75,12 @@ struct Terms {
   Eigen::Vector4d change;
 };
 
-/// To write a vector number by number and read it at once as a whole would take most of the time:
-/// all are written before the first is read.
-std::vector<Terms> termsOf(const std::vector<MarkerPixel>& pixels, const Light& light,
-                           const PixelNoise& noise) {
-  std::vector<Terms> terms(pixels.size());
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    const PixelResidual residual = residualOf(pixels[i], light);
-    terms[i].weight = isSaturated(pixels[i], residual) ? 0.0 : weightOf(residual, noise);
-    terms[i].light << regressorsOf(pixels[i]), residual.grey;
-    terms[i].change << greyByPose(pixels[i], light).transpose(), residual.grey;
-  }
+Terms termsOf(const MarkerPixel& pixel, const Light& light, const PixelNoise& noise) {
+  const PixelResidual residual = residualOf(pixel, light);
+  Terms terms;
+  terms.weight = isSaturated(pixel, residual) ? 0.0 : weightOf(residual, noise);
+  terms.light << regressorsOf(pixel), residual.grey;
+  terms.change << greyByPose(pixel, light).transpose(), residual.grey;
   return terms;
 }
 
@@ -103,12 +99,19 @@ std::optional<LitPatch> fitLight(const std::vector<MarkerPixel>& pixels, const P
   of_light.setZero();
   mixed.setZero();
   of_change.setZero();
-  for (const Terms& of_pixel : termsOf(pixels, *rough, noise)) {
-    const Eigen::Matrix<double, kLightTerms + 1, 1> light = of_pixel.weight * of_pixel.light;
-    const Eigen::Vector4d change = of_pixel.weight * of_pixel.change;
-    of_light.noalias() += light * of_pixel.light.transpose();
-    mixed.noalias() += light * of_pixel.change.transpose();
-    of_change.noalias() += change * of_pixel.change.transpose();
+  // To write a vector number by number and read it at once as a whole would take most of the time:
+  // many are written before the first is read.
+  std::array<Terms, 64> terms;
+  for (std::size_t first = 0; first < pixels.size(); first += terms.size()) {
+    const std::size_t count = std::min(terms.size(), pixels.size() - first);
+    for (std::size_t i = 0; i < count; ++i) terms[i] = termsOf(pixels[first + i], *rough, noise);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Eigen::Matrix<double, kLightTerms + 1, 1> light = terms[i].weight * terms[i].light;
+      const Eigen::Vector4d change = terms[i].weight * terms[i].change;
+      of_light.noalias() += light * terms[i].light.transpose();
+      mixed.noalias() += light * terms[i].change.transpose();
+      of_change.noalias() += change * terms[i].change.transpose();
+    }
   }
   const auto light_and_pose = mixed.topLeftCorner<kLightTerms, 3>();
   const auto light_and_residual = of_light.topRightCorner<kLightTerms, 1>();
