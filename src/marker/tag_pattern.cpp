@@ -71,24 +71,7 @@ bool TagPattern::isWhite(int column, int row) const {
 }
 
 bool TagPattern::isWhiteAt(const Eigen::Vector2d& position) const {
-  const auto module = [this](double coordinate) {
-    return std::clamp(static_cast<int>(coordinate), 0, width_ - 1);
-  };
-  return isWhite(module(position.x()), module(position.y()));
-}
-
-bool TagPattern::isEven(const Eigen::Vector2d& low, const Eigen::Vector2d& high) const {
-  const auto module = [this](double coordinate) {
-    return std::clamp(static_cast<int>(coordinate), 0, width_ - 1);
-  };
-  const int left = module(low.x());
-  const int top = module(low.y());
-  const int right = module(high.x()) + 1;
-  const int bottom = module(high.y()) + 1;
-  const int modules = (right - left) * (bottom - top);
-  const double white =
-      sumAt(right, bottom) - sumAt(left, bottom) - sumAt(right, top) + sumAt(left, top);
-  return std::abs(white - 0.5 * modules) > 0.5 * modules - 0.5;
+  return isWhite(moduleAt(position.x()), moduleAt(position.y()));
 }
 
 bool TagPattern::isDataWhite(int module) const {
@@ -98,7 +81,7 @@ bool TagPattern::isDataWhite(int module) const {
 }
 
 TagPattern::Place TagPattern::placeOf(double coordinate) const {
-  const int module = std::clamp(static_cast<int>(coordinate), 0, width_ - 1);
+  const int module = moduleAt(coordinate);
   return {module, coordinate - module};
 }
 

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <map>
 #include <string>
@@ -69,7 +71,16 @@ class TagPattern {
 
   /// Whether all of a rectangle, or of what the drawing has of it, is of one colour. It must not
   /// lie off the drawing.
-  bool isEven(const Eigen::Vector2d& low, const Eigen::Vector2d& high) const;
+  bool isEven(const Eigen::Vector2d& low, const Eigen::Vector2d& high) const {
+    const int left = moduleAt(low.x());
+    const int top = moduleAt(low.y());
+    const int right = moduleAt(high.x()) + 1;
+    const int bottom = moduleAt(high.y()) + 1;
+    const int modules = (right - left) * (bottom - top);
+    const double white =
+        sumAt(right, bottom) - sumAt(left, bottom) - sumAt(right, top) + sumAt(left, top);
+    return std::abs(white - 0.5 * modules) > 0.5 * modules - 0.5;
+  }
 
   /// How many modules tell the tags of a family apart; the layout fixes the others.
   int dataModules() const { return data_modules_; }
@@ -106,6 +117,9 @@ class TagPattern {
   White averageBetween(const Eigen::Vector2d& low, const Eigen::Vector2d& high,
                        double per_area) const;
   bool isWhiteAt(const Eigen::Vector2d& position) const;
+  int moduleAt(double coordinate) const {
+    return std::clamp(static_cast<int>(coordinate), 0, width_ - 1);
+  }
   double sumAt(int column, int row) const { return sums_[indexOf(column, row)]; }
   std::size_t moduleIndex(int column, int row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +
