@@ -158,6 +158,7 @@ class Aligner {
   std::vector<MarkerPatch> patches(const Pose2& pose, int max_pixels,
                                    const MarkerPatch::Choice& choice) const {
     constexpr double kLeast = 75.0;
+    constexpr std::size_t kEnoughForLight = 60;
     // So many more are looked at to find those at edges.
     constexpr std::size_t kLookedAt = 2;
     std::vector<double> areas;
@@ -168,7 +169,7 @@ class Aligner {
       const Marker& marker = map_.markers[entries_[i]];
       MarkerPatch::Choice own = choice;
       own.max_at_edges = static_cast<std::size_t>(std::max(kLeast, max_pixels * areas[i] / whole));
-      own.max_on_even_ground = own.max_at_edges / 8;
+      own.max_on_even_ground = std::min(own.max_at_edges / 8, kEnoughForLight);
       own.max_considered = kLookedAt * own.max_at_edges;
       made[i].emplace(marker, patterns_.of(marker), camera_, pose, config_.blur, own);
     });
