@@ -55,7 +55,7 @@ std::vector<cv::Point> circle(const ImagePlane& plane, double radius) {
 }
 
 /// What a panorama shows between two circles, and even grey elsewhere, where the library then finds
-/// nothing to spend its time on.
+/// nothing to spend its time on. An empty image where it shows nothing there.
 Excerpt excerptOf(const cv::Mat& panorama, const CameraModel& camera, const Annulus& where,
                   bool is_mirrored) {
   constexpr double kMargin = 8.0;  // pixels
@@ -65,6 +65,7 @@ Excerpt excerptOf(const cv::Mat& panorama, const CameraModel& camera, const Annu
   const double outer_radius = std::min(where.max_radius, camera.maxRadius()) + margin;
   std::vector<cv::Point> outer = circle(plane, outer_radius);
   const cv::Rect box = cv::boundingRect(outer) & cv::Rect({}, panorama.size());
+  if (box.empty()) return {};
   Excerpt excerpt{panorama(box).clone(), box.tl(), is_mirrored};
   cv::Scalar grey;
   cv::Scalar spread;
