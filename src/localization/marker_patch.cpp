@@ -178,6 +178,8 @@ class MarkerPatch::Sorter {
   }
 
   void sort(const Box& box) {
+    // Of blocks so small, there would be as many nodes as pixels.
+    if (block_ == 2 * step_) return sortOneByOne(box);
     for (int top = box.top; top <= box.bottom; top += block_.y()) {
       const int bottom = std::min(top + block_.y() - 1, box.bottom);
       NodeColumn left_nodes = nodesBelow(box.left, top);
@@ -226,7 +228,7 @@ class MarkerPatch::Sorter {
   int blockOf(int step, const Box& box, double tolerance) const {
     // Interpolated between nodes that are h pixels apart, they are off by up to this times h^3 /
     // r^2 at r pixels from the middle of the image: measured in PositionsAreWhatThePixelsSee.
-    constexpr double kError = 2.0;
+    constexpr double kError = 1.7;
     const Eigen::Vector2d middle(0.5 * (box.left + box.right), 0.5 * (box.top + box.bottom));
     const double radius = (middle - patch_.camera_.model().imagePlane().principalPoint()).norm();
     const double spacing = std::cbrt(tolerance * radius * radius / kError);

@@ -69,7 +69,7 @@ class MarkerPatch {
     /// Pixels by which edges may still turn out to be elsewhere.
     double reach = 1.5;
     /// Pixels by which positions may be off; many are faster.
-    double tolerance = 0.001;
+    double tolerance = 0.0015;
     /// Facets along either side of the drawing.
     int facets = 4;
   };
