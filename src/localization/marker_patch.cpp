@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "drawing_plane.h"
+
 namespace omnitag {
 namespace {
 
@@ -19,53 +21,6 @@ std::size_t gridIndex(int column, int row, int columns) {
 }
 
 }  // namespace
-
-class MarkerPatch::Plane {
- public:
-  Plane(const MarkerPatch& patch, const Pose2& map_from_base)
-      : half_(0.5 * patch.pattern_.width()),
-        map_from_base_(Eigen::AngleAxisd(map_from_base.yaw, Eigen::Vector3d::UnitZ())) {
-    // The drawing's y runs down.
-    const double modules_per_metre = 1.0 / patch.metres_per_module_;
-    const Eigen::Vector3d scale(modules_per_metre, -modules_per_metre, 1.0);
-    const Eigen::Isometry3d marker_from_map = patch.marker_.map_from_marker.inverse();
-    drawing_from_map_ = scale.asDiagonal() * marker_from_map.linear();
-    drawing_from_base_ = drawing_from_map_ * map_from_base_;
-    translation_ = scale.cwiseProduct(marker_from_map *
-                                      Eigen::Vector3d(map_from_base.x, map_from_base.y, 0.0));
-  }
-
-  /// Where a line of sight meets the drawing, in modules, at its front.
-  std::optional<Eigen::Vector2d> meet(const Ray& in_base) const {
-    const Eigen::Vector3d origin = drawing_from_base_ * in_base.origin + translation_;
-    const Eigen::Vector3d direction = drawing_from_base_ * in_base.direction;
-    if (origin.z() <= 0.0 || direction.z() >= 0.0) return std::nullopt;
-    const double range = -origin.z() / direction.z();
-    return Eigen::Vector2d(half_ + origin.x() + range * direction.x(),
-                           half_ + origin.y() + range * direction.y());
-  }
-
-  /// Derivative of meet() by the pose of the base (x, y, yaw): what is seen moves as the line of
-  /// sight does, which moves with the base, and along it back to the drawing.
-  Eigen::Matrix<double, 2, 3> derivative(const Ray& in_base) const {
-    const Eigen::Vector3d origin = drawing_from_base_ * in_base.origin + translation_;
-    const Eigen::Vector3d direction = drawing_from_base_ * in_base.direction;
-    const double range = -origin.z() / direction.z();
-    const Eigen::Vector3d from_base = map_from_base_ * (in_base.origin + range * in_base.direction);
-    Eigen::Matrix3d moved;
-    moved << 1.0, 0.0, -from_base.y(), 0.0, 1.0, from_base.x(), 0.0, 0.0, 0.0;
-    const Eigen::Matrix3d in_drawing = drawing_from_map_ * moved;
-    return in_drawing.topRows<2>() -
-           direction.head<2>() / direction.z() * in_drawing.bottomRows<1>();
-  }
-
- private:
-  double half_;
-  Eigen::Matrix3d map_from_base_;
-  Eigen::Matrix3d drawing_from_map_;
-  Eigen::Matrix3d drawing_from_base_;
-  Eigen::Vector3d translation_;
-};
 
 MarkerPatch::MarkerPatch(const Marker& marker, const TagPattern& pattern,
                          const MountedCamera& camera, const Pose2& map_from_base, double blur,
@@ -101,7 +56,7 @@ MarkerPatch::Nodes MarkerPatch::nodesAt(const Pose2& map_from_base) const {
 }
 
 void MarkerPatch::setFacets(const Nodes& nodes, const Pose2& map_from_base, double blur) {
-  const Plane plane(*this, map_from_base);
+  const DrawingPlane plane(marker_, pattern_, map_from_base);
   const double width = static_cast<double>(pattern_.width()) / facets_along_;
   // A Gaussian blur and a box have the same variance where the box is sqrt(12) deviations wide.
   const double stretch = std::sqrt(1.0 + 12.0 * blur * blur);
@@ -165,7 +120,7 @@ class MarkerPatch::Sorter {
  public:
   Sorter(const MarkerPatch& patch, const Pose2& map_from_base, const Box& box, const Choice& choice)
       : patch_(patch),
-        plane_(patch, map_from_base),
+        plane_(patch.marker_, patch.pattern_, map_from_base),
         step_(patch.gridSteps(choice.max_considered)),
         block_(blockOf(step_.x(), box, choice.tolerance),
                blockOf(step_.y(), box, choice.tolerance)),
@@ -290,7 +245,7 @@ class MarkerPatch::Sorter {
   }
 
   const MarkerPatch& patch_;
-  Plane plane_;
+  DrawingPlane plane_;
   Eigen::Vector2i step_;
   /// Pixels along columns and rows.
   Eigen::Vector2i block_;
@@ -370,7 +325,7 @@ LinesOfSight MarkerPatch::linesOfSight() const {
 
 std::vector<MarkerPixel> MarkerPatch::pixels(const cv::Mat& panorama, const LinesOfSight& lines,
                                              const Pose2& map_from_base) const {
-  const Plane plane(*this, map_from_base);
+  const DrawingPlane plane(marker_, pattern_, map_from_base);
   std::vector<MarkerPixel> pixels;
   pixels.reserve(places_.size());
   for (std::size_t i = 0; i < places_.size(); ++i) {

@@ -107,8 +107,6 @@ class MarkerPatch {
     int right;
     int bottom;
   };
-  /// The drawing's place before a robot: takes lines of sight to positions.
-  class Plane;
   class Sorter;
   using Nodes = std::vector<std::optional<Eigen::Vector2d>>;
 

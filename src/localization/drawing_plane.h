@@ -1,0 +1,62 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <optional>
+
+#include "omnitag/camera/camera_model.h"
+#include "omnitag/common/pose2.h"
+#include "omnitag/marker/marker_map.h"
+#include "omnitag/marker/tag_pattern.h"
+
+namespace omnitag {
+
+/// The plane of a marker's drawing (TagPattern: modules, y down) before a robot.
+class DrawingPlane {
+ public:
+  DrawingPlane(const Marker& marker, const TagPattern& pattern, const Pose2& map_from_base)
+      : half_(0.5 * pattern.width()),
+        map_from_base_(Eigen::AngleAxisd(map_from_base.yaw, Eigen::Vector3d::UnitZ())) {
+    // The drawing's y runs down.
+    const double modules_per_metre = pattern.widthBetweenCorners() / marker.size;
+    const Eigen::Vector3d scale(modules_per_metre, -modules_per_metre, 1.0);
+    const Eigen::Isometry3d marker_from_map = marker.map_from_marker.inverse();
+    drawing_from_map_ = scale.asDiagonal() * marker_from_map.linear();
+    drawing_from_base_ = drawing_from_map_ * map_from_base_;
+    translation_ = scale.cwiseProduct(marker_from_map *
+                                      Eigen::Vector3d(map_from_base.x, map_from_base.y, 0.0));
+  }
+
+  /// Where a line of sight meets the plane from its front; nothing where it does not.
+  std::optional<Eigen::Vector2d> meet(const Ray& in_base) const {
+    const Eigen::Vector3d origin = drawing_from_base_ * in_base.origin + translation_;
+    const Eigen::Vector3d direction = drawing_from_base_ * in_base.direction;
+    if (origin.z() <= 0.0 || direction.z() >= 0.0) return std::nullopt;
+    const double range = -origin.z() / direction.z();
+    return Eigen::Vector2d(half_ + origin.x() + range * direction.x(),
+                           half_ + origin.y() + range * direction.y());
+  }
+
+  /// Derivative of meet() by the pose of the base (x, y, yaw): what is seen moves as the line of
+  /// sight does, which moves with the base, and along it back to the plane. Only where it meets.
+  Eigen::Matrix<double, 2, 3> derivative(const Ray& in_base) const {
+    const Eigen::Vector3d origin = drawing_from_base_ * in_base.origin + translation_;
+    const Eigen::Vector3d direction = drawing_from_base_ * in_base.direction;
+    const double range = -origin.z() / direction.z();
+    const Eigen::Vector3d from_base = map_from_base_ * (in_base.origin + range * in_base.direction);
+    Eigen::Matrix3d moved;
+    moved << 1.0, 0.0, -from_base.y(), 0.0, 1.0, from_base.x(), 0.0, 0.0, 0.0;
+    const Eigen::Matrix3d in_drawing = drawing_from_map_ * moved;
+    return in_drawing.topRows<2>() -
+           direction.head<2>() / direction.z() * in_drawing.bottomRows<1>();
+  }
+
+ private:
+  double half_;
+  Eigen::Matrix3d map_from_base_;
+  Eigen::Matrix3d drawing_from_map_;
+  Eigen::Matrix3d drawing_from_base_;
+  Eigen::Vector3d translation_;
+};
+
+}  // namespace omnitag
