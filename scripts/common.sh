@@ -5,6 +5,9 @@ set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
 
+# A workspace that was sourced has libraries of its own: tests are to load those they were built with.
+unset LD_LIBRARY_PATH
+
 # Another Python in front of the system's (pyenv, conda) breaks catkin.
 export PATH=/usr/bin:/bin:/usr/sbin:/sbin:$PATH
 

@@ -7,18 +7,13 @@
 #include <cstdint>
 
 #include "drawing_plane.h"
+#include "node_grid.h"
 
 namespace omnitag {
 namespace {
 
 /// Pixels.
 constexpr std::size_t kMostReserved = 2000;
-
-/// Of a grid with so many columns, row by row.
-std::size_t gridIndex(int column, int row, int columns) {
-  return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
-         static_cast<std::size_t>(column);
-}
 
 }  // namespace
 
@@ -44,11 +39,20 @@ inline const Facet& MarkerPatch::facetOf(const Eigen::Vector2d& position) const 
 }
 
 MarkerPatch::Nodes MarkerPatch::nodesAt(const Pose2& map_from_base) const {
-  const double width = static_cast<double>(pattern_.width()) / facets_along_;
+  // A drawing images so smoothly that a few nodes tell where all others are.
+  if (facets_along_ > kProjectedFacets) {
+    auto nodes = interpolated(projectedNodes(map_from_base, kProjectedFacets), facets_along_);
+    if (nodes) return *nodes;
+  }
+  return projectedNodes(map_from_base, facets_along_);
+}
+
+MarkerPatch::Nodes MarkerPatch::projectedNodes(const Pose2& map_from_base, int facets) const {
+  const double width = static_cast<double>(pattern_.width()) / facets;
   Nodes nodes;
-  nodes.reserve(gridIndex(0, facets_along_ + 1, facets_along_ + 1));
-  for (int row = 0; row <= facets_along_; ++row) {
-    for (int column = 0; column <= facets_along_; ++column) {
+  nodes.reserve(gridIndex(0, facets + 1, facets + 1));
+  for (int row = 0; row <= facets; ++row) {
+    for (int column = 0; column <= facets; ++column) {
       nodes.push_back(camera_.pixelFromMap(map_from_base, inMap({width * column, width * row})));
     }
   }

@@ -97,7 +97,7 @@ class Aligner {
   std::vector<MarkerPatch> finePatches(const Pose2& pose) const {
     MarkerPatch::Choice choice;
     choice.reach = 0.0;
-    choice.facets = 3;
+    choice.facets = 6;
     return patches(pose, config_.max_final_pixels, choice);
   }
 

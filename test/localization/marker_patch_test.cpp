@@ -215,6 +215,45 @@ TEST_P(MarkerPatchTest, DerivativesAreThoseOfTheProjection) {
   EXPECT_LT(largest_in_middle, 0.04);
 }
 
+TEST_P(MarkerPatchTest, MoreFacetsFollowTheProjectionMoreClosely) {
+  const Scene& scene = GetParam();
+  const auto meanError = [&scene](int facets) {
+    MarkerPatch::Choice choice;
+    choice.facets = facets;
+    const std::vector<Seen> footprints = scene.footprints(choice);
+    EXPECT_GT(footprints.size(), 100U);
+    double sum = 0.0;
+    for (const Seen& footprint : footprints) {
+      const Eigen::Matrix2d by_pixel = scene.pixelByPosition(footprint.position).inverse();
+      sum += (footprint.facet.by_pixel - by_pixel).norm() / by_pixel.norm();
+    }
+    return sum / static_cast<double>(footprints.size());
+  };
+  // The error grows with the size of a facet.
+  const double of_two = meanError(2);
+  EXPECT_LT(meanError(6), 0.5 * of_two);
+  EXPECT_LT(meanError(12), 0.25 * of_two);
+}
+
+TEST(MarkerPatchAtTheEdge, HoldsWhatIsSeenOfAMarkerThatIsCutOff) {
+  const Scene scene{"CutOff", MountedCamera(test::hyperbolicCamera(), test::lookingUp()),
+                    test::wallMarker(5, {2.0, 1.0, 0.2}, -2.6)};
+  const auto sees = [](const Scene& seen, double x, double y) {
+    return seen.pixelOf(seen.pattern.width() * Eigen::Vector2d(x, y), seen.pose).has_value();
+  };
+  Scene cut = scene;
+  for (int i = 0; i < 200 && sees(cut, 0.0, 0.0) && sees(cut, 1.0, 0.0); ++i) {
+    cut.marker.map_from_marker.translation().z() += 0.02;
+  }
+  ASSERT_FALSE(sees(cut, 0.0, 0.0) && sees(cut, 1.0, 0.0));
+  ASSERT_TRUE(sees(cut, 0.5, 0.6));
+  for (const int facets : {4, 6}) {
+    MarkerPatch::Choice choice;
+    choice.facets = facets;
+    EXPECT_GT(cut.footprints(choice).size(), 50U) << facets;
+  }
+}
+
 TEST_P(MarkerPatchTest, BlurMakesTheFootprintsLarger) {
   const Scene& scene = GetParam();
   const ByPixel sharp = byPixel(scene.footprints());

@@ -112,6 +112,8 @@ class MarkerPatch {
 
   /// Pixels of the corners of the facets, row by row.
   Nodes nodesAt(const Pose2& map_from_base) const;
+  /// The same of so many facets along either side, each projected.
+  Nodes projectedNodes(const Pose2& map_from_base, int facets) const;
   void setFacets(const Nodes& nodes, const Pose2& map_from_base, double blur);
   Box boundingBox(const Nodes& nodes) const;
   const Facet& facetOf(const Eigen::Vector2d& position) const;

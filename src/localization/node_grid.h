@@ -1,0 +1,26 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+namespace omnitag {
+
+/// Pixels of the corners of square facets, row by row; nothing where one is not seen.
+using NodeGrid = std::vector<std::optional<Eigen::Vector2d>>;
+
+/// Of a grid with so many columns, row by row.
+inline std::size_t gridIndex(int column, int row, int columns) {
+  return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+         static_cast<std::size_t>(column);
+}
+
+/// Facets along either side from whose nodes cubic polynomials tell all others.
+constexpr int kProjectedFacets = 3;
+
+/// The nodes of so many facets along either side of the same square as the kProjectedFacets of
+/// `nodes`. Nothing where one of these is missing.
+std::optional<NodeGrid> interpolated(const NodeGrid& nodes, int facets);
+
+}  // namespace omnitag
