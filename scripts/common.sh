@@ -5,9 +5,6 @@ set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
 
-# A workspace that was sourced has libraries of its own: tests are to load those they were built with.
-unset LD_LIBRARY_PATH
-
 # Another Python in front of the system's (pyenv, conda) breaks catkin.
 export PATH=/usr/bin:/bin:/usr/sbin:/sbin:$PATH
 
@@ -25,8 +22,10 @@ accept_only_help() {
   esac
 }
 
-# Configures the core alone in the CMake build folder $1 with the sanitizers $2, unless it is.
+# Configures the core alone in the CMake build folder $1 with the sanitizers $2, unless it is. A
+# workspace that was sourced has a core of its own, which tests that follow are not to load.
 configure_sanitized() {
+  unset LD_LIBRARY_PATH
   [[ ! -f $1/build.ninja ]] || return 0
   cmake -S "$root" -B "$1" -G Ninja -DOMNITAG_ROS=OFF -DOMNITAG_SANITIZE="$2" \
     -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -g"
