@@ -13,7 +13,8 @@ std::vector<View> viewsToSearch(const TrackingTools& tools, const MountedCamera&
   const LocalizerConfig& config = tools.config;
   const ContourTable& table = tools.reader.warper().table();
   if (config.exploring_views > 0) return viewsOfEverything(camera, table, config.look_around);
-  return viewsAllAround(tools.map, camera, table, config.visibility.max_range, config.look_around);
+  return viewsAllAround(tools.index.heights(), camera, table, config.visibility.max_range,
+                        config.look_around);
 }
 
 std::vector<MarkerReading> lookAround(const TrackingTools& tools, const Frame& frame,
@@ -126,8 +127,8 @@ std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& fram
   // Pixels are asked next: what corners say of the pose is only to be where to look.
   constexpr double kDoubt = 3.0;
   if (!config.look_around.glance || config.exploring_views > 0) return std::nullopt;
-  const std::optional<Annulus> where =
-      annulusOfMarkers(tools.map, camera, config.visibility.max_range, config.look_around);
+  const std::optional<Annulus> where = annulusOfMarkers(
+      tools.index.heights(), camera, config.visibility.max_range, config.look_around);
   if (!where) return std::nullopt;
   // More of them hardly tell more of where to look for the others.
   constexpr std::size_t kAtMost = 8;

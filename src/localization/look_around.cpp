@@ -9,39 +9,16 @@
 namespace omnitag {
 namespace {
 
-/// From least to most.
-struct Range {
+/// Radii of the ideal image plane, from least to most.
+struct Radii {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
 
-  bool isEmpty() const { return !(low <= high); }
   void include(double value) {
     low = std::min(low, value);
     high = std::max(high, value);
   }
 };
-
-/// Heights above the camera (m) at which markers are, with their white borders.
-struct Heights {
-  Range upright;
-  /// On the floor or under the ceiling: these can be right below or above the camera, where upright
-  /// ones cannot be read.
-  Range lying;
-};
-
-Heights heightsOf(const MarkerMap& map, const MountedCamera& camera) {
-  constexpr double kWithBorder = 1.2;
-  const double lying = std::sin(radians(45.0));
-  Heights heights;
-  for (const Marker& marker : map.markers) {
-    Range& range = std::abs(marker.normal().z()) > lying ? heights.lying : heights.upright;
-    for (const Eigen::Vector3d& corner : marker.corners()) {
-      range.include(marker.center().z() + kWithBorder * (corner - marker.center()).z() -
-                    camera.baseFromCamera().translation().z());
-    }
-  }
-  return heights;
-}
 
 /// Where a point images, or the edge of the field that is nearest to it.
 double nearestRadius(const CameraModel& camera, double distance, double height) {
@@ -58,7 +35,7 @@ double nearestRadius(const CameraModel& camera, double distance, double height) 
 /// Adds the radii of the ideal image plane at which something at a height above the camera can
 /// image, from `min_range` to `max_range` metres away.
 void includeRadii(double above_camera, double min_range, double max_range,
-                  const MountedCamera& camera, Range* radii) {
+                  const MountedCamera& camera, Radii* radii) {
   constexpr int kSteps = 64;
   const double axis_height = camera.baseFromCamera().linear()(2, 2);
   const double tilt = std::acos(std::min(1.0, std::abs(axis_height)));
@@ -76,18 +53,21 @@ void includeRadii(double above_camera, double min_range, double max_range,
 }
 
 /// Radii of the ideal image plane at which markers can image, but for lying ones near the axis.
-Range radiiOf(const Heights& heights, const MountedCamera& camera, double min_range,
+Radii radiiOf(const MarkerHeights& heights, const MountedCamera& camera, double min_range,
               double max_range) {
-  Range radii;
+  const double camera_height = camera.baseFromCamera().translation().z();
+  Radii radii;
   if (!heights.upright.isEmpty()) {
     for (const double height : {heights.upright.low, heights.upright.high}) {
-      includeRadii(height, min_range, max_range, camera, &radii);
+      includeRadii(height - camera_height, min_range, max_range, camera, &radii);
     }
   }
   if (!heights.lying.isEmpty()) {
     for (const double height : {heights.lying.low, heights.lying.high}) {
-      const double nearest = std::max(std::abs(height) * std::tan(kNearAxis), 1e-3 * max_range);
-      includeRadii(height, std::min(nearest, max_range), max_range, camera, &radii);
+      const double above_camera = height - camera_height;
+      const double nearest =
+          std::max(std::abs(above_camera) * std::tan(kNearAxis), 1e-3 * max_range);
+      includeRadii(above_camera, std::min(nearest, max_range), max_range, camera, &radii);
     }
   }
   return radii;
@@ -101,15 +81,16 @@ bool seesEnd(bool up, const MountedCamera& camera) {
 }
 
 /// Whether lying markers can be near the upper or the lower end of the axis.
-bool canBeAtEnd(bool up, const Heights& heights) {
+bool canBeAtEnd(bool up, const MarkerHeights& heights, const MountedCamera& camera) {
   if (heights.lying.isEmpty()) return false;
-  return up ? heights.lying.high > 0.0 : heights.lying.low < 0.0;
+  const double camera_height = camera.baseFromCamera().translation().z();
+  return up ? heights.lying.high > camera_height : heights.lying.low < camera_height;
 }
 
 /// Radii at which the camera sees what is not near the axis.
-Range radiiOffAxis(const CameraModel& camera) {
+Radii radiiOffAxis(const CameraModel& camera) {
   constexpr double kFar = 10.0;  // m
-  Range radii;
+  Radii radii;
   for (const double side : {-1.0, 1.0}) {
     radii.include(
         nearestRadius(camera, kFar * std::sin(kNearAxis), side * kFar * std::cos(kNearAxis)));
@@ -136,7 +117,7 @@ class Planner {
   Planner(const MountedCamera& camera, const ContourTable& table, const LookAroundConfig& config)
       : camera_(camera), table_(table), config_(config) {}
 
-  void addRing(const Range& radii) {
+  void addRing(const Radii& radii) {
     if (!(radii.low < radii.high)) return;
     ViewTarget target;
     target.half_width =
@@ -186,27 +167,25 @@ LookAroundConfig readLookAroundConfig(const YamlReader& reader) {
   return config;
 }
 
-std::optional<Annulus> annulusOfMarkers(const MarkerMap& map, const MountedCamera& camera,
+std::optional<Annulus> annulusOfMarkers(const MarkerHeights& heights, const MountedCamera& camera,
                                         double max_range, const LookAroundConfig& config) {
-  const Heights heights = heightsOf(map, camera);
   for (const bool up : {true, false}) {
-    if (canBeAtEnd(up, heights) && seesEnd(up, camera)) return Annulus{};
+    if (canBeAtEnd(up, heights, camera) && seesEnd(up, camera)) return Annulus{};
   }
-  const Range radii =
+  const Radii radii =
       radiiOf(heights, camera, config.min_range, std::max(max_range, config.min_range));
   if (!(radii.low < radii.high)) return std::nullopt;
   return Annulus{radii.low, radii.high};
 }
 
-std::vector<View> viewsAllAround(const MarkerMap& map, const MountedCamera& camera,
+std::vector<View> viewsAllAround(const MarkerHeights& heights, const MountedCamera& camera,
                                  const ContourTable& table, double max_range,
                                  const LookAroundConfig& config) {
-  const Heights heights = heightsOf(map, camera);
   Planner planner(camera, table, config);
   planner.addRing(
       radiiOf(heights, camera, config.min_range, std::max(max_range, config.min_range)));
   for (const bool up : {true, false}) {
-    if (canBeAtEnd(up, heights)) planner.addEnd(up);
+    if (canBeAtEnd(up, heights, camera)) planner.addEnd(up);
   }
   return planner.takeViews();
 }

@@ -1,8 +1,32 @@
 #include "omnitag/marker/marker_index.h"
 
+#include <algorithm>
+#include <cmath>
+
+#include "omnitag/common/angle.h"
+
 namespace omnitag {
 
-MarkerIndex::MarkerIndex(const MarkerMap& map) {
+void HeightRange::include(double height) {
+  low = std::min(low, height);
+  high = std::max(high, height);
+}
+
+MarkerHeights heightsOf(const MarkerMap& map) {
+  constexpr double kWithBorder = 1.2;
+  const double lying = std::sin(radians(45.0));
+  MarkerHeights heights;
+  for (const Marker& marker : map.markers) {
+    const double center = marker.center().z();
+    HeightRange& range = std::abs(marker.normal().z()) > lying ? heights.lying : heights.upright;
+    for (const Eigen::Vector3d& corner : marker.corners()) {
+      range.include(center + kWithBorder * (corner.z() - center));
+    }
+  }
+  return heights;
+}
+
+MarkerIndex::MarkerIndex(const MarkerMap& map) : heights_(heightsOf(map)) {
   centers_.reserve(map.markers.size());
   for (const Marker& marker : map.markers) centers_.push_back(marker.center());
 }

@@ -43,7 +43,7 @@ std::vector<Setup> setups() {
 class LookAroundTest : public testing::TestWithParam<Setup> {
  protected:
   std::vector<View> views(const MarkerMap& map, double max_range) const {
-    return viewsAllAround(map, camera_, warper_.table(), max_range, config_);
+    return viewsAllAround(heightsOf(map), camera_, warper_.table(), max_range, config_);
   }
 
   /// For each corner of a marker whether a view holds it.
@@ -123,7 +123,8 @@ TEST_P(LookAroundTest, EveryMarkerThatCanBeSeenIsWithinTheAnnulus) {
   for (const double height : {0.6, 1.2, 1.9}) {
     Marker marker = test::wallMarker(0, {100.0, 0.0, height}, 0.0);
     marker.size = 0.3;
-    const auto annulus = annulusOfMarkers({"map", {marker}}, camera_, kMaxRange, config_);
+    const auto annulus =
+        annulusOfMarkers(heightsOf({"map", {marker}}), camera_, kMaxRange, config_);
     if (annulus) {
       EXPECT_LT(annulus->max_radius - annulus->min_radius, 0.8 * width);
     }
@@ -204,7 +205,8 @@ TEST(LookAroundFisheye, HoldsEveryMarkerUnderTheCeilingHoweverNear) {
   const ViewWarper warper(model, kWorkingDistance);
   const Eigen::Vector2d viewpoint = camera.baseFromCamera().translation().head<2>();
   const MarkerMap map{"map", {test::lyingMarker(0, {50.0, 0.0, 2.8}, false, 0.0, 0.4)}};
-  const std::vector<View> expected = viewsAllAround(map, camera, warper.table(), 12.0, {});
+  const std::vector<View> expected =
+      viewsAllAround(heightsOf(map), camera, warper.table(), 12.0, {});
   const std::vector<View> everything = viewsOfEverything(camera, warper.table(), {});
   const auto isWholeIn = [&](const std::vector<View>& views, const MarkerReading& reading) {
     return std::any_of(views.begin(), views.end(), [&](const View& view) {
@@ -236,12 +238,12 @@ TEST(LookAroundFisheye, HoldsEveryMarkerUnderTheCeilingHoweverNear) {
 
 TEST_P(LookAroundTest, WithoutAMarkerOrWhereNoneCanBeSeenThereIsNothingToLookAt) {
   EXPECT_TRUE(views({"map", {}}, 12.0).empty());
-  EXPECT_FALSE(annulusOfMarkers({"map", {}}, camera_, 12.0, config_));
+  EXPECT_FALSE(annulusOfMarkers({}, camera_, 12.0, config_));
   // Straight ahead of the camera, behind the mirror.
   const double height = camera_.axisUp() ? 500.0 : -500.0;
   const MarkerMap hidden{"map", {test::wallMarker(0, {0.0, 0.0, height}, 0.0)}};
   EXPECT_TRUE(views(hidden, 1.0).empty());
-  EXPECT_FALSE(annulusOfMarkers(hidden, camera_, 1.0, config_));
+  EXPECT_FALSE(annulusOfMarkers(heightsOf(hidden), camera_, 1.0, config_));
 }
 
 INSTANTIATE_TEST_SUITE_P(Cameras, LookAroundTest, testing::ValuesIn(setups()),

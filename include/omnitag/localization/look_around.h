@@ -8,7 +8,7 @@
 #include "omnitag/common/angle.h"
 #include "omnitag/common/yaml_reader.h"
 #include "omnitag/marker/glance_reader.h"
-#include "omnitag/marker/marker_map.h"
+#include "omnitag/marker/marker_index.h"
 #include "omnitag/marker/marker_reader.h"
 #include "omnitag/view/contour_table.h"
 #include "omnitag/view/view.h"
@@ -39,17 +39,17 @@ struct LookAroundConfig {
 /// Reads the keys above; absent ones keep their defaults. Throws InputError.
 LookAroundConfig readLookAroundConfig(const YamlReader& reader);
 
-/// Where markers of the map can image, whole, that are from `config.min_range` to `max_range`
+/// Where markers at these heights can image, whole, that are from `config.min_range` to `max_range`
 /// metres away, and those on the floor and under the ceiling however near. Nothing where the camera
 /// sees none of these.
-std::optional<Annulus> annulusOfMarkers(const MarkerMap& map, const MountedCamera& camera,
+std::optional<Annulus> annulusOfMarkers(const MarkerHeights& heights, const MountedCamera& camera,
                                         double max_range, const LookAroundConfig& config);
 
-/// Views all around the camera, at the elevations at which the map's markers can be, from
+/// Views all around the camera, at the elevations at which markers of these heights can be, from
 /// `config.min_range` to `max_range` metres away, and one along the axis where markers can be
 /// there. `oversampling` as in ViewPlannerConfig. None where the camera sees none of these
 /// elevations.
-std::vector<View> viewsAllAround(const MarkerMap& map, const MountedCamera& camera,
+std::vector<View> viewsAllAround(const MarkerHeights& heights, const MountedCamera& camera,
                                  const ContourTable& table, double max_range,
                                  const LookAroundConfig& config);
 
