@@ -35,12 +35,4 @@ PoseEstimate withUndecoded(const TrackingTools& tools, const Frame& frame,
                            const std::vector<std::size_t>& decoded,
                            const std::optional<PoseEstimate>& prior, FrameResult* result);
 
-/// A pose from a glance at the panorama itself, and what was seen from there: the first marker that
-/// leaves but one pose tells where the others are. Nothing, and a result that only knows how long
-/// it took, where fewer than three agree then, unless two are all that should be seen. `turn`: as
-/// in FrameTracker::track().
-std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& frame,
-                                   const MountedCamera& camera, std::size_t turn,
-                                   FrameResult* result);
-
 }  // namespace omnitag

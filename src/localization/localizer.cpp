@@ -12,6 +12,7 @@
 
 #include "frame_search.h"
 #include "frame_tracker.h"
+#include "glance_search.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
 #include "omnitag/common/stopwatch.h"

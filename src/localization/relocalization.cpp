@@ -60,43 +60,33 @@ class Search {
     }
   }
 
-  bool hasCandidates() const {
-    return std::any_of(candidates_.begin(), candidates_.end(),
-                       [](const auto& candidates) { return !candidates.empty(); });
+  /// The best hypothesis; nothing, and the reason in words, where there is none or more than one.
+  std::optional<Hypothesis> likeliest(std::string* reason) const {
+    if (!hasCandidates()) {
+      *reason = "no marker of the map was read";
+      return std::nullopt;
+    }
+    std::vector<Hypothesis> all = hypotheses();
+    if (all.empty()) {
+      *reason = "no pose explains what was read";
+      return std::nullopt;
+    }
+    const auto rivals = std::count_if(all.begin() + 1, all.end(), [&](const Hypothesis& other) {
+      return isRival(all.front(), other);
+    });
+    if (rivals > 0) {
+      *reason = std::to_string(rivals + 1) + " poses explain what was read about equally well";
+      return std::nullopt;
+    }
+    return std::move(all.front());
   }
 
-  /// All poses worth comparing, the best first: those that it does not clearly surpass.
-  std::vector<Hypothesis> hypotheses() const {
-    std::vector<Hypothesis> hypotheses;
-    double least = std::numeric_limits<double>::infinity();
-    const auto isWorthLooking = [&](std::size_t unexplained) {
-      return static_cast<double>(unexplained) * kCostOfUnexplained < least + config_.min_lead;
-    };
-    const std::vector<std::size_t> sources = readingsToStartFrom();
-    for (std::size_t k = 0; k < sources.size(); ++k) {
-      // Whatever explains a reading is found from there: what was not found yet leaves all those
-      // before unexplained.
-      if (!isWorthLooking(readings_.size() - sources.size() + k)) break;
-      std::vector<Seed> seeds = seedsFrom(sources[k]);
-      std::stable_sort(seeds.begin(), seeds.end(),
-                       [](const Seed& a, const Seed& b) { return a.promised > b.promised; });
-      for (const Seed& seed : seeds) {
-        if (!isWorthLooking(readings_.size() - seed.promised)) break;
-        // From afar all pull at once, and one that hangs a little beside its place drags the others
-        // along; near the seed those that agree outvote it.
-        for (const auto refine : {&refineFromAfar, &refineByReprojection}) {
-          std::optional<Hypothesis> hypothesis = grow(seed, refine);
-          if (!hypothesis) continue;
-          least = std::min(least, hypothesis->saturated_cost);
-          addUnlessKnown(std::move(*hypothesis), &hypotheses);
-        }
-      }
-    }
-    std::stable_sort(hypotheses.begin(), hypotheses.end(),
-                     [](const Hypothesis& a, const Hypothesis& b) {
-                       return a.saturated_cost < b.saturated_cost;
-                     });
-    return hypotheses;
+  /// The covariance that corners leave. Nothing but they tell, and few of them hardly tell how good
+  /// they are.
+  Eigen::Matrix3d covarianceOf(const Hypothesis& hypothesis) const {
+    const double rise = config_.corner_noise / reprojection_.corner_noise;
+    return std::max(rise * rise, varianceFactor(hypothesis.fit)) *
+           hypothesis.fit.map_from_base.covariance;
   }
 
   /// The covariance of a pose that stands on one marker. Along the way around a marker that is seen
@@ -142,6 +132,46 @@ class Search {
     return covariance + (stretched * stretched - deviation * deviation) * axis * axis.transpose();
   }
 
+ private:
+  bool hasCandidates() const {
+    return std::any_of(candidates_.begin(), candidates_.end(),
+                       [](const auto& candidates) { return !candidates.empty(); });
+  }
+
+  /// All poses worth comparing, the best first: those that it does not clearly surpass.
+  std::vector<Hypothesis> hypotheses() const {
+    std::vector<Hypothesis> hypotheses;
+    double least = std::numeric_limits<double>::infinity();
+    const auto isWorthLooking = [&](std::size_t unexplained) {
+      return static_cast<double>(unexplained) * kCostOfUnexplained < least + config_.min_lead;
+    };
+    const std::vector<std::size_t> sources = readingsToStartFrom();
+    for (std::size_t k = 0; k < sources.size(); ++k) {
+      // Whatever explains a reading is found from there: what was not found yet leaves all those
+      // before unexplained.
+      if (!isWorthLooking(readings_.size() - sources.size() + k)) break;
+      std::vector<Seed> seeds = seedsFrom(sources[k]);
+      std::stable_sort(seeds.begin(), seeds.end(),
+                       [](const Seed& a, const Seed& b) { return a.promised > b.promised; });
+      for (const Seed& seed : seeds) {
+        if (!isWorthLooking(readings_.size() - seed.promised)) break;
+        // From afar all pull at once, and one that hangs a little beside its place drags the others
+        // along; near the seed those that agree outvote it.
+        for (const auto refine : {&refineFromAfar, &refineByReprojection}) {
+          std::optional<Hypothesis> hypothesis = grow(seed, refine);
+          if (!hypothesis) continue;
+          least = std::min(least, hypothesis->saturated_cost);
+          addUnlessKnown(std::move(*hypothesis), &hypotheses);
+        }
+      }
+    }
+    std::stable_sort(hypotheses.begin(), hypotheses.end(),
+                     [](const Hypothesis& a, const Hypothesis& b) {
+                       return a.saturated_cost < b.saturated_cost;
+                     });
+    return hypotheses;
+  }
+
   /// Whether the better of two leaves the other one possible.
   bool isRival(const Hypothesis& best, const Hypothesis& other) const {
     for (std::size_t i = 0; i < readings_.size(); ++i) {
@@ -152,7 +182,6 @@ class Search {
     return other.cost - best.cost < config_.min_lead;
   }
 
- private:
   MarkerObservation observationOf(std::size_t reading, std::size_t entry) const {
     return {entry, readings_[reading].corners, readings_[reading].center};
   }
@@ -298,6 +327,16 @@ class Search {
   std::vector<std::vector<std::size_t>> candidates_;
 };
 
+Relocalization explained(const Hypothesis& hypothesis, const Eigen::Matrix3d& covariance) {
+  return {PoseEstimate{hypothesis.fit.map_from_base.pose, covariance}, "", hypothesis.entries,
+          hypothesis.residuals};
+}
+
+Relocalization unexplained(std::size_t readings, std::string reason) {
+  return {std::nullopt, std::move(reason), Assignment(readings),
+          std::vector<double>(readings, std::numeric_limits<double>::quiet_NaN())};
+}
+
 }  // namespace
 
 RelocalizationConfig readRelocalizationConfig(const YamlReader& reader) {
@@ -316,43 +355,28 @@ Relocalization relocalize(const MarkerMap& map, const MountedCamera& camera,
                           const std::vector<MarkerReading>& readings,
                           const ReprojectionConfig& reprojection, double max_residual,
                           const RelocalizationConfig& config) {
-  Relocalization result;
-  result.entries.resize(readings.size());
-  result.residuals.assign(readings.size(), std::numeric_limits<double>::quiet_NaN());
   const Search search(map, camera, readings, reprojection, max_residual, config);
-  if (!search.hasCandidates()) {
-    result.reason = "no marker of the map was read";
-    return result;
+  std::string reason;
+  const std::optional<Hypothesis> best = search.likeliest(&reason);
+  if (!best) return unexplained(readings.size(), std::move(reason));
+  if (best->explained > 1) return explained(*best, search.covarianceOf(*best));
+  const Eigen::Matrix3d spread = search.spread(*best);
+  if (spread.topLeftCorner<2, 2>().trace() >
+      config.max_deviation_of_one * config.max_deviation_of_one) {
+    return unexplained(readings.size(), "the only marker that was read leaves the pose uncertain");
   }
-  const std::vector<Hypothesis> hypotheses = search.hypotheses();
-  if (hypotheses.empty()) {
-    result.reason = "no pose explains what was read";
-    return result;
-  }
-  const Hypothesis& best = hypotheses.front();
-  const auto rivals = std::count_if(hypotheses.begin() + 1, hypotheses.end(),
-                                    [&](const Hypothesis& h) { return search.isRival(best, h); });
-  if (rivals > 0) {
-    result.reason = std::to_string(rivals + 1) + " poses explain what was read about equally well";
-    return result;
-  }
-  result.map_from_base = best.fit.map_from_base;
-  if (best.explained == 1) {
-    result.map_from_base->covariance = search.spread(best);
-    const Eigen::Matrix2d position = result.map_from_base->covariance.topLeftCorner<2, 2>();
-    if (position.trace() > config.max_deviation_of_one * config.max_deviation_of_one) {
-      result.map_from_base.reset();
-      result.reason = "the only marker that was read leaves the pose uncertain";
-      return result;
-    }
-  } else {
-    // Nothing but the corners tells, and few of them hardly tell how good they are.
-    const double rise = config.corner_noise / reprojection.corner_noise;
-    result.map_from_base->covariance *= std::max(rise * rise, varianceFactor(best.fit));
-  }
-  result.entries = best.entries;
-  result.residuals = best.residuals;
-  return result;
+  return explained(*best, spread);
+}
+
+Relocalization relocalizeRoughly(const MarkerMap& map, const MountedCamera& camera,
+                                 const std::vector<MarkerReading>& readings,
+                                 const ReprojectionConfig& reprojection, double max_residual,
+                                 const RelocalizationConfig& config) {
+  const Search search(map, camera, readings, reprojection, max_residual, config);
+  std::string reason;
+  const std::optional<Hypothesis> best = search.likeliest(&reason);
+  if (!best) return unexplained(readings.size(), std::move(reason));
+  return explained(*best, search.covarianceOf(*best));
 }
 
 }  // namespace omnitag

@@ -41,12 +41,13 @@ struct Excerpt {
   }
 };
 
-/// The pixels, to about one, of a circle of the ideal image plane.
-std::vector<cv::Point> circle(const ImagePlane& plane, double radius) {
-  constexpr int kPoints = 128;
+/// The pixels, to about one, of an arc of the ideal image plane, from `first` on by `sweep` (rad).
+std::vector<cv::Point> arc(const ImagePlane& plane, double radius, double first, double sweep) {
+  constexpr double kPointsPerTurn = 128.0;
+  const int steps = static_cast<int>(std::ceil(kPointsPerTurn * std::abs(sweep) / (2.0 * kPi)));
   std::vector<cv::Point> points;
-  for (int i = 0; i < kPoints; ++i) {
-    const double azimuth = 2.0 * kPi * i / kPoints;
+  for (int i = 0; i <= steps; ++i) {
+    const double azimuth = first + sweep * i / steps;
     const Eigen::Vector2d pixel =
         plane.pixelFromIdeal(radius * Eigen::Vector2d(std::cos(azimuth), std::sin(azimuth)));
     points.emplace_back(cvRound(pixel.x()), cvRound(pixel.y()));
@@ -54,28 +55,40 @@ std::vector<cv::Point> circle(const ImagePlane& plane, double radius) {
   return points;
 }
 
-/// What a panorama shows between two circles, and even grey elsewhere, where the library then finds
-/// nothing to spend its time on. An empty image where it shows nothing there.
-Excerpt excerptOf(const cv::Mat& panorama, const CameraModel& camera, const Annulus& where,
+/// The borders, to about a pixel, of an annulus that is a margin (pixels) wider, or of its sector.
+std::vector<std::vector<cv::Point>> outlinesOf(const Annulus& annulus, const Sector& sector,
+                                               double margin, const CameraModel& camera) {
+  const ImagePlane& plane = camera.imagePlane();
+  const double inner = annulus.min_radius - margin / plane.scale();
+  const double outer = std::min(annulus.max_radius, camera.maxRadius()) + margin / plane.scale();
+  const double first = sector.azimuth - sector.half_width;
+  const double sweep = 2.0 * sector.half_width;
+  std::vector<std::vector<cv::Point>> outlines{arc(plane, outer, first, sweep)};
+  if (sector.half_width < kPi) {
+    const auto back = arc(plane, std::max(0.0, inner), first + sweep, -sweep);
+    outlines.front().insert(outlines.front().end(), back.begin(), back.end());
+  } else if (inner > 0.0) {
+    outlines.push_back(arc(plane, inner, first, sweep));
+  }
+  return outlines;
+}
+
+/// What a panorama shows where a glance is to look, and even grey elsewhere, where the library then
+/// finds nothing to spend its time on. An empty image where it shows nothing there.
+Excerpt excerptOf(const cv::Mat& panorama, const CameraModel& camera, const GlanceAim& aim,
                   bool is_mirrored) {
   constexpr double kMargin = 8.0;  // pixels
-  const ImagePlane& plane = camera.imagePlane();
-  const double margin = kMargin / plane.scale();
-  const double inner_radius = where.min_radius - margin;
-  const double outer_radius = std::min(where.max_radius, camera.maxRadius()) + margin;
-  std::vector<cv::Point> outer = circle(plane, outer_radius);
-  const cv::Rect box = cv::boundingRect(outer) & cv::Rect({}, panorama.size());
+  std::vector<std::vector<cv::Point>> outlines = outlinesOf(aim.where, aim.toward, kMargin, camera);
+  const cv::Rect box = cv::boundingRect(outlines.front()) & cv::Rect({}, panorama.size());
   if (box.empty()) return {};
   Excerpt excerpt{panorama(box).clone(), box.tl(), is_mirrored};
   cv::Scalar grey;
   cv::Scalar spread;
   cv::meanStdDev(excerpt.image, grey, spread);
   excerpt.spread = spread[0];
-  const auto fill = [&](const std::vector<std::vector<cv::Point>>& outlines) {
-    cv::fillPoly(excerpt.image, outlines, grey, cv::LINE_8, 0, -box.tl());
-  };
-  fill({outer, {box.tl(), {box.br().x, box.y}, box.br(), {box.x, box.br().y}}});
-  if (inner_radius > 0.0) fill({circle(plane, inner_radius)});
+  // All that an odd number of outlines is around.
+  outlines.push_back({box.tl(), {box.br().x, box.y}, box.br(), {box.x, box.br().y}});
+  cv::fillPoly(excerpt.image, outlines, grey, cv::LINE_8, 0, -box.tl());
   if (is_mirrored) cv::flip(excerpt.image, excerpt.image, 1);
   return excerpt;
 }
@@ -192,7 +205,7 @@ GlanceReader::GlanceReader(std::shared_ptr<const CameraModel> camera,
 
 Glance GlanceReader::read(const cv::Mat& panorama, std::size_t glance, const ViewWarper& warper,
                           bool axis_up, const GlanceAim& aim) const {
-  const Excerpt excerpt = excerptOf(panorama, *camera_, aim.where, is_mirrored_);
+  const Excerpt excerpt = excerptOf(panorama, *camera_, aim, is_mirrored_);
   const bool is_for_the_obvious = aim.starts_with_the_obvious && glance == 0;
   const int min_contrast = is_for_the_obvious ? cvRound(kObvious * excerpt.spread) : 0;
   std::vector<TagDetection> tags = detectors_[glance].detect(excerpt.image, min_contrast);

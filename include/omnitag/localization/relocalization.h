@@ -55,4 +55,11 @@ Relocalization relocalize(const MarkerMap& map, const MountedCamera& camera,
                           const ReprojectionConfig& reprojection, double max_residual,
                           const RelocalizationConfig& config);
 
+/// The same for a start from which other markers are looked for, which are to confirm it: a single
+/// marker is enough however uncertain it leaves the pose. The covariance is that of its corners.
+Relocalization relocalizeRoughly(const MarkerMap& map, const MountedCamera& camera,
+                                 const std::vector<MarkerReading>& readings,
+                                 const ReprojectionConfig& reprojection, double max_residual,
+                                 const RelocalizationConfig& config);
+
 }  // namespace omnitag

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "omnitag/camera/camera_model.h"
+#include "omnitag/common/angle.h"
 #include "omnitag/marker/marker_reader.h"
 #include "omnitag/marker/tag_detector.h"
 #include "omnitag/view/view.h"
@@ -22,10 +23,18 @@ struct Annulus {
   double max_radius = std::numeric_limits<double>::infinity();
 };
 
+/// What images in these directions from the centre of the ideal image plane.
+struct Sector {
+  /// rad, of its middle and from there to either side.
+  double azimuth = 0.0;
+  double half_width = kPi;
+};
+
 /// What a glance is to find: by default every marker that it can.
 struct GlanceAim {
   /// Where all of a marker must be.
   Annulus where = {};
+  Sector toward = {};
   /// Of those that were read the largest, so many.
   std::size_t at_most = std::numeric_limits<std::size_t>::max();
   /// Whether the first glance is only for markers that stand out from the light and dark around
