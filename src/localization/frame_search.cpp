@@ -56,6 +56,18 @@ std::vector<std::size_t> addDetections(const TrackingTools& tools,
   return explaining;
 }
 
+bool isInPlace(const MarkerReading& reading, const TrackingTools& tools,
+               const MountedCamera& camera, const Pose2& map_from_base) {
+  constexpr double kModule = 1.0 / 8.0;  // of the edge
+  const double limit =
+      std::max(tools.config.estimation.max_residual, kModule * meanEdge(reading.corners));
+  const std::vector<std::size_t> entries = entriesOf(tools.map, reading.family, reading.id);
+  return std::any_of(entries.begin(), entries.end(), [&](std::size_t entry) {
+    const auto place = camera.pixelFromMap(map_from_base, tools.map.markers[entry].center());
+    return place && (*place - reading.center).norm() < limit;
+  });
+}
+
 int contradictions(const FrameResult& result, const MarkerMap& map) {
   return static_cast<int>(std::count_if(
       result.detections.begin(), result.detections.end(), [&map](const MarkerDetection& d) {

@@ -25,6 +25,10 @@ std::vector<std::size_t> addDetections(const TrackingTools& tools,
 /// Why a marker without an entry is not accepted. One that is explored will have an entry.
 const char* whyUnknown(const LocalizerConfig& config);
 
+/// Whether a marker of the map is read where a pose has it, to about a module.
+bool isInPlace(const MarkerReading& reading, const TrackingTools& tools,
+               const MountedCamera& camera, const Pose2& map_from_base);
+
 /// How many detections are of the map's markers and yet not accepted.
 int contradictions(const FrameResult& result, const MarkerMap& map);
 

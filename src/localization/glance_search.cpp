@@ -45,10 +45,16 @@ void add(Glance more, const ViewWarper& warper, Glance* seen) {
   seen->readings = withoutRepetitions(seen->readings, seen->views, warper);
 }
 
-/// Whether what was seen from the pose of a glance leaves no doubt about it.
+/// Whether what was seen from the pose of a glance tells that it is right, as long as nothing
+/// speaks against it.
 bool isEnough(const FrameResult& seen) {
   const int accepted = seen.acceptedMarkers();
   return accepted > 2 || (accepted == 2 && seen.predicted.size() == 2);
+}
+
+/// Whether nothing that is still unseen could speak against it: what was moved as one is fewer.
+bool isBeyondDoubt(const FrameResult& seen) {
+  return 2 * static_cast<std::size_t>(seen.acceptedMarkers()) > seen.predicted.size();
 }
 
 /// The pose that explains what was read. That of a single marker is to be sharpened.
@@ -77,17 +83,26 @@ PoseEstimate sharpened(PoseEstimate pose, const std::vector<std::size_t>& explai
   return pose;
 }
 
-/// The pose that readings lead to, where it leaves no doubt. If so, what was seen from there is in
-/// the result; if not, only the time that it took.
-std::optional<PoseEstimate> poseFrom(const Glance& seen, const TrackingTools& tools,
-                                     const Frame& frame, const MountedCamera& camera,
-                                     std::size_t turn, FrameResult* result) {
+/// Whether all markers of the map that were read are where a pose has them.
+bool areInPlace(const std::vector<MarkerReading>& readings, const TrackingTools& tools,
+                const MountedCamera& camera, const Pose2& map_from_base) {
+  return std::all_of(readings.begin(), readings.end(), [&](const MarkerReading& reading) {
+    return entriesOf(tools.map, reading.family, reading.id).empty() ||
+           isInPlace(reading, tools, camera, map_from_base);
+  });
+}
+
+/// What is seen from the pose that readings lead to; nothing where that does not bear it out.
+/// Adds to `timings` what it took.
+std::optional<FrameResult> lookFrom(const Glance& seen, const TrackingTools& tools,
+                                    const Frame& frame, const MountedCamera& camera,
+                                    std::size_t turn, Timings* timings) {
   Stopwatch step;
   const Relocalization found = roughPose(seen.readings, tools, camera);
-  result->timings.solve += step.lap();
+  timings->solve += step.lap();
   if (!found.map_from_base) return std::nullopt;
   FrameResult around;
-  around.stamp = result->stamp;
+  around.stamp = frame.stamp;
   // The tracker adds those of all markers where people want to look at them.
   if (!frame.wants_views) {
     around.views = seen.views;
@@ -103,15 +118,14 @@ std::optional<PoseEstimate> poseFrom(const Glance& seen, const TrackingTools& to
   step.lap();
   const PoseEstimate start =
       sharpened(*found.map_from_base, explaining, tools, frame.image, camera);
-  result->timings.solve += step.lap();
-  around.timings = result->timings;
+  timings->solve += step.lap();
+  around.timings = *timings;
   around.predicted = predictMarkers(tools.map, tools.index, camera, start, tools.config.visibility);
-  std::optional<PoseEstimate> pose = FrameTracker(tools, frame, camera, start, &around).track(turn);
-  result->timings = around.timings;
+  around.map_from_base = FrameTracker(tools, frame, camera, start, &around).track(turn);
+  *timings = around.timings;
   const bool explains_all = around.acceptedMarkers() >= static_cast<int>(explaining.size());
-  if (!pose || !explains_all || !isEnough(around)) return std::nullopt;
-  *result = std::move(around);
-  return pose;
+  if (!around.map_from_base || !explains_all || !isEnough(around)) return std::nullopt;
+  return around;
 }
 
 }  // namespace
@@ -128,15 +142,24 @@ std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& fram
   if (!annulus) return std::nullopt;
   for (std::size_t i = 0; i < reader.count(); ++i) {
     Glance seen;
+    std::optional<FrameResult> around;
     for (const Sector& sector : sectorsOf(*annulus, config.look_around.overlap)) {
       Stopwatch step;
       const GlanceAim aim{*annulus, sector, kAtMost, true};
       Glance more = reader.read(frame.image, i, warper, camera.axisUp(), aim);
       result->timings.decode += step.lap();
       if (more.readings.empty()) continue;
+      const bool agrees =
+          around && areInPlace(more.readings, tools, camera, around->map_from_base->pose);
       add(std::move(more), warper, &seen);
-      if (const auto pose = poseFrom(seen, tools, frame, camera, turn, result)) return pose;
+      if (agrees) continue;
+      around = lookFrom(seen, tools, frame, camera, turn, &result->timings);
+      if (around && isBeyondDoubt(*around)) break;
     }
+    if (!around) continue;
+    around->timings = result->timings;
+    *result = std::move(*around);
+    return std::exchange(result->map_from_base, std::nullopt);
   }
   return std::nullopt;
 }

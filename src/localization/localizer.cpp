@@ -228,7 +228,6 @@ void Localizer::patrol(const Frame& frame, const MountedCamera& camera, const Po
   }
   const std::vector<MarkerReading> readings =
       is_exploring ? result->explored : readNextView(frame, camera, result);
-  constexpr double kModule = 1.0 / 8.0;  // of the edge
   bool is_odd = false;
   for (const MarkerReading& reading : readings) {
     const bool is_known =
@@ -238,18 +237,12 @@ void Localizer::patrol(const Frame& frame, const MountedCamera& camera, const Po
                              (detection.center - reading.center).norm() < meanEdge(reading.corners);
                     });
     if (is_known) continue;
-    const std::vector<std::size_t> entries = entriesOf(map_, reading.family, reading.id);
     // One that was not expected, since it is far or seen from the side, may well be in its place.
-    const double limit =
-        std::max(config_.estimation.max_residual, kModule * meanEdge(reading.corners));
-    const bool is_in_place = std::any_of(entries.begin(), entries.end(), [&](std::size_t entry) {
-      const auto place = camera.pixelFromMap(map_from_base, map_.markers[entry].center());
-      return place && (*place - reading.center).norm() < limit;
-    });
-    if (is_in_place) continue;
+    if (isInPlace(reading, trackingTools(), camera, map_from_base)) continue;
+    const bool is_unknown = entriesOf(map_, reading.family, reading.id).empty();
     MarkerDetection detection = toDetection(reading);
-    detection.reason = entries.empty() ? whyUnknown(config_) : "hangs elsewhere than the map says";
-    is_odd = is_odd || !entries.empty();
+    detection.reason = is_unknown ? whyUnknown(config_) : "hangs elsewhere than the map says";
+    is_odd = is_odd || !is_unknown;
     result->detections.push_back(std::move(detection));
   }
   // Where a marker hangs elsewhere, the next looks go there, too, until it was measured repeatedly.

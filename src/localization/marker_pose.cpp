@@ -16,6 +16,8 @@ namespace {
 struct Start {
   Pose2 map_from_base;
   double cost = std::numeric_limits<double>::infinity();
+  /// m, horizontally from the camera to the marker.
+  double distance = 0.0;
 };
 
 std::optional<Corners<Eigen::Vector2d>> project(const Corners<Eigen::Vector3d>& corners,
@@ -30,11 +32,12 @@ std::optional<Corners<Eigen::Vector2d>> project(const Corners<Eigen::Vector3d>& 
 }
 
 /// The pose from which a marker stands at the observed bearing and has the observed size, the
-/// camera being in the direction `azimuth` from the marker.
+/// camera being in the direction `azimuth` from the marker. `guess`: m, the distance that is tried
+/// first.
 Start startFrom(double azimuth, const Marker& marker, const MountedCamera& camera,
-                const MarkerObservation& observation, double bearing) {
+                const MarkerObservation& observation, double bearing, double guess) {
   constexpr int kRounds = 5;
-  constexpr std::array<double, 4> kFirstDistances = {3.0, 1.0, 8.0, 0.4};  // m
+  constexpr double kSettled = 0.01;
   const Eigen::Vector3d camera_in_base = camera.baseFromCamera().translation();
   const double yaw = normalizeAngle(azimuth + kPi - bearing);
   const Eigen::Vector2d away(std::cos(azimuth), std::sin(azimuth));
@@ -46,10 +49,11 @@ Start startFrom(double azimuth, const Marker& marker, const MountedCamera& camer
     const Eigen::Vector2d base = marker.center().head<2>() + distance * away - camera_offset;
     return Pose2{base.x(), base.y(), yaw};
   };
-  for (double distance : kFirstDistances) {
+  for (double distance : {guess, 3.0, 1.0, 8.0, 0.4}) {
     Start start;
     for (int round = 0; round < kRounds; ++round) {
       start.map_from_base = poseAt(distance);
+      start.distance = distance;
       const auto pixels = project(corners, camera, start.map_from_base);
       if (!pixels) {
         start.cost = std::numeric_limits<double>::infinity();
@@ -60,13 +64,22 @@ Start startFrom(double azimuth, const Marker& marker, const MountedCamera& camer
         start.cost += ((*pixels)[k] - observation.corners[k]).squaredNorm();
       }
       constexpr double kNearest = 0.05;  // m
-      const double range =
-          std::hypot(distance, height) * meanEdge(*pixels) / meanEdge(observation.corners);
+      const double growth = meanEdge(*pixels) / meanEdge(observation.corners);
+      if (std::abs(growth - 1.0) < kSettled) break;
+      const double range = std::hypot(distance, height) * growth;
       distance = std::sqrt(std::max(range * range - height * height, kNearest * kNearest));
     }
     if (std::isfinite(start.cost)) return start;
   }
   return {};
+}
+
+/// Whether a marker may face a camera that is in the direction `azimuth` from it, however far.
+bool mayFace(const Marker& marker, const MountedCamera& camera, double azimuth) {
+  const Eigen::Vector3d normal = marker.normal();
+  const double above = camera.baseFromCamera().translation().z() - marker.center().z();
+  return normal.x() * std::cos(azimuth) + normal.y() * std::sin(azimuth) > 0.0 ||
+         normal.z() * above > 0.0;
 }
 
 bool isFacing(const Marker& marker, const MountedCamera& camera, const Pose2& pose) {
@@ -87,9 +100,13 @@ std::vector<ReprojectionFit> posesFromMarker(const MarkerMap& map, const Mounted
 
   constexpr std::size_t kDirections = 36;
   std::array<Start, kDirections> starts;
+  double distance = 3.0;  // m
   for (std::size_t i = 0; i < kDirections; ++i) {
     const double azimuth = 2.0 * kPi * static_cast<double>(i) / kDirections;
-    const Start start = startFrom(azimuth, marker, camera, observation, bearing);
+    if (!mayFace(marker, camera, azimuth)) continue;
+    const Start start = startFrom(azimuth, marker, camera, observation, bearing, distance);
+    if (!std::isfinite(start.cost)) continue;
+    distance = start.distance;
     if (isFacing(marker, camera, start.map_from_base)) starts[i] = start;
   }
 
@@ -119,7 +136,7 @@ std::vector<ReprojectionFit> posesFromMarker(const MarkerMap& map, const Mounted
     refineFrom(starts[(i + 1) % kDirections]);
     refineFrom(starts[(i + kDirections - 1) % kDirections]);
     const double mirrored = 2.0 * normal_azimuth - 2.0 * kPi * static_cast<double>(i) / kDirections;
-    refineFrom(startFrom(mirrored, marker, camera, observation, bearing));
+    refineFrom(startFrom(mirrored, marker, camera, observation, bearing, starts[i].distance));
   }
   std::sort(fits.begin(), fits.end(), [](const ReprojectionFit& a, const ReprojectionFit& b) {
     return a.residuals[0] < b.residuals[0];

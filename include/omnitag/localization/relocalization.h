@@ -56,7 +56,8 @@ Relocalization relocalize(const MarkerMap& map, const MountedCamera& camera,
                           const RelocalizationConfig& config);
 
 /// The same for a start from which other markers are looked for, which are to confirm it: a single
-/// marker is enough however uncertain it leaves the pose. The covariance is that of its corners.
+/// marker is enough however uncertain it leaves the pose, unless its id stands on several. The
+/// covariance is that of corners.
 Relocalization relocalizeRoughly(const MarkerMap& map, const MountedCamera& camera,
                                  const std::vector<MarkerReading>& readings,
                                  const ReprojectionConfig& reprojection, double max_residual,

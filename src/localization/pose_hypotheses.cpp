@@ -1,0 +1,296 @@
+#include "pose_hypotheses.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "omnitag/localization/marker_pose.h"
+
+namespace omnitag {
+namespace {
+
+using Assignment = std::vector<std::optional<std::size_t>>;
+
+/// What a reading costs that a hypothesis does not explain.
+constexpr double kCostOfUnexplained = 20.0;
+
+double saturated(double cost) { return cost * kCostOfUnexplained / (cost + kCostOfUnexplained); }
+
+/// An entry that a reading may be, and how many readings may belong to a pose from there.
+struct Candidate {
+  std::size_t entry;
+  std::size_t company;
+};
+
+/// A start for a hypothesis: the pose of one marker's corners, and how many readings may agree.
+struct Seed {
+  PoseEstimate map_from_base;
+  Assignment entries;
+  std::size_t promised = 0;
+};
+
+std::size_t countOf(const Assignment& entries) {
+  return static_cast<std::size_t>(
+      std::count_if(entries.begin(), entries.end(), [](const auto& entry) { return !!entry; }));
+}
+
+/// m, how far away a marker is at most, per metre of its edge: seen from the front, its diagonals
+/// look no smaller than they were read.
+double farthestPerSize(const MarkerReading& reading, const MountedCamera& camera) {
+  // Corners of a small one may be a fifth of its edge off.
+  constexpr double kMargin = 1.5;
+  double widest = 0.0;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const auto from = camera.rayInBase(reading.corners[k]);
+    const auto to = camera.rayInBase(reading.corners[k + 2]);
+    if (!from || !to) return std::numeric_limits<double>::infinity();
+    widest = std::max(widest, std::acos(std::clamp(from->direction.dot(to->direction), -1.0, 1.0)));
+  }
+  return kMargin * std::sqrt(0.5) / std::tan(0.5 * widest);
+}
+
+class Search {
+ public:
+  explicit Search(const RelocalizationProblem& problem) : problem_(problem) {
+    for (const MarkerReading& reading : problem.readings) {
+      candidates_.push_back(entriesOf(problem.map, reading.family, reading.id));
+      farthest_.push_back(farthestPerSize(reading, problem.camera));
+    }
+  }
+
+  std::vector<PoseHypothesis> hypotheses() {
+    const std::vector<std::size_t> sources = readingsToStartFrom();
+    for (std::size_t k = 0; k < sources.size(); ++k) {
+      // Whatever explains a reading is found from there: what was not found yet leaves all those
+      // before unexplained.
+      if (!isWorthLooking(problem_.readings.size() - sources.size() + k)) break;
+      growFrom(sources[k]);
+    }
+    std::stable_sort(hypotheses_.begin(), hypotheses_.end(),
+                     [](const PoseHypothesis& a, const PoseHypothesis& b) {
+                       return a.saturated_cost < b.saturated_cost;
+                     });
+    return std::move(hypotheses_);
+  }
+
+ private:
+  /// Whether a pose that leaves so many readings unexplained could rival the best one.
+  bool isWorthLooking(std::size_t unexplained) const {
+    return static_cast<double>(unexplained) * kCostOfUnexplained <
+           least_cost_ + problem_.config.min_lead;
+  }
+
+  /// Those of which the map has a marker, the least ambiguous and largest first.
+  std::vector<std::size_t> readingsToStartFrom() const {
+    std::vector<std::size_t> sources;
+    for (std::size_t i = 0; i < problem_.readings.size(); ++i) {
+      if (!candidates_[i].empty()) sources.push_back(i);
+    }
+    std::stable_sort(sources.begin(), sources.end(), [this](std::size_t a, std::size_t b) {
+      if (candidates_[a].size() != candidates_[b].size()) {
+        return candidates_[a].size() < candidates_[b].size();
+      }
+      return meanEdge(problem_.readings[a].corners) > meanEdge(problem_.readings[b].corners);
+    });
+    return sources;
+  }
+
+  /// Adds the hypotheses that a reading leads to, those first that may explain most.
+  void growFrom(std::size_t reading) {
+    const std::vector<Candidate> candidates = candidatesOf(reading);
+    for (auto first = candidates.begin(); first != candidates.end();) {
+      if (!isWorthLooking(problem_.readings.size() - first->company)) break;
+      const auto last = std::find_if(first, candidates.end(), [first](const Candidate& other) {
+        return other.company != first->company;
+      });
+      std::vector<Seed> seeds;
+      for (; first != last; ++first) addSeeds(reading, first->entry, &seeds);
+      std::stable_sort(seeds.begin(), seeds.end(),
+                       [](const Seed& a, const Seed& b) { return a.promised > b.promised; });
+      for (const Seed& seed : seeds) {
+        if (!isWorthLooking(problem_.readings.size() - seed.promised)) break;
+        // From afar all pull at once, and one that hangs a little beside its place drags the others
+        // along; near the seed those that agree outvote it.
+        for (const auto refine : {&refineFromAfar, &refineByReprojection}) add(grow(seed, refine));
+      }
+    }
+  }
+
+  /// The entries that a reading may be, those in most company first.
+  std::vector<Candidate> candidatesOf(std::size_t reading) const {
+    std::vector<Candidate> candidates;
+    for (const std::size_t entry : candidates_[reading]) {
+      Candidate candidate{entry, 1};
+      for (std::size_t j = 0; j < candidates_.size(); ++j) {
+        const auto isInSight = [&](std::size_t other) {
+          return areSeenTogether(reading, entry, j, other);
+        };
+        if (j != reading && std::any_of(candidates_[j].begin(), candidates_[j].end(), isInSight)) {
+          ++candidate.company;
+        }
+      }
+      candidates.push_back(candidate);
+    }
+    std::stable_sort(candidates.begin(), candidates.end(),
+                     [](const Candidate& a, const Candidate& b) { return a.company > b.company; });
+    return candidates;
+  }
+
+  /// Whether two readings can be these two entries, as near as the markers then are.
+  bool areSeenTogether(std::size_t reading, std::size_t entry, std::size_t other_reading,
+                       std::size_t other_entry) const {
+    const Marker& marker = problem_.map.markers[entry];
+    const Marker& other = problem_.map.markers[other_entry];
+    const double farthest =
+        farthest_[reading] * marker.size + farthest_[other_reading] * other.size;
+    return (marker.center() - other.center()).squaredNorm() < farthest * farthest;
+  }
+
+  void addSeeds(std::size_t reading, std::size_t entry, std::vector<Seed>* seeds) const {
+    for (const ReprojectionFit& fit :
+         posesFromMarker(problem_.map, problem_.camera, problem_.observation(reading, entry),
+                         problem_.reprojection, problem_.max_residual)) {
+      Seed seed{fit.map_from_base, Assignment(problem_.readings.size()), 0};
+      for (std::size_t j = 0; j < problem_.readings.size(); ++j) {
+        seed.entries[j] = j == reading ? entry : nearbyEntry(j, reading, entry, seed.map_from_base);
+      }
+      seed.promised = countOf(seed.entries);
+      seeds->push_back(std::move(seed));
+    }
+  }
+
+  /// The candidate that an uncertain pose, from the entry of another reading, has nearest to where
+  /// the reading is, if near enough.
+  std::optional<std::size_t> nearbyEntry(std::size_t reading, std::size_t from_reading,
+                                         std::size_t from_entry, const PoseEstimate& pose) const {
+    constexpr double kDeviations = 4.0;
+    std::optional<std::size_t> nearest;
+    double least = std::numeric_limits<double>::infinity();
+    for (const std::size_t entry : candidates_[reading]) {
+      if (!areSeenTogether(from_reading, from_entry, reading, entry)) continue;
+      Eigen::Matrix<double, 2, 3> by_pose;
+      const auto center =
+          problem_.camera.pixelFromMap(pose.pose, problem_.map.markers[entry].center(), &by_pose);
+      if (!center) continue;
+      const double variance = (by_pose * pose.covariance * by_pose.transpose()).trace();
+      const double reach = problem_.max_residual +
+                           0.5 * meanEdge(problem_.readings[reading].corners) +
+                           kDeviations * std::sqrt(variance);
+      const double offset = (*center - problem_.readings[reading].center).norm();
+      if (offset <= reach && offset < least) {
+        least = offset;
+        nearest = entry;
+      }
+    }
+    return nearest;
+  }
+
+  /// Refines a seed with all readings that agree, until no more join or leave.
+  std::optional<PoseHypothesis> grow(const Seed& seed, decltype(&refineFromAfar) refine) const {
+    constexpr int kRounds = 4;
+    PoseHypothesis hypothesis;
+    hypothesis.entries = seed.entries;
+    Pose2 pose = seed.map_from_base.pose;
+    for (int round = 0; round < kRounds; ++round) {
+      std::vector<MarkerObservation> observations;
+      for (std::size_t i = 0; i < problem_.readings.size(); ++i) {
+        if (!hypothesis.entries[i]) continue;
+        observations.push_back(problem_.observation(i, *hypothesis.entries[i]));
+      }
+      if (observations.empty()) return std::nullopt;
+      auto fit = refine(problem_.map, problem_.camera, observations, pose, std::nullopt,
+                        problem_.reprojection);
+      if (!fit) return std::nullopt;
+      hypothesis.fit = std::move(*fit);
+      pose = hypothesis.fit.map_from_base.pose;
+      const Assignment before = hypothesis.entries;
+      explain(pose, &hypothesis);
+      if (hypothesis.entries == before) break;
+    }
+    if (hypothesis.explained == 0) return std::nullopt;
+    if (hypothesis.explained == 1 && !isBelievableAlone(hypothesis)) return std::nullopt;
+    return hypothesis;
+  }
+
+  void explain(const Pose2& pose, PoseHypothesis* hypothesis) const {
+    hypothesis->entries.assign(problem_.readings.size(), std::nullopt);
+    hypothesis->residuals.assign(problem_.readings.size(),
+                                 std::numeric_limits<double>::quiet_NaN());
+    hypothesis->explained = 0;
+    hypothesis->cost = 0.0;
+    hypothesis->saturated_cost = 0.0;
+    const Eigen::Vector3d viewpoint = problem_.camera.mapFromCamera(pose).translation();
+    std::vector<std::size_t> claimed;
+    for (std::size_t i = 0; i < problem_.readings.size(); ++i) {
+      double least = problem_.max_residual;
+      for (const std::size_t entry : candidates_[i]) {
+        const Marker& marker = problem_.map.markers[entry];
+        if ((marker.center() - viewpoint).norm() > farthest_[i] * marker.size) continue;
+        // No entry is in two places at once.
+        if (std::find(claimed.begin(), claimed.end(), entry) != claimed.end()) continue;
+        const double residual = reprojectionResiduals(problem_.map, problem_.camera,
+                                                      {problem_.observation(i, entry)}, pose)[0];
+        if (residual > least) continue;
+        least = residual;
+        hypothesis->entries[i] = entry;
+        hypothesis->residuals[i] = residual;
+      }
+      if (!hypothesis->entries[i]) {
+        hypothesis->saturated_cost += kCostOfUnexplained;
+        continue;
+      }
+      claimed.push_back(*hypothesis->entries[i]);
+      ++hypothesis->explained;
+      hypothesis->cost += costOf(least, problem_.config);
+      hypothesis->saturated_cost += saturated(costOf(least, problem_.config));
+    }
+  }
+
+  bool isBelievableAlone(const PoseHypothesis& hypothesis) const {
+    for (std::size_t i = 0; i < problem_.readings.size(); ++i) {
+      if (!hypothesis.entries[i]) continue;
+      return hypothesis.residuals[i] <= problem_.config.max_residual_of_one &&
+             problem_.readings[i].hamming <= problem_.config.max_hamming_of_one;
+    }
+    return false;
+  }
+
+  void add(std::optional<PoseHypothesis> hypothesis) {
+    if (!hypothesis) return;
+    least_cost_ = std::min(least_cost_, hypothesis->saturated_cost);
+    for (PoseHypothesis& known : hypotheses_) {
+      if (known.entries != hypothesis->entries) continue;
+      if (!agree(known.fit.map_from_base, hypothesis->fit.map_from_base)) continue;
+      if (hypothesis->cost < known.cost) known = std::move(*hypothesis);
+      return;
+    }
+    hypotheses_.push_back(std::move(*hypothesis));
+  }
+
+  const RelocalizationProblem& problem_;
+  /// For each reading the entries that it may be, and farthestPerSize().
+  std::vector<std::vector<std::size_t>> candidates_;
+  std::vector<double> farthest_;
+  std::vector<PoseHypothesis> hypotheses_;
+  double least_cost_ = std::numeric_limits<double>::infinity();
+};
+
+}  // namespace
+
+MarkerObservation RelocalizationProblem::observation(std::size_t reading, std::size_t entry) const {
+  return {entry, readings[reading].corners, readings[reading].center};
+}
+
+double costOf(double residual, const RelocalizationConfig& config) {
+  // Of four corners with two coordinates each, of which the residual is the RMS distance.
+  const double ratio = residual / config.corner_noise;
+  return 0.5 * 4.0 * ratio * ratio;
+}
+
+std::vector<PoseHypothesis> poseHypotheses(const RelocalizationProblem& problem) {
+  return Search(problem).hypotheses();
+}
+
+}  // namespace omnitag

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "omnitag/camera/mounted_camera.h"
+#include "omnitag/localization/relocalization.h"
+#include "omnitag/localization/reprojection.h"
+#include "omnitag/marker/marker_map.h"
+#include "omnitag/marker/marker_reader.h"
+
+namespace omnitag {
+
+/// What relocalize() is asked.
+struct RelocalizationProblem {
+  const MarkerMap& map;
+  const MountedCamera& camera;
+  const std::vector<MarkerReading>& readings;
+  const ReprojectionConfig& reprojection;
+  double max_residual;
+  const RelocalizationConfig& config;
+
+  MarkerObservation observation(std::size_t reading, std::size_t entry) const;
+};
+
+/// A pose and the readings that it explains.
+struct PoseHypothesis {
+  ReprojectionFit fit;
+  /// For each reading the entry that it is taken for, and its residual (NaN without one).
+  std::vector<std::optional<std::size_t>> entries;
+  std::vector<double> residuals;
+  std::size_t explained = 0;
+  /// Negative logarithm of the likelihood of the explained readings, but for a constant.
+  double cost = 0.0;
+  /// The same over all readings, each counting for at most as much as an unexplained one: what
+  /// ranks hypotheses, since a pose between two that fit well explains more, and each badly.
+  double saturated_cost = 0.0;
+};
+
+/// What a reading adds to a hypothesis' cost that leaves it such a residual (pixels).
+double costOf(double residual, const RelocalizationConfig& config);
+
+/// All poses worth comparing, the best first: those that it does not clearly surpass.
+std::vector<PoseHypothesis> poseHypotheses(const RelocalizationProblem& problem);
+
+}  // namespace omnitag
