@@ -1,10 +1,11 @@
 // What the nodelet takes beside the core that it wraps: images and odometry come to it at 30 frames
 // a second inside one process, as from a camera's driver in the same nodelet manager, and the core
 // alone gets the same images, the same odometry and the same pauses. The robot stands for a second
-// where each image was taken, and is then told by odometry how it went on to the next. Times are
-// processor time: the nodelet's are of all threads but the one that sends, less what they take
-// while no nodelet is loaded. The core's time within the nodelet, where its caches are cold, is
-// wall time. Needs a ROS master.
+// where each image was taken, and is then told by odometry how it went on to the next. The two take
+// turns, since a processor's speed changes from minute to minute: what is printed are medians over
+// the turns, of the shares with the least and the greatest. Times are processor time: the nodelet's
+// are of all threads but the one that sends, less what they take while no nodelet is loaded. The
+// core's time within the nodelet, where its caches are cold, is wall time. Needs a ROS master.
 //
 //   nodelet_benchmark [BAG CAMERA MAP]     a bag of render_sequence; the shipped one by default
 //   taskset -c 0 rosrun omnitag nodelet_benchmark ...     on one core
@@ -25,6 +26,7 @@
 #include <opencv2/core.hpp>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "omnitag/LocalizationStatus.h"
 #include "omnitag/localization/localizer.h"
@@ -32,12 +34,15 @@
 #include "processor_time.h"
 #include "program.h"
 #include "recorded_sequence.h"
+#include "statistics.h"
 
 namespace omnitag {
 namespace {
 
 constexpr double kFrameInterval = 1.0 / 30.0;  // s
-constexpr int kFrames = 450;
+constexpr int kTurns = 7;
+/// Of each turn, and how many of them are not measured.
+constexpr int kFrames = 150;
 constexpr int kWarmUp = 30;
 constexpr int kFramesPerPlace = 30;
 const std::string kNodelet = "/localizer";
@@ -49,14 +54,14 @@ double threadTime() {
 }
 
 /// Calls back with numbers from 0 on, kFrames times at the frames' pace.
-template <typename Send>
-void atPace(const Send& send) {
+template <typename Callback>
+void atPace(const Callback& callback) {
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
   for (int i = 0; i < kFrames; ++i) {
     std::this_thread::sleep_until(start + std::chrono::duration_cast<Clock::duration>(
                                               std::chrono::duration<double>(i * kFrameInterval)));
-    send(i);
+    callback(i);
   }
 }
 
@@ -146,8 +151,39 @@ double sendAll(Sender* sender) {
   return (processorTime() - threadTime() - since) / (kFrames - kWarmUp);
 }
 
-/// The same of the nodelet, which answers, less what the process takes without it.
-double runNodelet(Sender* sender, Answers* answers) {
+/// The core alone, as the nodelet uses it.
+class Core {
+ public:
+  explicit Core(const RecordedSequence& sequence)
+      : sequence_(sequence), localizer_(sequence.camera, sequence.map, {}) {}
+
+  /// Processor time per frame (s).
+  double localizeAll() {
+    double spent = 0.0;
+    atPace([&](int number) {
+      Frame frame = frameOf(sequence_, number);
+      frame.image = frame.image.clone();
+      frame.stamp = stamp_ += kFrameInterval;
+      const double start = processorTime();
+      localizer_.process(frame);
+      if (number >= kWarmUp) spent += processorTime() - start;
+    });
+    return spent / (kFrames - kWarmUp);
+  }
+
+ private:
+  const RecordedSequence& sequence_;
+  Localizer localizer_;
+  double stamp_ = 0.0;
+};
+
+/// s per frame, for each turn.
+struct Turns {
+  std::vector<double> core;
+  std::vector<double> nodelet;
+};
+
+Turns measure(const RecordedSequence& sequence, Answers* answers) {
   ros::NodeHandle node;
   const ros::Subscriber statuses = node.subscribe<LocalizationStatus>(
       "/status", kFrames, [answers](const LocalizationStatus::ConstPtr& status) {
@@ -158,35 +194,25 @@ double runNodelet(Sender* sender, Answers* answers) {
       });
   ros::AsyncSpinner spinner(1);
   spinner.start();
-  nodelet::Loader loader(false);
+  Sender sender(sequence);
+  Core core(sequence);
   // What the process itself takes, without a nodelet.
-  const double idle = sendAll(sender);
+  const double idle = sendAll(&sender);
+  nodelet::Loader loader(false);
   if (!loader.load(kNodelet, "omnitag/LocalizerNodelet", {}, {})) {
     throw InputError("the nodelet could not be loaded");
   }
-  while (!sender->isHeard() && ros::ok()) ros::WallDuration(0.01).sleep();
-  ros::WallDuration(0.5).sleep();
-  sender->startAnew();
-  const double busy = sendAll(sender);
-  ros::WallDuration(0.5).sleep();
+  while (!sender.isHeard() && ros::ok()) ros::WallDuration(0.01).sleep();
+  Turns turns;
+  for (int i = 0; i < kTurns; ++i) {
+    sender.startAnew();
+    turns.nodelet.push_back(sendAll(&sender) - idle);
+    ros::WallDuration(0.5).sleep();
+    turns.core.push_back(core.localizeAll());
+  }
   loader.clear();
   spinner.stop();
-  return busy - idle;
-}
-
-/// s of processor time per frame.
-double runCore(const RecordedSequence& sequence) {
-  Localizer localizer(sequence.camera, sequence.map, {});
-  double spent = 0.0;
-  atPace([&](int number) {
-    Frame frame = frameOf(sequence, number);
-    frame.image = frame.image.clone();
-    frame.stamp = kFrameInterval * (number + 1);
-    const double start = processorTime();
-    localizer.process(frame);
-    if (number >= kWarmUp) spent += processorTime() - start;
-  });
-  return spent / (kFrames - kWarmUp);
+  return turns;
 }
 
 int run(int argc, char** argv) {
@@ -198,19 +224,24 @@ int run(int argc, char** argv) {
   setParameters(argc > 1 ? argv[2] : package + "/config/cameras/paper.yaml",
                 argc > 1 ? argv[3] : package + "/maps/paper.yaml");
   Answers answers;
-  Sender sender(sequence);
-  const double nodelet = runNodelet(&sender, &answers);
-  const double core = runCore(sequence);
+  const Turns turns = measure(sequence, &answers);
+  const double core = quantile(turns.core, 0.5);
+  const double nodelet = quantile(turns.nodelet, 0.5);
   const double within = answers.within / std::max(answers.all, 1);
+  std::vector<double> shares;
+  for (std::size_t i = 0; i < turns.core.size(); ++i) {
+    shares.push_back(100.0 * (turns.nodelet[i] / turns.core[i] - 1.0));
+  }
   std::printf(
       "%d images of %d x %d pixels, %.0f a second: %d answered, %d with a pose, %llu dropped\n",
-      kFrames, sequence.frames.front().image.cols, sequence.frames.front().image.rows,
+      kTurns * kFrames, sequence.frames.front().image.cols, sequence.frames.front().image.rows,
       1.0 / kFrameInterval, answers.all, answers.poses, answers.dropped);
   std::printf(
-      "ms per frame: core alone %.2f, core within the nodelet %.2f, nodelet %.2f (%+.1f %%, "
-      "%+.1f %%), which is %.0f %% of a core\n",
-      1e3 * core, 1e3 * within, 1e3 * nodelet, 100.0 * (nodelet / core - 1.0),
-      100.0 * (nodelet / within - 1.0), 100.0 * nodelet / kFrameInterval);
+      "ms per frame: core alone %.2f, core within the nodelet %.2f, nodelet %.2f, which is %.0f %% "
+      "of a core\n",
+      1e3 * core, 1e3 * within, 1e3 * nodelet, 100.0 * nodelet / kFrameInterval);
+  std::printf("nodelet over core: %+.1f %% (%+.1f to %+.1f %%)\n", quantile(shares, 0.5),
+              quantile(shares, 0.0), quantile(shares, 1.0));
   return 0;
 }
 

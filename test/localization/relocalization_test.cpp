@@ -116,6 +116,69 @@ TEST_F(RelocalizationTest, OneMarkerGivesTheRightPoseOrNone) {
   EXPECT_GT(found_count, kTrials / 4);
 }
 
+TEST_F(RelocalizationTest, RoughlyOneMarkerIsEnoughHoweverUncertainUnlessItIsOneOfSeveral) {
+  MarkerMap twice = room_;
+  for (const Marker& marker : room_.markers) {
+    twice.markers.push_back(marker);
+    twice.markers.back().map_from_marker.pretranslate(Eigen::Vector3d(40.0, 0.0, 0.0));
+  }
+  int uncertain = 0;
+  for (int i = 0; i < 200; ++i) {
+    const Pose2 truth = randomPose();
+    const std::vector<MarkerReading> readings = readSome(room_.markers, truth, 1);
+    ASSERT_EQ(readings.size(), 1U);
+    const Relocalization found =
+        relocalizeRoughly(room_, camera_, readings, {}, kMaxResidual, config_);
+    if (!found.map_from_base) {
+      EXPECT_NE(found.reason.find("equally well"), std::string::npos) << found.reason;
+    } else {
+      ASSERT_TRUE(found.entries[0]);
+      EXPECT_EQ(room_.markers[*found.entries[0]].id, readings[0].id);
+      if (!search(room_, readings).map_from_base) ++uncertain;
+    }
+    EXPECT_FALSE(
+        relocalizeRoughly(twice, camera_, readings, {}, kMaxResidual, config_).map_from_base);
+  }
+  EXPECT_GT(uncertain, 20);
+}
+
+TEST_F(RelocalizationTest, RoughlyIsTheSameWhereSeveralMarkersAreRead) {
+  for (int i = 0; i < 50; ++i) {
+    const Pose2 truth = randomPose();
+    const std::vector<MarkerReading> readings = readSome(room_.markers, truth, 3);
+    expectPose(relocalizeRoughly(room_, camera_, readings, {}, kMaxResidual, config_), truth, 0.05);
+  }
+}
+
+TEST_F(RelocalizationTest, AmongManyMarkersOfTheSameIdsThoseTogetherAreFound) {
+  // A building of such rooms, in each of which other ids hang beside each other.
+  constexpr int kRooms = 40;
+  MarkerMap building{"map", {}};
+  for (int room = 0; room < kRooms; ++room) {
+    for (std::size_t k = 0; k < room_.markers.size(); ++k) {
+      Marker marker = room_.markers[k];
+      const auto count = static_cast<int>(room_.markers.size());
+      marker.id = room_
+                      .markers[static_cast<std::size_t>(
+                          (static_cast<int>(k) * (1 + room % 3) + room) % count)]
+                      .id;
+      marker.map_from_marker.pretranslate(Eigen::Vector3d(9.0 * (room % 8), 9.0 * (room / 8), 0.0));
+      building.markers.push_back(marker);
+    }
+  }
+  int found_count = 0;
+  for (int i = 0; i < 40; ++i) {
+    const Pose2 in_room = randomPose();
+    const Pose2 truth{in_room.x + 9.0 * (i % 8), in_room.y + 9.0 * (i / 8), in_room.yaw};
+    const auto first = building.markers.begin() + i * static_cast<int>(room_.markers.size());
+    const std::vector<Marker> markers(first, first + static_cast<int>(room_.markers.size()));
+    const Relocalization found = search(building, readSome(markers, truth, 5));
+    expectNoWrongPose(found, truth, 0.05);
+    if (found.map_from_base) ++found_count;
+  }
+  EXPECT_GT(found_count, 0);
+}
+
 TEST_F(RelocalizationTest, AMarkerNearbySeenFromTheSideIsEnoughAlone) {
   const Marker marker = test::wallMarker(3, {2.0, 1.0, 1.2}, kPi);
   for (const double incidence : {-50.0, -40.0, 40.0, 50.0}) {

@@ -113,6 +113,32 @@ TEST_P(GlanceReaderTest, ReadsWhatIsInTheAnnulusAndNothingElse) {
   }
 }
 
+TEST_P(GlanceReaderTest, ReadsWhatIsInTheSectorAndNothingElse) {
+  const cv::Mat panorama = test::renderPanorama(map_, camera_, truth_);
+  const std::size_t last = reader_.count() - 1;
+  for (const Marker& marker : map_.markers) {
+    const MarkerReading exact = *test::exactReading(marker, camera_, truth_);
+    const Eigen::Vector2d ideal = *model_->imagePlane().idealFromPixel(exact.center);
+    const double azimuth = std::atan2(ideal.y(), ideal.x());
+    const auto isRead = [&](const Sector& sector) {
+      const Glance seen =
+          reader_.read(panorama, last, warper_, camera_.axisUp(), {Annulus{}, sector});
+      return std::any_of(seen.readings.begin(), seen.readings.end(), [&](const auto& reading) {
+        return reading.id == marker.id && (reading.center - exact.center).norm() < 0.2;
+      });
+    };
+    for (const double half_width : {0.5, 1.2, 2.5}) {
+      for (const double off : {-0.7, 0.0, 0.7}) {
+        const bool is_whole = std::abs(off) < half_width - 0.3;
+        EXPECT_EQ(isRead({azimuth + off, half_width}), is_whole)
+            << marker.id << ", " << half_width << ", " << off;
+      }
+      // Half of it is on either side.
+      EXPECT_FALSE(isRead({azimuth + half_width, half_width})) << marker.id << ", " << half_width;
+    }
+  }
+}
+
 TEST_P(GlanceReaderTest, MayStartWithWhatStandsOut) {
   cv::Mat panorama = test::renderPanorama(map_, camera_, truth_);
   // One marker in deep shade: all around it, and so in no contrast to speak of.

@@ -2,12 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstddef>
 #include <random>
 #include <vector>
 
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
+#include "omnitag/common/angle.h"
 #include "omnitag/marker/marker_prediction.h"
 
 namespace omnitag {
@@ -37,6 +39,24 @@ TEST(MarkerIndexTest, FindsThoseWithinTheRange) {
     EXPECT_EQ(index.within(range, point), expected) << range;
   }
   EXPECT_TRUE(MarkerIndex(MarkerMap{"map", {}}).within(10.0, point).empty());
+}
+
+TEST(MarkerIndexTest, KnowsHowHighMarkersReach) {
+  Marker upright = test::wallMarker(1, {2.0, 1.0, 1.2}, 0.7);
+  Marker turned = test::wallMarker(2, {-3.0, 1.0, 2.0}, 0.1);
+  upright.size = turned.size = 0.2;
+  // A corner up: its diagonal is upright.
+  turned.map_from_marker.rotate(Eigen::AngleAxisd(radians(45.0), Eigen::Vector3d::UnitZ()));
+  const MarkerMap map{"map",
+                      {upright, turned, test::lyingMarker(3, {0.0, 0.0, 2.8}, false, 0.0, 0.4)}};
+  const MarkerIndex index(map);
+  const MarkerHeights& heights = index.heights();
+  EXPECT_NEAR(heights.upright.low, 1.2 - 1.2 * 0.1, 1e-12);
+  EXPECT_NEAR(heights.upright.high, 2.0 + 1.2 * 0.1 * std::sqrt(2.0), 1e-12);
+  EXPECT_NEAR(heights.lying.low, 2.8, 1e-12);
+  EXPECT_NEAR(heights.lying.high, 2.8, 1e-12);
+  EXPECT_TRUE(heightsOf({"map", {upright}}).lying.isEmpty());
+  EXPECT_TRUE(heightsOf({"map", {}}).upright.isEmpty());
 }
 
 TEST(MarkerIndexTest, PredictsWhatLookingAtEachMarkerPredicts) {

@@ -19,12 +19,13 @@ namespace omnitag {
 /// How a camera looks all around for markers when it does not know where it is (the paper's
 /// Section 8).
 struct LookAroundConfig {
-  /// Whether the panorama itself is looked at first, which is several times faster: three markers
-  /// that agree are enough, or two that are all that should be seen.
+  /// Whether the panorama itself is looked at first, sector by sector, which is several times
+  /// faster: three markers that agree are enough, or two that are all that should be seen.
   bool glance = true;
   /// rad, between the middles of neighbouring views.
   double step = radians(45.0);
-  /// rad, by which neighbouring views overlap: a marker that is narrower is whole in one of them.
+  /// rad, by which neighbouring views or sectors overlap: a marker that is narrower is whole in one
+  /// of them.
   double overlap = radians(20.0);
   /// m, horizontally from the camera: nearer markers are not looked for, as they would be far above
   /// or below. Markers on the floor and under the ceiling are, however near.
