@@ -57,14 +57,18 @@ bool isBeyondDoubt(const FrameResult& seen) {
   return 2 * static_cast<std::size_t>(seen.acceptedMarkers()) > seen.predicted.size();
 }
 
-/// The pose that explains what was read. That of a single marker is to be sharpened.
-Relocalization roughPose(const std::vector<MarkerReading>& readings, const TrackingTools& tools,
-                         const MountedCamera& camera) {
+/// Poses that explain what was read. That of a single marker is to be sharpened.
+std::vector<Relocalization> startsFrom(const std::vector<MarkerReading>& readings,
+                                       const TrackingTools& tools, const MountedCamera& camera) {
   const LocalizerConfig& config = tools.config;
-  const bool is_sharpened = config.estimation.kind == EstimatorKind::kPhotometric;
-  return (is_sharpened ? relocalizeRoughly : relocalize)(
-      tools.map, camera, readings, config.estimation.reprojection, config.estimation.max_residual,
-      config.relocalization);
+  if (config.estimation.kind == EstimatorKind::kPhotometric) {
+    return roughPoses(tools.map, camera, readings, config.estimation.reprojection,
+                      config.estimation.max_residual, config.relocalization);
+  }
+  Relocalization found = relocalize(tools.map, camera, readings, config.estimation.reprojection,
+                                    config.estimation.max_residual, config.relocalization);
+  if (!found.map_from_base) return {};
+  return {std::move(found)};
 }
 
 /// The pose from which to look for all markers. The corners of a single one hardly tell from where
@@ -92,15 +96,12 @@ bool areInPlace(const std::vector<MarkerReading>& readings, const TrackingTools&
   });
 }
 
-/// What is seen from the pose that readings lead to; nothing where that does not bear it out.
-/// Adds to `timings` what it took.
-std::optional<FrameResult> lookFrom(const Glance& seen, const TrackingTools& tools,
-                                    const Frame& frame, const MountedCamera& camera,
-                                    std::size_t turn, Timings* timings) {
-  Stopwatch step;
-  const Relocalization found = roughPose(seen.readings, tools, camera);
-  timings->solve += step.lap();
-  if (!found.map_from_base) return std::nullopt;
+/// What is seen from a pose that explains readings; nothing where that does not bear it out. Adds
+/// to `timings` what it took.
+std::optional<FrameResult> lookFrom(const Relocalization& found, const Glance& seen,
+                                    const TrackingTools& tools, const Frame& frame,
+                                    const MountedCamera& camera, std::size_t turn,
+                                    Timings* timings) {
   FrameResult around;
   around.stamp = frame.stamp;
   // The tracker adds those of all markers where people want to look at them.
@@ -115,7 +116,7 @@ std::optional<FrameResult> lookFrom(const Glance& seen, const TrackingTools& too
   around.detections.erase(
       std::remove_if(around.detections.begin(), around.detections.end(), isMapped),
       around.detections.end());
-  step.lap();
+  Stopwatch step;
   const PoseEstimate start =
       sharpened(*found.map_from_base, explaining, tools, frame.image, camera);
   timings->solve += step.lap();
@@ -126,6 +127,20 @@ std::optional<FrameResult> lookFrom(const Glance& seen, const TrackingTools& too
   const bool explains_all = around.acceptedMarkers() >= static_cast<int>(explaining.size());
   if (!around.map_from_base || !explains_all || !isEnough(around)) return std::nullopt;
   return around;
+}
+
+/// The same from the first of the poses that is borne out.
+std::optional<FrameResult> lookFromAny(const Glance& seen, const TrackingTools& tools,
+                                       const Frame& frame, const MountedCamera& camera,
+                                       std::size_t turn, Timings* timings) {
+  Stopwatch step;
+  const std::vector<Relocalization> starts = startsFrom(seen.readings, tools, camera);
+  timings->solve += step.lap();
+  for (const Relocalization& start : starts) {
+    auto around = lookFrom(start, seen, tools, frame, camera, turn, timings);
+    if (around) return around;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -153,7 +168,7 @@ std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& fram
           around && areInPlace(more.readings, tools, camera, around->map_from_base->pose);
       add(std::move(more), warper, &seen);
       if (agrees) continue;
-      around = lookFrom(seen, tools, frame, camera, turn, &result->timings);
+      around = lookFromAny(seen, tools, frame, camera, turn, &result->timings);
       if (around && isBeyondDoubt(*around)) break;
     }
     if (!around) continue;

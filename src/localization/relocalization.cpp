@@ -141,18 +141,23 @@ Relocalization relocalize(const MarkerMap& map, const MountedCamera& camera,
   return explained(*best, covariance);
 }
 
-Relocalization relocalizeRoughly(const MarkerMap& map, const MountedCamera& camera,
-                                 const std::vector<MarkerReading>& readings,
-                                 const ReprojectionConfig& reprojection, double max_residual,
-                                 const RelocalizationConfig& config) {
-  if (readings.size() == 1 && entriesOf(map, readings[0].family, readings[0].id).size() > 1) {
-    return unexplained(1, "the only marker that was read may be one of several");
-  }
+std::vector<Relocalization> roughPoses(const MarkerMap& map, const MountedCamera& camera,
+                                       const std::vector<MarkerReading>& readings,
+                                       const ReprojectionConfig& reprojection, double max_residual,
+                                       const RelocalizationConfig& config) {
   const RelocalizationProblem problem{map, camera, readings, reprojection, max_residual, config};
-  std::string reason;
-  const std::optional<PoseHypothesis> best = likeliest(problem, &reason);
-  if (!best) return unexplained(readings.size(), std::move(reason));
-  return explained(*best, covarianceOf(*best, problem));
+  std::vector<PoseHypothesis> hypotheses;
+  if (readings.size() == 1) {
+    if (entriesOf(map, readings[0].family, readings[0].id).size() > 1) return {};
+    hypotheses = poseHypotheses(problem);
+  } else if (std::string reason; auto best = likeliest(problem, &reason)) {
+    hypotheses.push_back(std::move(*best));
+  }
+  std::vector<Relocalization> poses;
+  for (const PoseHypothesis& hypothesis : hypotheses) {
+    poses.push_back(explained(hypothesis, covarianceOf(hypothesis, problem)));
+  }
+  return poses;
 }
 
 }  // namespace omnitag

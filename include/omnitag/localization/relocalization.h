@@ -55,12 +55,13 @@ Relocalization relocalize(const MarkerMap& map, const MountedCamera& camera,
                           const ReprojectionConfig& reprojection, double max_residual,
                           const RelocalizationConfig& config);
 
-/// The same for a start from which other markers are looked for, which are to confirm it: a single
-/// marker is enough however uncertain it leaves the pose, unless its id stands on several. The
+/// Poses from which other markers are looked for, which are to confirm one of them: the one that
+/// explains what was read, as above, and for a single marker all from which it looks as it does,
+/// the likeliest first, however uncertain they are. None where its id stands on several. The
 /// covariance is that of corners.
-Relocalization relocalizeRoughly(const MarkerMap& map, const MountedCamera& camera,
-                                 const std::vector<MarkerReading>& readings,
-                                 const ReprojectionConfig& reprojection, double max_residual,
-                                 const RelocalizationConfig& config);
+std::vector<Relocalization> roughPoses(const MarkerMap& map, const MountedCamera& camera,
+                                       const std::vector<MarkerReading>& readings,
+                                       const ReprojectionConfig& reprojection, double max_residual,
+                                       const RelocalizationConfig& config);
 
 }  // namespace omnitag
