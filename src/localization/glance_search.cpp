@@ -9,6 +9,7 @@
 #include "omnitag/common/angle.h"
 #include "omnitag/common/stopwatch.h"
 #include "omnitag/localization/look_around.h"
+#include "pose_confirmation.h"
 
 namespace omnitag {
 namespace {
@@ -16,9 +17,6 @@ namespace {
 /// Of a sector the largest markers, so many: more of them hardly tell more of where to look for the
 /// others.
 constexpr std::size_t kAtMost = 4;
-
-/// Corners only tell where to look: their covariance is to be modest.
-constexpr double kDoubt = 3.0;
 
 /// Where a glance looks one after another: what the first ones show is mostly enough. Neighbours
 /// overlap by an angle (rad).
@@ -57,36 +55,6 @@ bool isBeyondDoubt(const FrameResult& seen) {
   return 2 * static_cast<std::size_t>(seen.acceptedMarkers()) > seen.predicted.size();
 }
 
-/// Poses that explain what was read. That of a single marker is to be sharpened.
-std::vector<Relocalization> startsFrom(const std::vector<MarkerReading>& readings,
-                                       const TrackingTools& tools, const MountedCamera& camera) {
-  const LocalizerConfig& config = tools.config;
-  if (config.estimation.kind == EstimatorKind::kPhotometric) {
-    return roughPoses(tools.map, camera, readings, config.estimation.reprojection,
-                      config.estimation.max_residual, config.relocalization);
-  }
-  Relocalization found = relocalize(tools.map, camera, readings, config.estimation.reprojection,
-                                    config.estimation.max_residual, config.relocalization);
-  if (!found.map_from_base) return {};
-  return {std::move(found)};
-}
-
-/// The pose from which to look for all markers. The corners of a single one hardly tell from where
-/// it is seen; its pixels do.
-PoseEstimate sharpened(PoseEstimate pose, const std::vector<std::size_t>& explaining,
-                       const TrackingTools& tools, const cv::Mat& panorama,
-                       const MountedCamera& camera) {
-  if (explaining.size() == 1 && tools.config.estimation.kind == EstimatorKind::kPhotometric) {
-    PhotometricConfig rough = tools.config.estimation.photometric;
-    rough.max_final_pixels = rough.max_pixels;
-    const auto fit = refinePhotometrically(panorama, tools.map, camera, tools.patterns, explaining,
-                                           pose.pose, std::nullopt, rough);
-    if (fit) return fit->map_from_base;
-  }
-  pose.covariance *= kDoubt * kDoubt;
-  return pose;
-}
-
 /// Whether all markers of the map that were read are where a pose has them.
 bool areInPlace(const std::vector<MarkerReading>& readings, const TrackingTools& tools,
                 const MountedCamera& camera, const Pose2& map_from_base) {
@@ -94,53 +62,6 @@ bool areInPlace(const std::vector<MarkerReading>& readings, const TrackingTools&
     return entriesOf(tools.map, reading.family, reading.id).empty() ||
            isInPlace(reading, tools, camera, map_from_base);
   });
-}
-
-/// What is seen from a pose that explains readings; nothing where that does not bear it out. Adds
-/// to `timings` what it took.
-std::optional<FrameResult> lookFrom(const Relocalization& found, const Glance& seen,
-                                    const TrackingTools& tools, const Frame& frame,
-                                    const MountedCamera& camera, std::size_t turn,
-                                    Timings* timings) {
-  FrameResult around;
-  around.stamp = frame.stamp;
-  // The tracker adds those of all markers where people want to look at them.
-  if (!frame.wants_views) {
-    around.views = seen.views;
-    around.view_images = seen.view_images;
-  }
-  const std::vector<std::size_t> explaining = addDetections(tools, seen.readings, found, &around);
-  if (contradictions(around, tools.map) > 0) return std::nullopt;
-  // Those of the map are found anew from the pose.
-  const auto isMapped = [](const MarkerDetection& detection) { return detection.accepted; };
-  around.detections.erase(
-      std::remove_if(around.detections.begin(), around.detections.end(), isMapped),
-      around.detections.end());
-  Stopwatch step;
-  const PoseEstimate start =
-      sharpened(*found.map_from_base, explaining, tools, frame.image, camera);
-  timings->solve += step.lap();
-  around.timings = *timings;
-  around.predicted = predictMarkers(tools.map, tools.index, camera, start, tools.config.visibility);
-  around.map_from_base = FrameTracker(tools, frame, camera, start, &around).track(turn);
-  *timings = around.timings;
-  const bool explains_all = around.acceptedMarkers() >= static_cast<int>(explaining.size());
-  if (!around.map_from_base || !explains_all || !isEnough(around)) return std::nullopt;
-  return around;
-}
-
-/// The same from the first of the poses that is borne out.
-std::optional<FrameResult> lookFromAny(const Glance& seen, const TrackingTools& tools,
-                                       const Frame& frame, const MountedCamera& camera,
-                                       std::size_t turn, Timings* timings) {
-  Stopwatch step;
-  const std::vector<Relocalization> starts = startsFrom(seen.readings, tools, camera);
-  timings->solve += step.lap();
-  for (const Relocalization& start : starts) {
-    auto around = lookFrom(start, seen, tools, frame, camera, turn, timings);
-    if (around) return around;
-  }
-  return std::nullopt;
 }
 
 }  // namespace
@@ -168,13 +89,13 @@ std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& fram
           around && areInPlace(more.readings, tools, camera, around->map_from_base->pose);
       add(std::move(more), warper, &seen);
       if (agrees) continue;
-      around = lookFromAny(seen, tools, frame, camera, turn, &result->timings);
+      around = confirm(seen, isEnough, tools, frame, camera, turn, &result->timings);
       if (around && isBeyondDoubt(*around)) break;
     }
     if (!around) continue;
     around->timings = result->timings;
     *result = std::move(*around);
-    return std::exchange(result->map_from_base, std::nullopt);
+    return result->map_from_base;
   }
   return std::nullopt;
 }

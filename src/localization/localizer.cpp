@@ -18,6 +18,7 @@
 #include "omnitag/common/stopwatch.h"
 #include "omnitag/localization/displacement.h"
 #include "omnitag/localization/reprojection.h"
+#include "pose_confirmation.h"
 
 namespace omnitag {
 namespace {
@@ -279,16 +280,22 @@ void Localizer::explore(const Frame& frame, const MountedCamera& camera, const P
 void Localizer::search(const Frame& frame, const MountedCamera& camera,
                        const std::optional<PoseEstimate>& predicted, bool is_refuted,
                        FrameResult* result) {
-  if (const std::optional<PoseEstimate> seen =
-          glance(trackingTools(), frame, camera, frames_, result)) {
-    const bool is_expected = predicted && agree(*predicted, *seen);
-    settle(is_expected ? *seen : modest(*seen, *result), frame, predicted, is_expected, result);
-    return;
+  const auto accept = [&](const PoseEstimate& seen) {
+    const bool is_expected = predicted && agree(*predicted, seen);
+    settle(is_expected ? seen : modest(seen, *result), frame, predicted, is_expected, result);
+  };
+  if (const auto seen = glance(trackingTools(), frame, camera, frames_, result)) {
+    return accept(*seen);
   }
   const std::vector<MarkerReading> readings = lookAround(trackingTools(), frame, camera, result);
   Stopwatch step;
   const Relocalization found = relocalize(map_, camera, readings, config_.estimation.reprojection,
                                           config_.estimation.max_residual, config_.relocalization);
+  result->timings.solve += step.lap();
+  if (!found.map_from_base) {
+    if (const auto seen = confirmAround(readings, frame, camera, result)) return accept(*seen);
+  }
+  step.lap();
   const std::vector<std::size_t> explaining =
       addDetections(trackingTools(), readings, found, result);
 
@@ -321,6 +328,19 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
     result->remark = found.reason;
   }
   result->timings.solve += step.lap();
+}
+
+std::optional<PoseEstimate> Localizer::confirmAround(const std::vector<MarkerReading>& readings,
+                                                     const Frame& frame,
+                                                     const MountedCamera& camera,
+                                                     FrameResult* result) const {
+  const auto areTwo = [](const FrameResult& seen) { return seen.acceptedMarkers() >= 2; };
+  auto seen = confirm({readings, result->views, result->view_images}, areTwo, trackingTools(),
+                      frame, camera, frames_, &result->timings);
+  if (!seen) return std::nullopt;
+  seen->explored = std::move(result->explored);
+  *result = std::move(*seen);
+  return result->map_from_base;
 }
 
 void Localizer::settle(const PoseEstimate& pose, const Frame& frame,

@@ -145,7 +145,11 @@ std::vector<Relocalization> roughPoses(const MarkerMap& map, const MountedCamera
                                        const std::vector<MarkerReading>& readings,
                                        const ReprojectionConfig& reprojection, double max_residual,
                                        const RelocalizationConfig& config) {
-  const RelocalizationProblem problem{map, camera, readings, reprojection, max_residual, config};
+  // What others are to confirm need not be believable alone.
+  RelocalizationConfig trusting = config;
+  trusting.max_residual_of_one = max_residual;
+  trusting.max_hamming_of_one = std::numeric_limits<int>::max();
+  const RelocalizationProblem problem{map, camera, readings, reprojection, max_residual, trusting};
   std::vector<PoseHypothesis> hypotheses;
   if (readings.size() == 1) {
     if (entriesOf(map, readings[0].family, readings[0].id).size() > 1) return {};

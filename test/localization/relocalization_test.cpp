@@ -146,7 +146,7 @@ TEST_F(RelocalizationTest, RoughPosesOfOneMarkerAreAllFromWhichItLooksLikeThat) 
       for (std::size_t k = 0; k < seen->corners.size(); ++k) {
         squares += (seen->corners[k] - readings[0].corners[k]).squaredNorm();
       }
-      EXPECT_LE(std::sqrt(squares / 4.0), config_.max_residual_of_one);
+      EXPECT_LE(std::sqrt(squares / 4.0), kMaxResidual);
       const Eigen::Vector3d error = difference(one.map_from_base->pose, truth);
       nearest = std::min(nearest, error.head<2>().norm());
     }

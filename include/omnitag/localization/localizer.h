@@ -88,6 +88,11 @@ class Localizer {
   /// Looks all around, and decides between what it finds and the prediction.
   void search(const Frame& frame, const MountedCamera& camera,
               const std::optional<PoseEstimate>& predicted, bool is_refuted, FrameResult* result);
+  /// A pose that no reading of a look around tells by itself, but with others that are recognized
+  /// from there; these are then in the result.
+  std::optional<PoseEstimate> confirmAround(const std::vector<MarkerReading>& readings,
+                                            const Frame& frame, const MountedCamera& camera,
+                                            FrameResult* result) const;
   /// Takes a pose that was found without the prediction, or agrees with it.
   void settle(const PoseEstimate& pose, const Frame& frame,
               const std::optional<PoseEstimate>& predicted, bool is_expected, FrameResult* result);

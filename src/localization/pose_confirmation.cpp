@@ -1,0 +1,96 @@
+#include "pose_confirmation.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "frame_search.h"
+#include "omnitag/common/stopwatch.h"
+#include "omnitag/localization/relocalization.h"
+
+namespace omnitag {
+namespace {
+
+/// Corners only tell where to look: their covariance is to be modest.
+constexpr double kDoubt = 3.0;
+
+/// Poses that explain what was read. That of a single marker is to be sharpened.
+std::vector<Relocalization> startsFrom(const std::vector<MarkerReading>& readings,
+                                       const TrackingTools& tools, const MountedCamera& camera) {
+  const LocalizerConfig& config = tools.config;
+  if (config.estimation.kind == EstimatorKind::kPhotometric) {
+    return roughPoses(tools.map, camera, readings, config.estimation.reprojection,
+                      config.estimation.max_residual, config.relocalization);
+  }
+  Relocalization found = relocalize(tools.map, camera, readings, config.estimation.reprojection,
+                                    config.estimation.max_residual, config.relocalization);
+  if (!found.map_from_base) return {};
+  return {std::move(found)};
+}
+
+/// The pose from which to look for all markers. The corners of a single one hardly tell from where
+/// it is seen; its pixels do.
+PoseEstimate sharpened(PoseEstimate pose, const std::vector<std::size_t>& explaining,
+                       const TrackingTools& tools, const cv::Mat& panorama,
+                       const MountedCamera& camera) {
+  if (explaining.size() == 1 && tools.config.estimation.kind == EstimatorKind::kPhotometric) {
+    PhotometricConfig rough = tools.config.estimation.photometric;
+    rough.max_final_pixels = rough.max_pixels;
+    const auto fit = refinePhotometrically(panorama, tools.map, camera, tools.patterns, explaining,
+                                           pose.pose, std::nullopt, rough);
+    if (fit) return fit->map_from_base;
+  }
+  pose.covariance *= kDoubt * kDoubt;
+  return pose;
+}
+
+/// What is seen from a pose that explains readings; nothing where these are not among it. Adds to
+/// `timings` what it took.
+std::optional<FrameResult> lookFrom(const Relocalization& found, const Glance& seen,
+                                    const TrackingTools& tools, const Frame& frame,
+                                    const MountedCamera& camera, std::size_t turn,
+                                    Timings* timings) {
+  FrameResult around;
+  around.stamp = frame.stamp;
+  // The tracker adds those of all markers where people want to look at them.
+  if (!frame.wants_views) {
+    around.views = seen.views;
+    around.view_images = seen.view_images;
+  }
+  const std::vector<std::size_t> explaining = addDetections(tools, seen.readings, found, &around);
+  if (contradictions(around, tools.map) > 0) return std::nullopt;
+  // Those of the map are found anew from the pose.
+  const auto isMapped = [](const MarkerDetection& detection) { return detection.accepted; };
+  around.detections.erase(
+      std::remove_if(around.detections.begin(), around.detections.end(), isMapped),
+      around.detections.end());
+  Stopwatch step;
+  const PoseEstimate start =
+      sharpened(*found.map_from_base, explaining, tools, frame.image, camera);
+  timings->solve += step.lap();
+  around.timings = *timings;
+  around.predicted = predictMarkers(tools.map, tools.index, camera, start, tools.config.visibility);
+  around.map_from_base = FrameTracker(tools, frame, camera, start, &around).track(turn);
+  *timings = around.timings;
+  const bool explains_all = around.acceptedMarkers() >= static_cast<int>(explaining.size());
+  if (!around.map_from_base || !explains_all) return std::nullopt;
+  return around;
+}
+
+}  // namespace
+
+std::optional<FrameResult> confirm(const Glance& seen, bool (*isEnough)(const FrameResult&),
+                                   const TrackingTools& tools, const Frame& frame,
+                                   const MountedCamera& camera, std::size_t turn,
+                                   Timings* timings) {
+  Stopwatch step;
+  const std::vector<Relocalization> starts = startsFrom(seen.readings, tools, camera);
+  timings->solve += step.lap();
+  for (const Relocalization& start : starts) {
+    auto around = lookFrom(start, seen, tools, frame, camera, turn, timings);
+    if (around && isEnough(*around)) return around;
+  }
+  return std::nullopt;
+}
+
+}  // namespace omnitag
