@@ -159,8 +159,9 @@ FrameTracker::FrameTracker(const TrackingTools& tools, const Frame& frame,
       result_(result),
       sightings_(result->predicted.size()) {}
 
-std::optional<PoseEstimate> FrameTracker::track(std::size_t glance) {
-  if (tools_.config.estimation.kind == EstimatorKind::kPhotometric) {
+std::optional<PoseEstimate> FrameTracker::track(std::optional<std::size_t> glance) {
+  const bool recognizes = tools_.config.estimation.kind == EstimatorKind::kPhotometric;
+  if (recognizes) {
     // The first ones make it easy to find the others.
     recognize(predicted_, kFirst);
     if (found() < kFirst) {
@@ -175,7 +176,8 @@ std::optional<PoseEstimate> FrameTracker::track(std::size_t glance) {
     }
   }
   std::vector<std::size_t> rest = undecoded();
-  if (found() >= kEnough && !rest.empty()) rest = {rest[glance % rest.size()]};
+  if (recognizes && !glance) rest.clear();
+  if (glance && found() >= kEnough && !rest.empty()) rest = {rest[*glance % rest.size()]};
   if (!rest.empty()) {
     decode(rest);
     solve();

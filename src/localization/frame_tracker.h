@@ -36,8 +36,9 @@ class FrameTracker {
 
   /// The pose, the prediction included; nothing where no marker agrees with any. `glance` is
   /// counted up from frame to frame: of the markers that were not found though the pose is certain,
-  /// it says which one is looked at with the decoder, to see what is there instead.
-  std::optional<PoseEstimate> track(std::size_t glance);
+  /// it says which one is looked at with the decoder, to see what is there instead. Without it, as
+  /// for a prediction in doubt, few are decoded where markers can be recognized.
+  std::optional<PoseEstimate> track(std::optional<std::size_t> glance = std::nullopt);
 
  private:
   /// What became of a predicted marker.

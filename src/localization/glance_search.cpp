@@ -67,8 +67,7 @@ bool areInPlace(const std::vector<MarkerReading>& readings, const TrackingTools&
 }  // namespace
 
 std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& frame,
-                                   const MountedCamera& camera, std::size_t turn,
-                                   FrameResult* result) {
+                                   const MountedCamera& camera, FrameResult* result) {
   const LocalizerConfig& config = tools.config;
   const GlanceReader& reader = tools.glance_reader;
   const ViewWarper& warper = tools.reader.warper();
@@ -89,7 +88,7 @@ std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& fram
           around && areInPlace(more.readings, tools, camera, around->map_from_base->pose);
       add(std::move(more), warper, &seen);
       if (agrees) continue;
-      around = confirm(seen, isEnough, tools, frame, camera, turn, &result->timings);
+      around = confirm(seen, isEnough, tools, frame, camera, &result->timings);
       if (around && isBeyondDoubt(*around)) break;
     }
     if (!around) continue;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <optional>
 
 #include "frame_tracker.h"
@@ -11,9 +10,8 @@ namespace omnitag {
 /// A pose from a glance at the panorama itself, one sector after another, and what was seen from
 /// there: the first marker that leaves but one pose tells where the others are. Nothing, and a
 /// result that only knows how long it took, where fewer than three agree then, unless two are all
-/// that should be seen. `turn`: as in FrameTracker::track().
+/// that should be seen.
 std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& frame,
-                                   const MountedCamera& camera, std::size_t turn,
-                                   FrameResult* result);
+                                   const MountedCamera& camera, FrameResult* result);
 
 }  // namespace omnitag

@@ -284,7 +284,7 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
     const bool is_expected = predicted && agree(*predicted, seen);
     settle(is_expected ? seen : modest(seen, *result), frame, predicted, is_expected, result);
   };
-  if (const auto seen = glance(trackingTools(), frame, camera, frames_, result)) {
+  if (const auto seen = glance(trackingTools(), frame, camera, result)) {
     return accept(*seen);
   }
   const std::vector<MarkerReading> readings = lookAround(trackingTools(), frame, camera, result);
@@ -336,7 +336,7 @@ std::optional<PoseEstimate> Localizer::confirmAround(const std::vector<MarkerRea
                                                      FrameResult* result) const {
   const auto areTwo = [](const FrameResult& seen) { return seen.acceptedMarkers() >= 2; };
   auto seen = confirm({readings, result->views, result->view_images}, areTwo, trackingTools(),
-                      frame, camera, frames_, &result->timings);
+                      frame, camera, &result->timings);
   if (!seen) return std::nullopt;
   seen->explored = std::move(result->explored);
   *result = std::move(*seen);

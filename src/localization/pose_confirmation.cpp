@@ -48,8 +48,7 @@ PoseEstimate sharpened(PoseEstimate pose, const std::vector<std::size_t>& explai
 /// `timings` what it took.
 std::optional<FrameResult> lookFrom(const Relocalization& found, const Glance& seen,
                                     const TrackingTools& tools, const Frame& frame,
-                                    const MountedCamera& camera, std::size_t turn,
-                                    Timings* timings) {
+                                    const MountedCamera& camera, Timings* timings) {
   FrameResult around;
   around.stamp = frame.stamp;
   // The tracker adds those of all markers where people want to look at them.
@@ -70,7 +69,7 @@ std::optional<FrameResult> lookFrom(const Relocalization& found, const Glance& s
   timings->solve += step.lap();
   around.timings = *timings;
   around.predicted = predictMarkers(tools.map, tools.index, camera, start, tools.config.visibility);
-  around.map_from_base = FrameTracker(tools, frame, camera, start, &around).track(turn);
+  around.map_from_base = FrameTracker(tools, frame, camera, start, &around).track();
   *timings = around.timings;
   const bool explains_all = around.acceptedMarkers() >= static_cast<int>(explaining.size());
   if (!around.map_from_base || !explains_all) return std::nullopt;
@@ -81,13 +80,12 @@ std::optional<FrameResult> lookFrom(const Relocalization& found, const Glance& s
 
 std::optional<FrameResult> confirm(const Glance& seen, bool (*isEnough)(const FrameResult&),
                                    const TrackingTools& tools, const Frame& frame,
-                                   const MountedCamera& camera, std::size_t turn,
-                                   Timings* timings) {
+                                   const MountedCamera& camera, Timings* timings) {
   Stopwatch step;
   const std::vector<Relocalization> starts = startsFrom(seen.readings, tools, camera);
   timings->solve += step.lap();
   for (const Relocalization& start : starts) {
-    auto around = lookFrom(start, seen, tools, frame, camera, turn, timings);
+    auto around = lookFrom(start, seen, tools, frame, camera, timings);
     if (around && isEnough(*around)) return around;
   }
   return std::nullopt;

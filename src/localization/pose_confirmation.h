@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <optional>
 
 #include "frame_tracker.h"
@@ -10,11 +9,10 @@ namespace omnitag {
 
 /// The pose that a few readings lead to, however uncertain or ambiguous by themselves, with what is
 /// seen from there as in tracking, where that is enough to be sure. Nothing where it is not, or
-/// where a reading contradicts. `seen`: the readings and where they were read. `turn`: as in
-/// FrameTracker::track(). Adds to `timings` what it took.
+/// where a reading contradicts. `seen`: the readings and where they were read. Adds to `timings`
+/// what it took.
 std::optional<FrameResult> confirm(const Glance& seen, bool (*isEnough)(const FrameResult&),
                                    const TrackingTools& tools, const Frame& frame,
-                                   const MountedCamera& camera, std::size_t turn,
-                                   Timings* timings);
+                                   const MountedCamera& camera, Timings* timings);
 
 }  // namespace omnitag
