@@ -26,6 +26,15 @@ constexpr std::size_t kEnough = 3;
 /// Of a prediction that is too vague to recognize markers, how many are decoded at first.
 constexpr std::size_t kAnchors = 4;
 
+/// Pixels of a view that is decoded at most.
+constexpr double kAnySize = std::numeric_limits<double>::infinity();
+
+/// The same where the prediction is in doubt: a look at the panorama itself must not cost less.
+double largestInDoubt(const cv::Mat& panorama) {
+  constexpr double kShareOfSides = 0.25;
+  return kShareOfSides * panorama.cols * kShareOfSides * panorama.rows;
+}
+
 /// Mean and covariance of a pose of which two estimates are possible, each with its misfit (twice
 /// the negative log-likelihood).
 PoseEstimate mixture(const PoseEstimate& a, double misfit_a, const PoseEstimate& b,
@@ -167,7 +176,7 @@ std::optional<PoseEstimate> FrameTracker::track(std::optional<std::size_t> glanc
     if (found() < kFirst) {
       std::vector<std::size_t> anchors = undecoded();
       anchors.resize(std::min(anchors.size(), kAnchors));
-      decode(anchors);
+      decode(anchors, glance ? kAnySize : largestInDoubt(frame_.image));
     }
     solve();
     if (solution_) {
@@ -179,7 +188,7 @@ std::optional<PoseEstimate> FrameTracker::track(std::optional<std::size_t> glanc
   if (recognizes && !glance) rest.clear();
   if (glance && found() >= kEnough && !rest.empty()) rest = {rest[*glance % rest.size()]};
   if (!rest.empty()) {
-    decode(rest);
+    decode(rest, kAnySize);
     solve();
   }
   Stopwatch step;
@@ -241,10 +250,14 @@ std::size_t FrameTracker::found() const {
                     [](const Sighting& sighting) { return sighting.observation.has_value(); }));
 }
 
-void FrameTracker::decode(const std::vector<std::size_t>& targets) {
+void FrameTracker::decode(const std::vector<std::size_t>& targets, double max_pixels) {
   Stopwatch step;
   for (const std::size_t target : targets) sightings_[target].was_decoded = true;
   std::vector<View> views = viewsOf(targets);
+  views.erase(
+      std::remove_if(views.begin(), views.end(),
+                     [max_pixels](const View& view) { return view.size.area() > max_pixels; }),
+      views.end());
   result_->timings.predict += step.lap();
   // Views overlap: what one of them shows may have been expected in another.
   std::vector<std::size_t> all(result_->predicted.size());

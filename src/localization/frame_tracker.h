@@ -54,7 +54,8 @@ class FrameTracker {
   void recognizeAll(const PoseEstimate& belief);
   std::optional<MarkerObservation> recognizeOne(std::size_t target,
                                                 const PoseEstimate& belief) const;
-  void decode(const std::vector<std::size_t>& targets);
+  /// Decodes views of these markers that have no more than so many pixels.
+  void decode(const std::vector<std::size_t>& targets, double max_pixels);
   /// Those that were not found yet, the largest first.
   std::vector<std::size_t> missing() const;
   /// Those of them that the decoder may still be able to read.
