@@ -269,6 +269,34 @@ TEST_F(LocalizerFaultTest, ASearchUsesMarkersThatItsViewsDoNotShowWhole) {
   }
 }
 
+TEST_F(LocalizerFaultTest, AMarkerTooSmallToBeDecodedConfirmsWhatAnotherLeavesOpen) {
+  const Pose2 truth = routeAt(0);
+  const auto at = [&truth](int id, double direction, double range, double size) {
+    Marker marker = test::wallMarker(
+        id, {truth.x + range * std::cos(direction), truth.y + range * std::sin(direction), 1.1},
+        direction + kPi);
+    marker.size = size;
+    return marker;
+  };
+  MarkerMap one{"map", {at(3, 0.5, 3.6, 0.8)}};
+  MarkerMap two = one;
+  two.markers.push_back(at(17, 2.4, 2.4, 0.27));
+  // One that something covers is a reason to doubt a glance.
+  MarkerMap map = two;
+  map.markers.push_back(at(40, -1.6, 3.0, 0.8));
+  const MountedCamera camera(camera_, test::lookingDown());
+
+  const FrameResult alone =
+      Localizer(camera_, map, {}).process(frame(0.0, test::renderPanorama(one, camera, truth)));
+  EXPECT_FALSE(alone.map_from_base);
+  EXPECT_NE(alone.remark, "");
+  const FrameResult together =
+      Localizer(camera_, map, {}).process(frame(0.0, test::renderPanorama(two, camera, truth)));
+  ASSERT_TRUE(together.map_from_base) << together.remark;
+  EXPECT_EQ(together.acceptedMarkers(), 2);
+  EXPECT_LT(positionError(together.map_from_base->pose, truth), 0.02);
+}
+
 TEST_F(LocalizerFaultTest, ARobotThatWasCarriedAwayIsFoundInTheSameFrame) {
   localizer_.setPose(routeAt(0));
   ASSERT_EQ(localizer_.process(frame(0.0, good_)).mode, Mode::kTracking);
