@@ -280,7 +280,7 @@ TEST_F(LocalizerFaultTest, AMarkerTooSmallToBeDecodedConfirmsWhatAnotherLeavesOp
   };
   MarkerMap one{"map", {at(3, 0.5, 3.6, 0.8)}};
   MarkerMap two = one;
-  two.markers.push_back(at(17, 2.4, 2.4, 0.27));
+  two.markers.push_back(at(17, 2.4, 2.4, 0.22));
   // One that something covers is a reason to doubt a glance.
   MarkerMap map = two;
   map.markers.push_back(at(40, -1.6, 3.0, 0.8));
