@@ -278,7 +278,9 @@ TEST_F(LocalizerFaultTest, AMarkerTooSmallToBeDecodedConfirmsWhatAnotherLeavesOp
     marker.size = size;
     return marker;
   };
+  // Seen almost from its front, from where its corners do not tell on which side the robot is.
   MarkerMap one{"map", {at(3, 0.5, 3.6, 0.8)}};
+  one.markers[0].map_from_marker.rotate(Eigen::AngleAxisd(0.15, Eigen::Vector3d::UnitY()));
   MarkerMap two = one;
   two.markers.push_back(at(17, 2.4, 2.4, 0.22));
   // One that something covers is a reason to doubt a glance.
