@@ -105,7 +105,7 @@ class Sender {
     image->data.assign(frame.image.datastart, frame.image.dataend);
     images_.publish(image);
     // As a driver's buffer, it goes when the nodelet is long done with it.
-    sent_.push_back(image);
+    sent_.emplace_back(image);
     constexpr std::size_t kKept = 4;
     if (sent_.size() > kKept) sent_.pop_front();
   }
@@ -188,7 +188,7 @@ Turns measure(const RecordedSequence& sequence, Answers* answers) {
   const ros::Subscriber statuses = node.subscribe<LocalizationStatus>(
       "/status", kFrames, [answers](const LocalizationStatus::ConstPtr& status) {
         ++answers->all;
-        if (status->has_pose) ++answers->poses;
+        if (status->has_pose != 0) ++answers->poses;
         answers->dropped = status->images_dropped;
         answers->within += 1e-3 * status->total_ms;
       });

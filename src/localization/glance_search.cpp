@@ -25,6 +25,7 @@ std::vector<Sector> sectorsOf(const Annulus& annulus, double overlap) {
   // A marker at the axis is in no sector.
   if (!(annulus.min_radius > 0.0)) return {Sector{}};
   std::vector<Sector> sectors;
+  sectors.reserve(kSectors);
   for (int i = 0; i < kSectors; ++i) {
     sectors.push_back({2.0 * kPi * i / kSectors, kPi / kSectors + 0.5 * overlap});
   }

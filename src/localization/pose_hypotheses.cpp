@@ -18,6 +18,12 @@ constexpr double kCostOfUnexplained = 20.0;
 
 double saturated(double cost) { return cost * kCostOfUnexplained / (cost + kCostOfUnexplained); }
 
+/// A reading and an entry that it may be.
+struct Match {
+  std::size_t reading;
+  std::size_t entry;
+};
+
 /// An entry that a reading may be, and how many readings may belong to a pose from there.
 struct Candidate {
   std::size_t entry;
@@ -125,7 +131,7 @@ class Search {
       Candidate candidate{entry, 1};
       for (std::size_t j = 0; j < candidates_.size(); ++j) {
         const auto isInSight = [&](std::size_t other) {
-          return areSeenTogether(reading, entry, j, other);
+          return areSeenTogether({reading, entry}, {j, other});
         };
         if (j != reading && std::any_of(candidates_[j].begin(), candidates_[j].end(), isInSight)) {
           ++candidate.company;
@@ -138,14 +144,13 @@ class Search {
     return candidates;
   }
 
-  /// Whether two readings can be these two entries, as near as the markers then are.
-  bool areSeenTogether(std::size_t reading, std::size_t entry, std::size_t other_reading,
-                       std::size_t other_entry) const {
-    const Marker& marker = problem_.map.markers[entry];
-    const Marker& other = problem_.map.markers[other_entry];
+  /// Whether both can be right, as near to each other as the markers then are.
+  bool areSeenTogether(const Match& a, const Match& b) const {
+    const Marker& marker_a = problem_.map.markers[a.entry];
+    const Marker& marker_b = problem_.map.markers[b.entry];
     const double farthest =
-        farthest_[reading] * marker.size + farthest_[other_reading] * other.size;
-    return (marker.center() - other.center()).squaredNorm() < farthest * farthest;
+        farthest_[a.reading] * marker_a.size + farthest_[b.reading] * marker_b.size;
+    return (marker_a.center() - marker_b.center()).squaredNorm() < farthest * farthest;
   }
 
   void addSeeds(std::size_t reading, std::size_t entry, std::vector<Seed>* seeds) const {
@@ -154,22 +159,23 @@ class Search {
                          problem_.reprojection, problem_.max_residual)) {
       Seed seed{fit.map_from_base, Assignment(problem_.readings.size()), 0};
       for (std::size_t j = 0; j < problem_.readings.size(); ++j) {
-        seed.entries[j] = j == reading ? entry : nearbyEntry(j, reading, entry, seed.map_from_base);
+        seed.entries[j] =
+            j == reading ? entry : nearbyEntry(j, {reading, entry}, seed.map_from_base);
       }
       seed.promised = countOf(seed.entries);
       seeds->push_back(std::move(seed));
     }
   }
 
-  /// The candidate that an uncertain pose, from the entry of another reading, has nearest to where
-  /// the reading is, if near enough.
-  std::optional<std::size_t> nearbyEntry(std::size_t reading, std::size_t from_reading,
-                                         std::size_t from_entry, const PoseEstimate& pose) const {
+  /// The candidate that an uncertain pose, which stands on a match, has nearest to where the
+  /// reading is, if near enough.
+  std::optional<std::size_t> nearbyEntry(std::size_t reading, const Match& seed,
+                                         const PoseEstimate& pose) const {
     constexpr double kDeviations = 4.0;
     std::optional<std::size_t> nearest;
     double least = std::numeric_limits<double>::infinity();
     for (const std::size_t entry : candidates_[reading]) {
-      if (!areSeenTogether(from_reading, from_entry, reading, entry)) continue;
+      if (!areSeenTogether(seed, {reading, entry})) continue;
       Eigen::Matrix<double, 2, 3> by_pose;
       const auto center =
           problem_.camera.pixelFromMap(pose.pose, problem_.map.markers[entry].center(), &by_pose);

@@ -158,6 +158,7 @@ std::vector<Relocalization> roughPoses(const MarkerMap& map, const MountedCamera
     hypotheses.push_back(std::move(*best));
   }
   std::vector<Relocalization> poses;
+  poses.reserve(hypotheses.size());
   for (const PoseHypothesis& hypothesis : hypotheses) {
     poses.push_back(explained(hypothesis, covarianceOf(hypothesis, problem)));
   }
