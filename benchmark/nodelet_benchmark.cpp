@@ -4,13 +4,15 @@
 // where each image was taken, and is then told by odometry how it went on to the next. The two take
 // turns, since a processor's speed changes from minute to minute: what is printed are medians over
 // the turns, of the shares with the least and the greatest. Times are processor time: the nodelet's
-// are of all threads but the one that sends, less what they take while no nodelet is loaded. The
-// core's time within the nodelet, where its caches are cold, is wall time. Needs a ROS master.
+// are of all threads but those that send and listen to it, less what they take while no nodelet is
+// loaded. The core's time within the nodelet, where its caches are cold, is wall time. Needs a ROS
+// master.
 //
 //   nodelet_benchmark [BAG CAMERA MAP]     a bag of render_sequence; the shipped one by default
 //   taskset -c 0 rosrun omnitag nodelet_benchmark ...     on one core
 
 #include <nodelet/loader.h>
+#include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/image_encodings.h>
@@ -18,6 +20,7 @@
 #include <tf2_ros/transform_broadcaster.h>
 
 #include <algorithm>
+#include <atomic>
 #include <boost/make_shared.hpp>
 #include <chrono>
 #include <cstdio>
@@ -82,6 +85,50 @@ struct Answers {
   double within = 0.0;
 };
 
+/// Listens to the nodelet in a thread of its own, whose time is not the nodelet's.
+class Listener {
+ public:
+  Listener() {
+    node_.setCallbackQueue(&queue_);
+    statuses_ = node_.subscribe("/status", kFrames, &Listener::onStatus, this);
+    thread_ = std::thread([this] {
+      while (!is_done_) {
+        queue_.callAvailable(ros::WallDuration(0.1));
+        spent_ = threadTime();
+      }
+    });
+  }
+  Listener(const Listener&) = delete;
+  Listener& operator=(const Listener&) = delete;
+  ~Listener() { stop(); }
+
+  /// What came until then.
+  Answers stop() {
+    is_done_ = true;
+    if (thread_.joinable()) thread_.join();
+    return answers_;
+  }
+
+  /// s of processor time.
+  double spent() const { return spent_; }
+
+ private:
+  void onStatus(const LocalizationStatus::ConstPtr& status) {
+    ++answers_.all;
+    if (status->has_pose != 0) ++answers_.poses;
+    answers_.dropped = status->images_dropped;
+    answers_.within += 1e-3 * status->total_ms;
+  }
+
+  ros::CallbackQueue queue_;
+  ros::NodeHandle node_;
+  ros::Subscriber statuses_;
+  Answers answers_;
+  std::atomic<bool> is_done_ = false;
+  std::atomic<double> spent_ = 0.0;
+  std::thread thread_;
+};
+
 class Sender {
  public:
   explicit Sender(const RecordedSequence& sequence)
@@ -141,14 +188,15 @@ void setParameters(const std::string& camera_file, const std::string& map_file) 
   ros::param::set(kNodelet + "/odom_frame", "odom");
 }
 
-/// Processor time per frame (s) of all threads but this one while it sends.
-double sendAll(Sender* sender) {
+/// Processor time per frame (s), while this thread sends, of all threads but it and the listener's.
+double sendAll(Sender* sender, const Listener& listener) {
+  const auto others = [&listener] { return processorTime() - threadTime() - listener.spent(); };
   double since = 0.0;
   atPace([&](int number) {
-    if (number == kWarmUp) since = processorTime() - threadTime();
+    if (number == kWarmUp) since = others();
     sender->send(number);
   });
-  return (processorTime() - threadTime() - since) / (kFrames - kWarmUp);
+  return (others() - since) / (kFrames - kWarmUp);
 }
 
 /// The core alone, as the nodelet uses it.
@@ -184,20 +232,11 @@ struct Turns {
 };
 
 Turns measure(const RecordedSequence& sequence, Answers* answers) {
-  ros::NodeHandle node;
-  const ros::Subscriber statuses = node.subscribe<LocalizationStatus>(
-      "/status", kFrames, [answers](const LocalizationStatus::ConstPtr& status) {
-        ++answers->all;
-        if (status->has_pose != 0) ++answers->poses;
-        answers->dropped = status->images_dropped;
-        answers->within += 1e-3 * status->total_ms;
-      });
-  ros::AsyncSpinner spinner(1);
-  spinner.start();
   Sender sender(sequence);
   Core core(sequence);
+  Listener listener;
   // What the process itself takes, without a nodelet.
-  const double idle = sendAll(&sender);
+  const double idle = sendAll(&sender, listener);
   nodelet::Loader loader(false);
   if (!loader.load(kNodelet, "omnitag/LocalizerNodelet", {}, {})) {
     throw InputError("the nodelet could not be loaded");
@@ -206,12 +245,12 @@ Turns measure(const RecordedSequence& sequence, Answers* answers) {
   Turns turns;
   for (int i = 0; i < kTurns; ++i) {
     sender.startAnew();
-    turns.nodelet.push_back(sendAll(&sender) - idle);
+    turns.nodelet.push_back(sendAll(&sender, listener) - idle);
     ros::WallDuration(0.5).sleep();
     turns.core.push_back(core.localizeAll());
   }
   loader.clear();
-  spinner.stop();
+  *answers = listener.stop();
   return turns;
 }
 
