@@ -252,12 +252,14 @@ std::size_t FrameTracker::found() const {
 
 void FrameTracker::decode(const std::vector<std::size_t>& targets, double max_pixels) {
   Stopwatch step;
-  for (const std::size_t target : targets) sightings_[target].was_decoded = true;
   std::vector<View> views = viewsOf(targets);
   views.erase(
       std::remove_if(views.begin(), views.end(),
                      [max_pixels](const View& view) { return view.size.area() > max_pixels; }),
       views.end());
+  for (const View& view : views) {
+    for (const std::size_t target : view.targets) sightings_[target].was_decoded = true;
+  }
   result_->timings.predict += step.lap();
   // Views overlap: what one of them shows may have been expected in another.
   std::vector<std::size_t> all(result_->predicted.size());

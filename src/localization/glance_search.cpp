@@ -14,20 +14,22 @@
 namespace omnitag {
 namespace {
 
-/// Of a sector the largest markers, so many: more of them hardly tell more of where to look for the
-/// others.
+constexpr std::size_t kSectors = 4;
+
+/// Of each sector the largest markers, so many: more of them hardly tell more of where to look for
+/// the others.
 constexpr std::size_t kAtMost = 4;
 
 /// Where a glance looks one after another: what the first ones show is mostly enough. Neighbours
 /// overlap by an angle (rad).
 std::vector<Sector> sectorsOf(const Annulus& annulus, double overlap) {
-  constexpr int kSectors = 4;
   // A marker at the axis is in no sector.
   if (!(annulus.min_radius > 0.0)) return {Sector{}};
   std::vector<Sector> sectors;
   sectors.reserve(kSectors);
-  for (int i = 0; i < kSectors; ++i) {
-    sectors.push_back({2.0 * kPi * i / kSectors, kPi / kSectors + 0.5 * overlap});
+  constexpr double kWidth = 2.0 * kPi / kSectors;
+  for (std::size_t i = 0; i < kSectors; ++i) {
+    sectors.push_back({kWidth * static_cast<double>(i), 0.5 * (kWidth + overlap)});
   }
   return sectors;
 }
@@ -76,12 +78,13 @@ std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& fram
   const std::optional<Annulus> annulus = annulusOfMarkers(
       tools.index.heights(), camera, config.visibility.max_range, config.look_around);
   if (!annulus) return std::nullopt;
+  const std::vector<Sector> sectors = sectorsOf(*annulus, config.look_around.overlap);
   for (std::size_t i = 0; i < reader.count(); ++i) {
     Glance seen;
     std::optional<FrameResult> around;
-    for (const Sector& sector : sectorsOf(*annulus, config.look_around.overlap)) {
+    for (const Sector& sector : sectors) {
       Stopwatch step;
-      const GlanceAim aim{*annulus, sector, kAtMost, true};
+      const GlanceAim aim{*annulus, sector, kAtMost * kSectors / sectors.size(), true};
       Glance more = reader.read(frame.image, i, warper, camera.axisUp(), aim);
       result->timings.decode += step.lap();
       if (more.readings.empty()) continue;

@@ -292,7 +292,7 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
   const Relocalization found = relocalize(map_, camera, readings, config_.estimation.reprojection,
                                           config_.estimation.max_residual, config_.relocalization);
   result->timings.solve += step.lap();
-  if (!found.map_from_base) {
+  if (!found.map_from_base && config_.estimation.kind == EstimatorKind::kPhotometric) {
     if (const auto seen = confirmAround(readings, frame, camera, result)) return accept(*seen);
   }
   step.lap();
@@ -307,8 +307,7 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
                          motion_.uncorrectedTime() > config_.motion.max_dead_reckoning_time;
   if (found.map_from_base && overrules) {
     const std::optional<PoseEstimate> prior = is_expected ? predicted : std::nullopt;
-    // From one marker alone the pixels know the pose no better than its corners do: what is
-    // uncertain is not where they are but what they mean.
+    // A single marker may hang elsewhere than the map says, which its pixels cannot tell either.
     const bool is_sure = is_expected || explaining.size() >= 2;
     PoseEstimate pose = *found.map_from_base;
     if (is_sure) {
@@ -339,6 +338,7 @@ std::optional<PoseEstimate> Localizer::confirmAround(const std::vector<MarkerRea
                       frame, camera, &result->timings);
   if (!seen) return std::nullopt;
   seen->explored = std::move(result->explored);
+  seen->timings = result->timings;
   *result = std::move(*seen);
   return result->map_from_base;
 }

@@ -44,6 +44,13 @@ PoseEstimate sharpened(PoseEstimate pose, const std::vector<std::size_t>& explai
   return pose;
 }
 
+bool isAccepted(std::size_t entry, const FrameResult& seen) {
+  return std::any_of(seen.detections.begin(), seen.detections.end(),
+                     [entry](const MarkerDetection& detection) {
+                       return detection.accepted && detection.map_entry == entry;
+                     });
+}
+
 /// What is seen from a pose that explains readings; nothing where these are not among it. Adds to
 /// `timings` what it took.
 std::optional<FrameResult> lookFrom(const Relocalization& found, const Glance& seen,
@@ -71,8 +78,10 @@ std::optional<FrameResult> lookFrom(const Relocalization& found, const Glance& s
   around.predicted = predictMarkers(tools.map, tools.index, camera, start, tools.config.visibility);
   around.map_from_base = FrameTracker(tools, frame, camera, start, &around).track();
   *timings = around.timings;
-  const bool explains_all = around.acceptedMarkers() >= static_cast<int>(explaining.size());
-  if (!around.map_from_base || !explains_all) return std::nullopt;
+  const bool are_all_found =
+      std::all_of(explaining.begin(), explaining.end(),
+                  [&around](std::size_t entry) { return isAccepted(entry, around); });
+  if (!around.map_from_base || !are_all_found) return std::nullopt;
   return around;
 }
 
@@ -84,11 +93,14 @@ std::optional<FrameResult> confirm(const Glance& seen, bool (*isEnough)(const Fr
   Stopwatch step;
   const std::vector<Relocalization> starts = startsFrom(seen.readings, tools, camera);
   timings->solve += step.lap();
+  std::optional<FrameResult> confirmed;
   for (const Relocalization& start : starts) {
     auto around = lookFrom(start, seen, tools, frame, camera, timings);
-    if (around && isEnough(*around)) return around;
+    if (!around || !isEnough(*around)) continue;
+    if (confirmed && !agree(*confirmed->map_from_base, *around->map_from_base)) return std::nullopt;
+    if (!confirmed) confirmed = std::move(around);
   }
-  return std::nullopt;
+  return confirmed;
 }
 
 }  // namespace omnitag

@@ -1,7 +1,6 @@
 #include "pose_hypotheses.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>

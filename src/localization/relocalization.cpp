@@ -150,9 +150,16 @@ std::vector<Relocalization> roughPoses(const MarkerMap& map, const MountedCamera
   trusting.max_residual_of_one = max_residual;
   trusting.max_hamming_of_one = std::numeric_limits<int>::max();
   const RelocalizationProblem problem{map, camera, readings, reprojection, max_residual, trusting};
+  std::size_t mapped = 0;
+  std::size_t candidates = 0;
+  for (const MarkerReading& reading : readings) {
+    const std::size_t entries = entriesOf(map, reading.family, reading.id).size();
+    if (entries > 0) ++mapped;
+    candidates += entries;
+  }
   std::vector<PoseHypothesis> hypotheses;
-  if (readings.size() == 1) {
-    if (entriesOf(map, readings[0].family, readings[0].id).size() > 1) return {};
+  if (mapped == 1) {
+    if (candidates > 1) return {};
     hypotheses = poseHypotheses(problem);
   } else if (std::string reason; auto best = likeliest(problem, &reason)) {
     hypotheses.push_back(std::move(*best));

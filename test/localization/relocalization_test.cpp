@@ -153,6 +153,11 @@ TEST_F(RelocalizationTest, RoughPosesOfOneMarkerAreAllFromWhichItLooksLikeThat) 
     if (nearest < 0.3) ++good;
     if (!search(room_, readings).map_from_base) ++uncertain;
     EXPECT_TRUE(posesIn(twice, readings).empty());
+    // One that the map does not have changes nothing.
+    std::vector<MarkerReading> with_unknown = readings;
+    with_unknown.push_back(readings[0]);
+    with_unknown.back().id = 500;
+    EXPECT_EQ(posesIn(room_, with_unknown).size(), found.size());
   }
   EXPECT_GT(uncertain, 20);
   EXPECT_GT(good, 150);
@@ -194,7 +199,8 @@ TEST_F(RelocalizationTest, AmongManyMarkersOfTheSameIdsThoseTogetherAreFound) {
     expectNoWrongPose(found, truth, 0.05);
     if (found.map_from_base) ++found_count;
   }
-  EXPECT_GT(found_count, 0);
+  // Some rooms look the same.
+  EXPECT_GE(found_count, 15);
 }
 
 TEST_F(RelocalizationTest, AMarkerNearbySeenFromTheSideIsEnoughAlone) {
