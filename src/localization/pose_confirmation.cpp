@@ -51,6 +51,14 @@ bool isAccepted(std::size_t entry, const FrameResult& seen) {
                      });
 }
 
+/// Whether another pose could have taken the same markers for others.
+bool standsOnReusedIds(const FrameResult& seen, const MarkerMap& map) {
+  return std::any_of(
+      seen.detections.begin(), seen.detections.end(), [&map](const MarkerDetection& detection) {
+        return detection.accepted && entriesOf(map, detection.family, detection.id).size() > 1;
+      });
+}
+
 /// What is seen from a pose that explains readings; nothing where these are not among it. Adds to
 /// `timings` what it took.
 std::optional<FrameResult> lookFrom(const Relocalization& found, const Glance& seen,
@@ -97,6 +105,7 @@ std::optional<FrameResult> confirm(const Glance& seen, bool (*isEnough)(const Fr
   for (const Relocalization& start : starts) {
     auto around = lookFrom(start, seen, tools, frame, camera, timings);
     if (!around || !isEnough(*around)) continue;
+    if (!standsOnReusedIds(*around, tools.map)) return around;
     if (confirmed && !agree(*confirmed->map_from_base, *around->map_from_base)) return std::nullopt;
     if (!confirmed) confirmed = std::move(around);
   }
