@@ -60,7 +60,6 @@ class Search {
  public:
   explicit Search(const RelocalizationProblem& problem) : problem_(problem) {
     for (const MarkerReading& reading : problem.readings) {
-      candidates_.push_back(entriesOf(problem.map, reading.family, reading.id));
       farthest_.push_back(farthestPerSize(reading, problem.camera));
     }
   }
@@ -91,11 +90,11 @@ class Search {
   std::vector<std::size_t> readingsToStartFrom() const {
     std::vector<std::size_t> sources;
     for (std::size_t i = 0; i < problem_.readings.size(); ++i) {
-      if (!candidates_[i].empty()) sources.push_back(i);
+      if (!problem_.candidates[i].empty()) sources.push_back(i);
     }
     std::stable_sort(sources.begin(), sources.end(), [this](std::size_t a, std::size_t b) {
-      if (candidates_[a].size() != candidates_[b].size()) {
-        return candidates_[a].size() < candidates_[b].size();
+      if (problem_.candidates[a].size() != problem_.candidates[b].size()) {
+        return problem_.candidates[a].size() < problem_.candidates[b].size();
       }
       return meanEdge(problem_.readings[a].corners) > meanEdge(problem_.readings[b].corners);
     });
@@ -104,7 +103,7 @@ class Search {
 
   /// Adds the hypotheses that a reading leads to, those first that may explain most.
   void growFrom(std::size_t reading) {
-    const std::vector<Candidate> candidates = candidatesOf(reading);
+    const std::vector<Candidate> candidates = inCompany(reading);
     for (auto first = candidates.begin(); first != candidates.end();) {
       if (!isWorthLooking(problem_.readings.size() - first->company)) break;
       const auto last = std::find_if(first, candidates.end(), [first](const Candidate& other) {
@@ -124,15 +123,16 @@ class Search {
   }
 
   /// The entries that a reading may be, those in most company first.
-  std::vector<Candidate> candidatesOf(std::size_t reading) const {
+  std::vector<Candidate> inCompany(std::size_t reading) const {
     std::vector<Candidate> candidates;
-    for (const std::size_t entry : candidates_[reading]) {
+    for (const std::size_t entry : problem_.candidates[reading]) {
       Candidate candidate{entry, 1};
-      for (std::size_t j = 0; j < candidates_.size(); ++j) {
+      for (std::size_t j = 0; j < problem_.candidates.size(); ++j) {
         const auto isInSight = [&](std::size_t other) {
           return areSeenTogether({reading, entry}, {j, other});
         };
-        if (j != reading && std::any_of(candidates_[j].begin(), candidates_[j].end(), isInSight)) {
+        if (j != reading &&
+            std::any_of(problem_.candidates[j].begin(), problem_.candidates[j].end(), isInSight)) {
           ++candidate.company;
         }
       }
@@ -173,7 +173,7 @@ class Search {
     constexpr double kDeviations = 4.0;
     std::optional<std::size_t> nearest;
     double least = std::numeric_limits<double>::infinity();
-    for (const std::size_t entry : candidates_[reading]) {
+    for (const std::size_t entry : problem_.candidates[reading]) {
       if (!areSeenTogether(seed, {reading, entry})) continue;
       Eigen::Matrix<double, 2, 3> by_pose;
       const auto center =
@@ -230,7 +230,7 @@ class Search {
     std::vector<std::size_t> claimed;
     for (std::size_t i = 0; i < problem_.readings.size(); ++i) {
       double least = problem_.max_residual;
-      for (const std::size_t entry : candidates_[i]) {
+      for (const std::size_t entry : problem_.candidates[i]) {
         const Marker& marker = problem_.map.markers[entry];
         if ((marker.center() - viewpoint).norm() > farthest_[i] * marker.size) continue;
         // No entry is in two places at once.
@@ -275,8 +275,7 @@ class Search {
   }
 
   const RelocalizationProblem& problem_;
-  /// For each reading the entries that it may be, and farthestPerSize().
-  std::vector<std::vector<std::size_t>> candidates_;
+  /// For each reading, farthestPerSize().
   std::vector<double> farthest_;
   std::vector<PoseHypothesis> hypotheses_;
   double least_cost_ = std::numeric_limits<double>::infinity();
@@ -286,6 +285,16 @@ class Search {
 
 MarkerObservation RelocalizationProblem::observation(std::size_t reading, std::size_t entry) const {
   return {entry, readings[reading].corners, readings[reading].center};
+}
+
+std::vector<std::vector<std::size_t>> candidatesOf(const std::vector<MarkerReading>& readings,
+                                                   const MarkerMap& map) {
+  std::vector<std::vector<std::size_t>> candidates;
+  candidates.reserve(readings.size());
+  for (const MarkerReading& reading : readings) {
+    candidates.push_back(entriesOf(map, reading.family, reading.id));
+  }
+  return candidates;
 }
 
 double costOf(double residual, const RelocalizationConfig& config) {

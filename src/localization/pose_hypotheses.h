@@ -12,7 +12,7 @@
 
 namespace omnitag {
 
-/// What relocalize() is asked.
+/// What relocalize() is asked; `candidates` as candidatesOf() tells them.
 struct RelocalizationProblem {
   const MarkerMap& map;
   const MountedCamera& camera;
@@ -20,9 +20,14 @@ struct RelocalizationProblem {
   const ReprojectionConfig& reprojection;
   double max_residual;
   const RelocalizationConfig& config;
+  /// For each reading the entries that it may be.
+  std::vector<std::vector<std::size_t>> candidates;
 
   MarkerObservation observation(std::size_t reading, std::size_t entry) const;
 };
+
+std::vector<std::vector<std::size_t>> candidatesOf(const std::vector<MarkerReading>& readings,
+                                                   const MarkerMap& map);
 
 /// A pose and the readings that it explains.
 struct PoseHypothesis {

@@ -23,10 +23,8 @@ bool isRival(const PoseHypothesis& best, const PoseHypothesis& other, double min
 
 /// The best hypothesis; nothing, and the reason in words, where there is none or more than one.
 std::optional<PoseHypothesis> likeliest(const RelocalizationProblem& problem, std::string* reason) {
-  const bool is_any_mapped = std::any_of(
-      problem.readings.begin(), problem.readings.end(), [&problem](const MarkerReading& reading) {
-        return !entriesOf(problem.map, reading.family, reading.id).empty();
-      });
+  const bool is_any_mapped = std::any_of(problem.candidates.begin(), problem.candidates.end(),
+                                         [](const auto& entries) { return !entries.empty(); });
   if (!is_any_mapped) {
     *reason = "no marker of the map was read";
     return std::nullopt;
@@ -128,7 +126,8 @@ Relocalization relocalize(const MarkerMap& map, const MountedCamera& camera,
                           const std::vector<MarkerReading>& readings,
                           const ReprojectionConfig& reprojection, double max_residual,
                           const RelocalizationConfig& config) {
-  const RelocalizationProblem problem{map, camera, readings, reprojection, max_residual, config};
+  const RelocalizationProblem problem{
+      map, camera, readings, reprojection, max_residual, config, candidatesOf(readings, map)};
   std::string reason;
   const std::optional<PoseHypothesis> best = likeliest(problem, &reason);
   if (!best) return unexplained(readings.size(), std::move(reason));
@@ -149,13 +148,13 @@ std::vector<Relocalization> roughPoses(const MarkerMap& map, const MountedCamera
   RelocalizationConfig trusting = config;
   trusting.max_residual_of_one = max_residual;
   trusting.max_hamming_of_one = std::numeric_limits<int>::max();
-  const RelocalizationProblem problem{map, camera, readings, reprojection, max_residual, trusting};
+  const RelocalizationProblem problem{
+      map, camera, readings, reprojection, max_residual, trusting, candidatesOf(readings, map)};
   std::size_t mapped = 0;
   std::size_t candidates = 0;
-  for (const MarkerReading& reading : readings) {
-    const std::size_t entries = entriesOf(map, reading.family, reading.id).size();
-    if (entries > 0) ++mapped;
-    candidates += entries;
+  for (const std::vector<std::size_t>& entries : problem.candidates) {
+    if (!entries.empty()) ++mapped;
+    candidates += entries.size();
   }
   std::vector<PoseHypothesis> hypotheses;
   if (mapped == 1) {
