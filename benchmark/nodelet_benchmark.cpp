@@ -2,11 +2,11 @@
 // a second inside one process, as from a camera's driver in the same nodelet manager, and the core
 // alone gets the same images, the same odometry and the same pauses. The robot stands for a second
 // where each image was taken, and is then told by odometry how it went on to the next. The two take
-// turns, since a processor's speed changes from minute to minute: what is printed are medians over
-// the turns, of the shares with the least and the greatest. Times are processor time: the nodelet's
-// are of all threads but those that send and listen to it, less what they take while no nodelet is
-// loaded. The core's time within the nodelet, where its caches are cold, is wall time. Needs a ROS
-// master.
+// turns, since a processor's speed changes from minute to minute; means are printed of all frames
+// and of their middle half, which leaves out what else the machine did. Times are processor time:
+// the nodelet's are of all threads but those that send and listen to it, less what they take while
+// no nodelet is loaded. The core's time within the nodelet, where its caches are cold, is wall
+// time. Needs a ROS master.
 //
 //   nodelet_benchmark [BAG CAMERA MAP]     a bag of render_sequence; the shipped one by default
 //   taskset -c 0 rosrun omnitag nodelet_benchmark ...     on one core
@@ -26,6 +26,8 @@
 #include <cstdio>
 #include <ctime>
 #include <deque>
+#include <future>
+#include <numeric>
 #include <opencv2/core.hpp>
 #include <string>
 #include <thread>
@@ -43,10 +45,10 @@ namespace omnitag {
 namespace {
 
 constexpr double kFrameInterval = 1.0 / 30.0;  // s
-constexpr int kTurns = 7;
+constexpr int kTurns = 21;
 /// Of each turn, and how many of them are not measured.
-constexpr int kFrames = 150;
-constexpr int kWarmUp = 30;
+constexpr int kFrames = 60;
+constexpr int kWarmUp = 15;
 constexpr int kFramesPerPlace = 30;
 const std::string kNodelet = "/localizer";
 
@@ -56,7 +58,7 @@ double threadTime() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/// Calls back with numbers from 0 on, kFrames times at the frames' pace.
+/// Calls back with the numbers 0 to kFrames - 1 at the frames' pace.
 template <typename Callback>
 void atPace(const Callback& callback) {
   using Clock = std::chrono::steady_clock;
@@ -68,7 +70,7 @@ void atPace(const Callback& callback) {
   }
 }
 
-/// The frame of the sequence that is sent as a number's, with the odometry.
+/// The frame of the sequence that is sent as the one with this number, with the odometry.
 Frame frameOf(const RecordedSequence& sequence, int number) {
   const auto index = static_cast<std::size_t>(number / kFramesPerPlace) % sequence.frames.size();
   Frame frame = sequence.frames[index];
@@ -81,8 +83,8 @@ struct Answers {
   int all = 0;
   int poses = 0;
   unsigned long long dropped = 0;
-  /// s of wall time that the core took within the nodelet, all images together.
-  double within = 0.0;
+  /// ms of wall time that the core took within the nodelet.
+  std::vector<double> within;
 };
 
 /// Listens to the nodelet in a thread of its own, whose time is not the nodelet's.
@@ -117,7 +119,7 @@ class Listener {
     ++answers_.all;
     if (status->has_pose != 0) ++answers_.poses;
     answers_.dropped = status->images_dropped;
-    answers_.within += 1e-3 * status->total_ms;
+    answers_.within.push_back(status->total_ms);
   }
 
   ros::CallbackQueue queue_;
@@ -133,12 +135,12 @@ class Sender {
  public:
   explicit Sender(const RecordedSequence& sequence)
       : sequence_(sequence), images_(node_.advertise<sensor_msgs::Image>("/image", 1)) {
-    mounting_.sendTransform(
-        transform("base_link", "camera", sequence.frames.front().base_from_camera, start_));
+    mounting_.sendTransform(transform("base_link", "camera",
+                                      sequence.frames.front().base_from_camera, ros::Time::now()));
   }
 
   void send(int number) {
-    const ros::Time stamp = start_ + ros::Duration(kFrameInterval * (number + 1));
+    const ros::Time stamp = ros::Time::now();
     const Frame frame = frameOf(sequence_, number);
     odometry_.sendTransform(
         transform("odom", "base_link", frame.odom_from_base->toIsometry(), stamp));
@@ -157,7 +159,6 @@ class Sender {
     if (sent_.size() > kKept) sent_.pop_front();
   }
 
-  void startAnew() { start_ = ros::Time::now(); }
   bool isHeard() const { return images_.getNumSubscribers() > 0; }
 
  private:
@@ -175,7 +176,6 @@ class Sender {
 
   const RecordedSequence& sequence_;
   ros::NodeHandle node_;
-  ros::Time start_ = ros::Time::now();
   ros::Publisher images_;
   std::deque<sensor_msgs::ImageConstPtr> sent_;
   tf2_ros::StaticTransformBroadcaster mounting_;
@@ -188,15 +188,16 @@ void setParameters(const std::string& camera_file, const std::string& map_file) 
   ros::param::set(kNodelet + "/odom_frame", "odom");
 }
 
-/// Processor time per frame (s), while this thread sends, of all threads but it and the listener's.
-double sendAll(Sender* sender, const Listener& listener) {
-  const auto others = [&listener] { return processorTime() - threadTime() - listener.spent(); };
-  double since = 0.0;
+/// Appends the processor time (s) of each frame that is measured, until the next is sent, of all
+/// threads but this one, which sends, and the listener's.
+void sendAll(int turn, Sender* sender, const Listener& listener, std::vector<double>* times) {
+  double before = 0.0;
   atPace([&](int number) {
-    if (number == kWarmUp) since = others();
-    sender->send(number);
+    const double now = processorTime() - threadTime() - listener.spent();
+    if (number > kWarmUp) times->push_back(now - before);
+    before = now;
+    sender->send(turn * kFrames + number);
   });
-  return (others() - since) / (kFrames - kWarmUp);
 }
 
 /// The core alone, as the nodelet uses it.
@@ -205,18 +206,18 @@ class Core {
   explicit Core(const RecordedSequence& sequence)
       : sequence_(sequence), localizer_(sequence.camera, sequence.map, {}) {}
 
-  /// Processor time per frame (s).
-  double localizeAll() {
-    double spent = 0.0;
+  /// Appends the processor time (s) of each frame that sendAll() measures.
+  void localizeAll(int turn, std::vector<double>* times) {
     atPace([&](int number) {
-      Frame frame = frameOf(sequence_, number);
-      frame.image = frame.image.clone();
+      Frame frame = frameOf(sequence_, turn * kFrames + number);
+      // In another thread, as from a driver.
+      frame.image = std::async(std::launch::async, [&frame] { return frame.image.clone(); }).get();
       frame.stamp = stamp_ += kFrameInterval;
       const double start = processorTime();
       localizer_.process(frame);
-      if (number >= kWarmUp) spent += processorTime() - start;
+      const double end = processorTime();
+      if (number >= kWarmUp && number + 1 < kFrames) times->push_back(end - start);
     });
-    return spent / (kFrames - kWarmUp);
   }
 
  private:
@@ -225,33 +226,52 @@ class Core {
   double stamp_ = 0.0;
 };
 
-/// s per frame, for each turn.
-struct Turns {
+/// s of processor time for each frame.
+struct Times {
   std::vector<double> core;
   std::vector<double> nodelet;
+  /// What the process itself takes, without a nodelet.
+  std::vector<double> idle;
 };
 
-Turns measure(const RecordedSequence& sequence, Answers* answers) {
+Times measure(const RecordedSequence& sequence, Answers* answers) {
   Sender sender(sequence);
   Core core(sequence);
   Listener listener;
-  // What the process itself takes, without a nodelet.
-  const double idle = sendAll(&sender, listener);
+  Times times;
+  sendAll(0, &sender, listener, &times.idle);
   nodelet::Loader loader(false);
   if (!loader.load(kNodelet, "omnitag/LocalizerNodelet", {}, {})) {
     throw InputError("the nodelet could not be loaded");
   }
   while (!sender.isHeard() && ros::ok()) ros::WallDuration(0.01).sleep();
-  Turns turns;
-  for (int i = 0; i < kTurns; ++i) {
-    sender.startAnew();
-    turns.nodelet.push_back(sendAll(&sender, listener) - idle);
+  for (int turn = 0; turn < kTurns; ++turn) {
+    sendAll(turn, &sender, listener, &times.nodelet);
     ros::WallDuration(0.5).sleep();
-    turns.core.push_back(core.localizeAll());
+    core.localizeAll(turn, &times.core);
   }
   loader.clear();
   *answers = listener.stop();
-  return turns;
+  return times;
+}
+
+/// Of the sample without its least and greatest parts, of this share each.
+double trimmedMean(std::vector<double> sample, double share) {
+  if (sample.empty()) return 0.0;
+  std::sort(sample.begin(), sample.end());
+  const auto cut = static_cast<std::ptrdiff_t>(share * static_cast<double>(sample.size()));
+  const double sum = std::accumulate(sample.begin() + cut, sample.end() - cut, 0.0);
+  return sum / static_cast<double>(sample.end() - sample.begin() - 2 * cut);
+}
+
+void print(const Times& times, const Answers& answers, double trimmed, const char* frames) {
+  const double core = trimmedMean(times.core, trimmed);
+  const double nodelet = trimmedMean(times.nodelet, trimmed) - trimmedMean(times.idle, trimmed);
+  std::printf(
+      "%s: ms core alone %.2f, core within the nodelet %.2f, nodelet %.2f, which is %.0f %% of a "
+      "core; nodelet over core %+.1f %%\n",
+      frames, 1e3 * core, trimmedMean(answers.within, trimmed), 1e3 * nodelet,
+      100.0 * nodelet / kFrameInterval, 100.0 * (nodelet / core - 1.0));
 }
 
 int run(int argc, char** argv) {
@@ -263,24 +283,13 @@ int run(int argc, char** argv) {
   setParameters(argc > 1 ? argv[2] : package + "/config/cameras/paper.yaml",
                 argc > 1 ? argv[3] : package + "/maps/paper.yaml");
   Answers answers;
-  const Turns turns = measure(sequence, &answers);
-  const double core = quantile(turns.core, 0.5);
-  const double nodelet = quantile(turns.nodelet, 0.5);
-  const double within = answers.within / std::max(answers.all, 1);
-  std::vector<double> shares;
-  for (std::size_t i = 0; i < turns.core.size(); ++i) {
-    shares.push_back(100.0 * (turns.nodelet[i] / turns.core[i] - 1.0));
-  }
+  const Times times = measure(sequence, &answers);
   std::printf(
       "%d images of %d x %d pixels, %.0f a second: %d answered, %d with a pose, %llu dropped\n",
       kTurns * kFrames, sequence.frames.front().image.cols, sequence.frames.front().image.rows,
       1.0 / kFrameInterval, answers.all, answers.poses, answers.dropped);
-  std::printf(
-      "ms per frame: core alone %.2f, core within the nodelet %.2f, nodelet %.2f, which is %.0f %% "
-      "of a core\n",
-      1e3 * core, 1e3 * within, 1e3 * nodelet, 100.0 * nodelet / kFrameInterval);
-  std::printf("nodelet over core: %+.1f %% (%+.1f to %+.1f %%)\n", quantile(shares, 0.5),
-              quantile(shares, 0.0), quantile(shares, 1.0));
+  print(times, answers, 0.25, "middle half of the frames");
+  print(times, answers, 0.0, "all frames");
   return 0;
 }
 

@@ -22,22 +22,29 @@ std::string knownTransports(const image_transport::ImageTransport& image_transpo
   return text;
 }
 
+ros::NodeHandle withQueue(ros::NodeHandle node, ros::CallbackQueue* queue) {
+  node.setCallbackQueue(queue);
+  return node;
+}
+
 }  // namespace
 
 ImageInput::ImageInput(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
                        const std::string& transport, int queue_size)
-    : queue_size_(static_cast<std::size_t>(queue_size)), image_transport_(node) {
-  // What waits is decided here, not in ROS's own queue, which drops without a word.
-  constexpr int kMessagesInRosQueue = 10;
+    : queue_size_(static_cast<std::size_t>(queue_size)),
+      node_(withQueue(node, &queue_)),
+      image_transport_(node_) {
+  // What waits is decided here, not in ROS's own queue, which drops without a word: there is room
+  // for a second's images.
+  constexpr int kMessagesInRosQueue = 30;
   const auto ros_queue_size = static_cast<uint32_t>(queue_size + kMessagesInRosQueue);
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   if (transport == "compressed") {
-    ros::NodeHandle subscribing_node(node);
     const auto callback = [this](const sensor_msgs::CompressedImageConstPtr& message) {
       push({message->header, [message] { return grayImage(message); }});
     };
-    compressed_subscriber_ = subscribing_node.subscribe<sensor_msgs::CompressedImage>(
-        node.resolveName("image") + "/compressed", ros_queue_size, callback, nullptr, hints);
+    compressed_subscriber_ = node_.subscribe<sensor_msgs::CompressedImage>(
+        node_.resolveName("image") + "/compressed", ros_queue_size, callback, nullptr, hints);
     return;
   }
   try {
@@ -53,38 +60,30 @@ ImageInput::ImageInput(const ros::NodeHandle& node, const ros::NodeHandle& priva
   }
 }
 
-std::optional<ReceivedImage> ImageInput::next() {
-  std::unique_lock<std::mutex> lock(mutex_);
-  changed_.wait(lock, [this] { return is_closed_ || !waiting_.empty(); });
-  if (is_closed_) return std::nullopt;
+std::optional<ReceivedImage> ImageInput::next(double duration) {
+  serve(waiting_.empty() ? duration : 0.0);
+  if (waiting_.empty()) return std::nullopt;
   ReceivedImage image = std::move(waiting_.front());
   waiting_.pop_front();
   return image;
 }
 
+void ImageInput::serve(double duration) { queue_.callAvailable(ros::WallDuration(duration)); }
+
 void ImageInput::push(ReceivedImage image) {
-  const std::lock_guard<std::mutex> lock(mutex_);
   ++received_;
   if (waiting_.size() == queue_size_) {
     waiting_.pop_front();
     ++dropped_;
   }
   waiting_.push_back(std::move(image));
-  changed_.notify_one();
 }
 
 void ImageInput::close() {
+  is_closed_ = true;
+  queue_.disable();
   subscriber_.shutdown();
   compressed_subscriber_.shutdown();
-  const std::lock_guard<std::mutex> lock(mutex_);
-  is_closed_ = true;
-  waiting_.clear();
-  changed_.notify_all();
-}
-
-bool ImageInput::isClosed() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return is_closed_;
 }
 
 std::string ImageInput::topic() const {
@@ -93,16 +92,6 @@ std::string ImageInput::topic() const {
 
 std::uint32_t ImageInput::publishers() const {
   return subscriber_ ? subscriber_.getNumPublishers() : compressed_subscriber_.getNumPublishers();
-}
-
-std::uint64_t ImageInput::received() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return received_;
-}
-
-std::uint64_t ImageInput::dropped() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return dropped_;
 }
 
 }  // namespace omnitag

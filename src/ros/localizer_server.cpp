@@ -2,8 +2,10 @@
 
 #include <cv_bridge/cv_bridge.h>
 #include <sensor_msgs/image_encodings.h>
+#include <tf2_msgs/TFMessage.h>
 
 #include <algorithm>
+#include <boost/make_shared.hpp>
 #include <chrono>
 #include <optional>
 #include <utility>
@@ -20,9 +22,15 @@ namespace {
 /// s of tf that are kept: images that waited in a long queue still find theirs.
 constexpr double kTransformCache = 30.0;
 
-/// A thread of the listener's own would wake up a hundred times a second. Nothing on the node's
-/// queue takes long, nor waits for a transform.
-constexpr bool kHasOwnThread = false;
+/// It would wake up a hundred times a second: tf comes to the thread that takes the images.
+constexpr bool kListenerHasOwnThread = false;
+
+/// By a pointer: subscribers in the same nodelet manager get it without a copy, and without a
+/// thread that ROS would wake to hand it on.
+template <typename Message>
+void publishShared(const ros::Publisher& publisher, const Message& message) {
+  publisher.publish(boost::make_shared<Message>(message));
+}
 
 /// A covariance of (x, y, yaw) in the axes of the map.
 Eigen::Matrix3d rotated(const Eigen::Matrix3d& covariance,
@@ -55,15 +63,17 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
       name_(private_node.getNamespace()),
       parameters_(parameters),
       localizer_(parameters_, camera),
+      input_(node, private_node, parameters_.image_transport, parameters_.queue_size),
       transforms_(ros::Duration(kTransformCache)),
-      transform_listener_(transforms_, node, kHasOwnThread),
+      transform_listener_(transforms_, input_.node(), kListenerHasOwnThread),
       map_markers_(mapMarkers(localizer_.map(), {}, localizer_.frames().map)),
       frame_markers_(localizer_.frames().map, parameters_.robot_radius),
       debug_image_painter_(localizer_.camera(), localizer_.map()),
       path_(parameters_.path_min_step, parameters_.path_max_poses),
       image_transport_(node),
-      input_(node, private_node, parameters_.image_transport, parameters_.queue_size),
       health_(node, private_node, input_, localizer_.map()) {
+  constexpr uint32_t kTransformQueue = 100;
+  transform_publisher_ = node_.advertise<tf2_msgs::TFMessage>("/tf", kTransformQueue);
   pose_publisher_ = node_.advertise<geometry_msgs::PoseStamped>("pose", 10);
   pose_with_covariance_publisher_ =
       node_.advertise<geometry_msgs::PoseWithCovarianceStamped>("pose_with_covariance", 10);
@@ -95,11 +105,6 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
   ROS_INFO_STREAM(name_ << ": camera " << camera.origin << ", " << localizer_.map().markers.size()
                         << " markers of " << parameters_.map_file << ", images from "
                         << input_.topic());
-  if (!parameters_.frames.odom.empty()) {
-    repeat_timer_ =
-        node_.createWallTimer(ros::WallDuration(parameters_.transform_period),
-                              [this](const ros::WallTimerEvent&) { repeatTransform(); });
-  }
   thread_ = std::thread(&LocalizerServer::run, this);
 }
 
@@ -108,13 +113,15 @@ LocalizerServer::~LocalizerServer() {
   initial_pose_subscriber_.shutdown();
   global_localization_server_.shutdown();
   save_map_server_.shutdown();
-  repeat_timer_.stop();
   input_.close();
   thread_.join();
 }
 
 void LocalizerServer::run() {
-  while (const std::optional<ReceivedImage> received = input_.next()) {
+  while (!input_.isClosed()) {
+    const std::optional<ReceivedImage> received = input_.next(parameters_.transform_period);
+    repeatTransform();
+    if (!received) continue;
     try {
       onImage(*received);
     } catch (const TransformError& error) {
@@ -142,13 +149,15 @@ void LocalizerServer::onImage(const ReceivedImage& received) {
 }
 
 // In wall time, since a clock that stands still must not stop the localizer.
-void LocalizerServer::waitForTransforms(const std_msgs::Header& header) const {
+void LocalizerServer::waitForTransforms(const std_msgs::Header& header) {
   using Clock = std::chrono::steady_clock;
-  constexpr std::chrono::milliseconds kPoll(2);
-  const auto deadline = Clock::now() + std::chrono::duration<double>(parameters_.transform_timeout);
-  while (!localizer_.assembler().hasTransforms(header, transforms_) && Clock::now() < deadline &&
+  using Seconds = std::chrono::duration<double>;
+  const auto deadline = Clock::now() + Seconds(parameters_.transform_timeout);
+  const auto remaining = [&] { return Seconds(deadline - Clock::now()).count(); };
+  while (!localizer_.assembler().hasTransforms(header, transforms_) && remaining() > 0.0 &&
          !input_.isClosed()) {
-    std::this_thread::sleep_for(kPoll);
+    input_.serve(std::min(remaining(), parameters_.transform_period));
+    repeatTransform();
   }
 }
 
@@ -167,12 +176,12 @@ void LocalizerServer::publish(const LocalizedImage& localized) {
 
   sendTransform(messages.transform, localized.result.map_from_base.has_value());
   if (messages.pose) {
-    pose_publisher_.publish(*messages.pose);
-    pose_with_covariance_publisher_.publish(*messages.pose_with_covariance);
+    publishShared(pose_publisher_, *messages.pose);
+    publishShared(pose_with_covariance_publisher_, *messages.pose_with_covariance);
     if (path_.add(*messages.pose)) path_publisher_.publish(path_.path());
   }
-  detections_publisher_.publish(messages.detections);
-  status_publisher_.publish(messages.status);
+  publishShared(detections_publisher_, messages.detections);
+  publishShared(status_publisher_, messages.status);
   if (markers_publisher_.getNumSubscribers() > 0) {
     markers_publisher_.publish(frame_markers_.draw(localized, localizer_.map()));
   }
@@ -190,26 +199,31 @@ void LocalizerServer::publish(const LocalizedImage& localized) {
 // correction that holds until a better one comes, or until the pose is lost.
 void LocalizerServer::sendTransform(const std::optional<geometry_msgs::TransformStamped>& transform,
                                     bool has_pose) {
-  const std::lock_guard<std::mutex> lock(transform_mutex_);
   if (!has_pose) correction_.reset();
   if (!transform) return;
-  transform_broadcaster_.sendTransform(*transform);
-  if (!parameters_.frames.odom.empty()) correction_ = Correction{*transform, ros::Time::now()};
+  broadcast(*transform);
+  const ros::Time now = ros::Time::now();
+  if (!parameters_.frames.odom.empty()) correction_ = Correction{*transform, now, now};
 }
 
 void LocalizerServer::repeatTransform() {
-  const std::lock_guard<std::mutex> lock(transform_mutex_);
   if (!correction_) return;
   // The images' clock may be another one than this machine's, as when a bag is played without
   // /clock: only the time that went by is taken from the latter. Before the first /clock it stands
   // at zero.
   const ros::Time now = ros::Time::now();
-  if (correction_->sent.isZero()) correction_->sent = now;
-  const ros::Duration since_sent = now - correction_->sent;
-  if (since_sent < ros::Duration(parameters_.transform_period)) return;
+  if (correction_->made.isZero()) correction_->made = correction_->sent = now;
+  if (now - correction_->sent < ros::Duration(parameters_.transform_period)) return;
+  correction_->sent = now;
   geometry_msgs::TransformStamped transform = correction_->transform;
-  transform.header.stamp += since_sent;
-  transform_broadcaster_.sendTransform(transform);
+  transform.header.stamp += now - correction_->made;
+  broadcast(transform);
+}
+
+void LocalizerServer::broadcast(const geometry_msgs::TransformStamped& transform) {
+  tf2_msgs::TFMessage message;
+  message.transforms.push_back(transform);
+  publishShared(transform_publisher_, message);
 }
 
 void LocalizerServer::onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message) {

@@ -7,6 +7,7 @@
 
 #include <boost/make_shared.hpp>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 namespace omnitag {
@@ -36,7 +37,10 @@ class ImageInputTest : public testing::Test {
 
   cv_bridge::CvImageConstPtr send(const sensor_msgs::ImageConstPtr& image) {
     publisher_.publish(image);
-    return input_.next()->decode();
+    constexpr double kWait = 1.0;  // s
+    std::optional<ReceivedImage> received;
+    while (!received) received = input_.next(kWait);
+    return received->decode();
   }
 
  private:

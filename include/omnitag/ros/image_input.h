@@ -2,14 +2,14 @@
 
 #include <cv_bridge/cv_bridge.h>
 #include <image_transport/image_transport.h>
+#include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <std_msgs/Header.h>
 
-#include <condition_variable>
+#include <atomic>
 #include <cstdint>
 #include <deque>
 #include <functional>
-#include <mutex>
 #include <optional>
 #include <string>
 
@@ -24,8 +24,11 @@ struct ReceivedImage {
 
 /// Subscribes to images and hands them on one by one, to one thread. Of those that wait, the oldest
 /// give way to newer ones, and are counted: what this process received and dropped is known
-/// exactly. What the network or the sender dropped is not, since neither stamps nor sequence
-/// numbers tell.
+/// exactly, but for images that come while the thread stays away for more than a second. What the
+/// network or the sender dropped is not, since neither stamps nor sequence numbers tell.
+///
+/// Messages come on a queue of its own, which that thread serves itself: a nodelet manager would
+/// wake two threads of its own for each message before this one.
 class ImageInput {
  public:
   /// Subscribes to `image` by image_transport. `compressed` is decoded here, so that it needs no
@@ -36,30 +39,36 @@ class ImageInput {
   ImageInput(const ImageInput&) = delete;
   ImageInput& operator=(const ImageInput&) = delete;
 
-  /// Waits for the next image; nothing once the input is closed.
-  std::optional<ReceivedImage> next();
+  /// The next image, if there is one: where none waits, serves the queue as serve() does.
+  std::optional<ReceivedImage> next(double duration);
+  /// Takes what has come on the queue; waits for it where nothing has, but no longer than so many s
+  /// nor than to close().
+  void serve(double duration);
+  /// The node with this queue, for what else is to come to the thread that takes the images.
+  const ros::NodeHandle& node() const { return node_; }
+  /// Nothing comes any more.
   void close();
-  bool isClosed() const;
+  bool isClosed() const { return is_closed_; }
 
   std::string topic() const;
   std::uint32_t publishers() const;
-  std::uint64_t received() const;
-  std::uint64_t dropped() const;
+  std::uint64_t received() const { return received_; }
+  std::uint64_t dropped() const { return dropped_; }
 
  private:
   void push(ReceivedImage image);
 
   const std::size_t queue_size_;
+  ros::CallbackQueue queue_;
+  ros::NodeHandle node_;
   image_transport::ImageTransport image_transport_;
   image_transport::Subscriber subscriber_;
   ros::Subscriber compressed_subscriber_;
 
-  mutable std::mutex mutex_;
-  std::condition_variable changed_;
   std::deque<ReceivedImage> waiting_;
-  std::uint64_t received_ = 0;
-  std::uint64_t dropped_ = 0;
-  bool is_closed_ = false;
+  std::atomic<std::uint64_t> received_ = 0;
+  std::atomic<std::uint64_t> dropped_ = 0;
+  std::atomic<bool> is_closed_ = false;
 };
 
 }  // namespace omnitag

@@ -7,7 +7,6 @@
 #include <std_srvs/Empty.h>
 #include <std_srvs/Trigger.h>
 #include <tf2_ros/buffer.h>
-#include <tf2_ros/transform_broadcaster.h>
 #include <tf2_ros/transform_listener.h>
 #include <visualization_msgs/MarkerArray.h>
 
@@ -46,11 +45,12 @@ class LocalizerServer {
  private:
   void run();
   void onImage(const ReceivedImage& received);
-  void waitForTransforms(const std_msgs::Header& header) const;
+  void waitForTransforms(const std_msgs::Header& header);
   void publish(const LocalizedImage& localized);
   void sendTransform(const std::optional<geometry_msgs::TransformStamped>& transform,
                      bool has_pose);
   void repeatTransform();
+  void broadcast(const geometry_msgs::TransformStamped& transform);
 
   void onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message);
   /// Throws InputError.
@@ -70,9 +70,9 @@ class LocalizerServer {
   std::string name_;
   LocalizerParameters parameters_;
   ImageLocalizer localizer_;
+  ImageInput input_;
   tf2_ros::Buffer transforms_;
   tf2_ros::TransformListener transform_listener_;
-  tf2_ros::TransformBroadcaster transform_broadcaster_;
 
   /// The map as RViz shows it, and what mapping has added to it so far.
   std::mutex map_mutex_;
@@ -83,6 +83,7 @@ class LocalizerServer {
   PathRecorder path_;
 
   image_transport::ImageTransport image_transport_;
+  ros::Publisher transform_publisher_;
   ros::Publisher pose_publisher_;
   ros::Publisher pose_with_covariance_publisher_;
   ros::Publisher detections_publisher_;
@@ -94,20 +95,19 @@ class LocalizerServer {
   ros::ServiceServer global_localization_server_;
   ros::ServiceServer save_map_server_;
 
-  /// map -> odom as the last image gave it, while it holds.
+  /// map -> odom as the last image gave it, while it holds, when that was and when it was last
+  /// sent, by this machine's clock.
   struct Correction {
     geometry_msgs::TransformStamped transform;
+    ros::Time made;
     ros::Time sent;
   };
-  std::mutex transform_mutex_;
   std::optional<Correction> correction_;
-  ros::WallTimer repeat_timer_;
 
   /// What was asked for and is to be done before the next image.
   std::mutex request_mutex_;
   std::vector<Request> requests_;
 
-  ImageInput input_;
   HealthMonitor health_;
   std::thread thread_;
 };
