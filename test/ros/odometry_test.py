@@ -9,6 +9,7 @@ import rostest
 from harness import ODOM_X, ODOM_Y, ODOM_YAW, Harness, odometry, wait_until, yaw_of
 
 TOLERANCE = 0.1  # s, the default of transform_tolerance
+PERIOD = 0.05  # s, the default of transform_period
 
 
 class OdometryTest(unittest.TestCase):
@@ -46,6 +47,11 @@ class OdometryTest(unittest.TestCase):
         self.assertTrue(wait_until(lambda: any(
             last + rospy.Duration(0.2) < transform.header.stamp < last + rospy.Duration(20.0)
             for transform in harness.published_transforms())))
+        # No more often than asked: its own transforms come back to the localizer, too.
+        repeated = sorted(transform.header.stamp for transform in harness.published_transforms()
+                          if transform.header.stamp > last)
+        for earlier, later in zip(repeated, repeated[1:]):
+            self.assertGreater((later - earlier).to_sec(), PERIOD - 1e-6)
 
 
 if __name__ == "__main__":
