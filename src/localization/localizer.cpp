@@ -25,10 +25,6 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// m. The contours of horizontal lines hardly change beyond; nearer ones only bend a view a little,
-/// since positions go back to the panorama through the same table.
-constexpr double kWorkingDistance = 3.0;
-
 /// Standard deviations by which the pose of the markers alone may be off the prediction: robots
 /// accelerate and slip more than the motion model says, but not that much.
 constexpr double kMaxDeviations = 6.0;

@@ -9,17 +9,6 @@
 namespace omnitag {
 namespace {
 
-/// Radii of the ideal image plane, from least to most.
-struct Radii {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -std::numeric_limits<double>::infinity();
-
-  void include(double value) {
-    low = std::min(low, value);
-    high = std::max(high, value);
-  }
-};
-
 /// Where a point images, or the edge of the field that is nearest to it.
 double nearestRadius(const CameraModel& camera, double distance, double height) {
   if (const auto image = camera.imageFromPoint(distance, height)) return image->radius;
@@ -35,7 +24,7 @@ double nearestRadius(const CameraModel& camera, double distance, double height) 
 /// Adds the radii of the ideal image plane at which something at a height above the camera can
 /// image, from `min_range` to `max_range` metres away.
 void includeRadii(double above_camera, double min_range, double max_range,
-                  const MountedCamera& camera, Radii* radii) {
+                  const MountedCamera& camera, Bounds* radii) {
   constexpr int kSteps = 64;
   const double axis_height = camera.baseFromCamera().linear()(2, 2);
   const double tilt = std::acos(std::min(1.0, std::abs(axis_height)));
@@ -52,11 +41,11 @@ void includeRadii(double above_camera, double min_range, double max_range,
   }
 }
 
-/// Radii of the ideal image plane at which markers can image, but for lying ones near the axis.
-Radii radiiOf(const MarkerHeights& heights, const MountedCamera& camera, double min_range,
-              double max_range) {
+/// Bounds of the ideal image plane at which markers can image, but for lying ones near the axis.
+Bounds radiiOf(const MarkerHeights& heights, const MountedCamera& camera, double min_range,
+               double max_range) {
   const double camera_height = camera.baseFromCamera().translation().z();
-  Radii radii;
+  Bounds radii;
   if (!heights.upright.isEmpty()) {
     for (const double height : {heights.upright.low, heights.upright.high}) {
       includeRadii(height - camera_height, min_range, max_range, camera, &radii);
@@ -87,10 +76,10 @@ bool canBeAtEnd(bool up, const MarkerHeights& heights, const MountedCamera& came
   return up ? heights.lying.high > camera_height : heights.lying.low < camera_height;
 }
 
-/// Radii at which the camera sees what is not near the axis.
-Radii radiiOffAxis(const CameraModel& camera) {
+/// Bounds at which the camera sees what is not near the axis.
+Bounds radiiOffAxis(const CameraModel& camera) {
   constexpr double kFar = 10.0;  // m
-  Radii radii;
+  Bounds radii;
   for (const double side : {-1.0, 1.0}) {
     radii.include(
         nearestRadius(camera, kFar * std::sin(kNearAxis), side * kFar * std::cos(kNearAxis)));
@@ -117,7 +106,7 @@ class Planner {
   Planner(const MountedCamera& camera, const ContourTable& table, const LookAroundConfig& config)
       : camera_(camera), table_(table), config_(config) {}
 
-  void addRing(const Radii& radii) {
+  void addRing(const Bounds& radii) {
     if (!(radii.low < radii.high)) return;
     ViewTarget target;
     target.half_width =
@@ -172,7 +161,7 @@ std::optional<Annulus> annulusOfMarkers(const MarkerHeights& heights, const Moun
   for (const bool up : {true, false}) {
     if (canBeAtEnd(up, heights, camera) && seesEnd(up, camera)) return Annulus{};
   }
-  const Radii radii =
+  const Bounds radii =
       radiiOf(heights, camera, config.min_range, std::max(max_range, config.min_range));
   if (!(radii.low < radii.high)) return std::nullopt;
   return Annulus{radii.low, radii.high};

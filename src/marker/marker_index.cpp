@@ -1,16 +1,10 @@
 #include "omnitag/marker/marker_index.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "omnitag/common/angle.h"
 
 namespace omnitag {
-
-void HeightRange::include(double height) {
-  low = std::min(low, height);
-  high = std::max(high, height);
-}
 
 MarkerHeights heightsOf(const MarkerMap& map) {
   constexpr double kWithBorder = 1.2;
@@ -18,7 +12,7 @@ MarkerHeights heightsOf(const MarkerMap& map) {
   MarkerHeights heights;
   for (const Marker& marker : map.markers) {
     const double center = marker.center().z();
-    HeightRange& range = std::abs(marker.normal().z()) > lying ? heights.lying : heights.upright;
+    Bounds& range = std::abs(marker.normal().z()) > lying ? heights.lying : heights.upright;
     for (const Eigen::Vector3d& corner : marker.corners()) {
       range.include(center + kWithBorder * (corner.z() - center));
     }

@@ -24,8 +24,6 @@ const cv::Scalar kGreen(95, 220, 75);
 const cv::Scalar kOrange(40, 140, 255);
 const cv::Scalar kYellow(70, 210, 245);
 
-/// m. The contours of the look-up table only bend the outlines a little.
-constexpr double kWorkingDistance = 3.0;
 constexpr int kMargin = 8;
 constexpr int kTextLine = 20;
 

@@ -2,28 +2,19 @@
 
 #include <Eigen/Core>
 #include <cstddef>
-#include <limits>
 #include <vector>
 
+#include "omnitag/common/bounds.h"
 #include "omnitag/marker/marker_map.h"
 
 namespace omnitag {
 
-/// Heights (m), from least to most; none at first.
-struct HeightRange {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -std::numeric_limits<double>::infinity();
-
-  bool isEmpty() const { return !(low <= high); }
-  void include(double height);
-};
-
 /// Where the markers of a map, with their white borders, are above its origin.
 struct MarkerHeights {
-  HeightRange upright;
+  Bounds upright;
   /// Of those on the floor or under the ceiling, which can be right below or above a camera, where
   /// upright ones cannot be read.
-  HeightRange lying;
+  Bounds lying;
 };
 
 MarkerHeights heightsOf(const MarkerMap& map);

@@ -11,6 +11,11 @@
 
 namespace omnitag {
 
+/// m, of the lines whose contours are kept where nothing asks for others. Those of horizontal lines
+/// hardly change beyond; nearer ones only bend a view a little, since positions go back to the
+/// panorama through the same table.
+inline constexpr double kWorkingDistance = 3.0;
+
 /// Takes views out of the panorama and positions in them back to it, both through the same look-up
 /// table: a position read in a view goes back to exactly where its pixels came from, whatever the
 /// table's error. Views that face something near the axis take the exact projection instead.

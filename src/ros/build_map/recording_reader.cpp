@@ -3,14 +3,9 @@
 #include "../bag_tools/recorded_images.h"
 #include "omnitag/common/error.h"
 #include "omnitag/localization/look_around.h"
+#include "omnitag/view/view_warper.h"
 
 namespace omnitag {
-namespace {
-
-/// m, as the localizer has it.
-constexpr double kWorkingDistance = 3.0;
-
-}  // namespace
 
 ReadRecording readRecording(const BagInput& input, const std::shared_ptr<const CameraModel>& camera,
                             const FrameAssembler& assembler, const LocalizerConfig& config,

@@ -11,9 +11,6 @@
 namespace omnitag {
 namespace {
 
-/// m, of the look-up table that views go through.
-constexpr double kWorkingDistance = 3.0;
-
 LocalizerParameters parametersOf(const CalibrationOptions& options) {
   LocalizerParameters parameters;
   if (!options.params.empty()) {

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <algorithm>
+#include <limits>
+
+namespace omnitag {
+
+/// The least and the greatest of some values; none at first.
+struct Bounds {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -std::numeric_limits<double>::infinity();
+
+  bool isEmpty() const { return !(low <= high); }
+  void include(double value) {
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+};
+
+}  // namespace omnitag
