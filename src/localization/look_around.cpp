@@ -6,6 +6,8 @@
 #include <optional>
 #include <utility>
 
+#include "omnitag/common/bounds.h"
+
 namespace omnitag {
 namespace {
 
@@ -41,7 +43,7 @@ void includeRadii(double above_camera, double min_range, double max_range,
   }
 }
 
-/// Bounds of the ideal image plane at which markers can image, but for lying ones near the axis.
+/// Radii of the ideal image plane at which markers can image, but for lying ones near the axis.
 Bounds radiiOf(const MarkerHeights& heights, const MountedCamera& camera, double min_range,
                double max_range) {
   const double camera_height = camera.baseFromCamera().translation().z();
@@ -76,7 +78,7 @@ bool canBeAtEnd(bool up, const MarkerHeights& heights, const MountedCamera& came
   return up ? heights.lying.high > camera_height : heights.lying.low < camera_height;
 }
 
-/// Bounds at which the camera sees what is not near the axis.
+/// Radii at which the camera sees what is not near the axis.
 Bounds radiiOffAxis(const CameraModel& camera) {
   constexpr double kFar = 10.0;  // m
   Bounds radii;
