@@ -56,6 +56,8 @@ TagPattern::TagPattern(const apriltag_family& family, int id) {
     }
   }
 
+  compareNeighbours();
+
   data_modules_ = static_cast<int>(family.nbits);
   data_module_.assign(is_white_.size(), -1);
   const int border = (width_ - width_between_corners_) / 2;
@@ -63,6 +65,23 @@ TagPattern::TagPattern(const apriltag_family& family, int id) {
     const int column = border + static_cast<int>(family.bit_x[bit]);
     const int row = border + static_cast<int>(family.bit_y[bit]);
     data_module_[moduleIndex(column, row)] = bit;
+  }
+}
+
+void TagPattern::compareNeighbours() {
+  const auto colourOf = [this](int column, int row) {
+    return isWhite(std::clamp(column, 0, width_ - 1), std::clamp(row, 0, width_ - 1));
+  };
+  for (int row = -1; row <= width_; ++row) {
+    for (int column = -1; column <= width_; ++column) {
+      unsigned unlike = 0;
+      for (int neighbour = 0; neighbour < 9; ++neighbour) {
+        const bool is_like =
+            colourOf(column + neighbour % 3 - 1, row + neighbour / 3 - 1) == colourOf(column, row);
+        unlike |= is_like ? 0U : 1U << neighbour;
+      }
+      unlike_neighbours_.push_back(static_cast<std::uint16_t>(unlike));
+    }
   }
 }
 

@@ -363,7 +363,9 @@ TEST_P(MarkerPatchTest, KeepsNoMoreAtEdgesAndOnEvenGroundThanAskedFor) {
   const std::size_t all = count(kAll, kAll);
   const std::size_t edges = count(kAll, 0);
   const std::size_t even = count(0, kAll);
-  EXPECT_EQ(edges + even, all);
+  // Of nine that see even ground together one is enough.
+  EXPECT_LE(edges + even, all);
+  EXPECT_GE(edges + 9 * even, all);
   EXPECT_EQ(count(0, 0), 0U);
   for (const std::size_t most : {1U, 7U, 60U, 200U}) {
     EXPECT_LE(count(most, 0), most);

@@ -207,13 +207,15 @@ TEST(TagPatternTest, TellsWhereTheDrawingIsEven) {
   const TagPattern pattern("tag36h11", 42);
   const int width = bitmap.total_width;
   std::mt19937 generator(4);
-  std::uniform_real_distribution<double> coordinate(-1.5, width + 0.5);
-  std::uniform_real_distribution<double> edge(0.2, 2.5);
+  std::uniform_real_distribution<double> coordinate(-1.0, width + 1.0);
+  std::uniform_real_distribution<double> reach_along(0.05, 1.0);
   int even = 0;
   constexpr int kCount = 500;
   for (int i = 0; i < kCount; ++i) {
-    const Eigen::Vector2d low(coordinate(generator), coordinate(generator));
-    const Eigen::Vector2d high = low + Eigen::Vector2d(edge(generator), edge(generator));
+    const Eigen::Vector2d position(coordinate(generator), coordinate(generator));
+    const Eigen::Vector2d reach(reach_along(generator), reach_along(generator));
+    const Eigen::Vector2d low = position - reach;
+    const Eigen::Vector2d high = position + reach;
     if (high.minCoeff() <= 0.0 || low.maxCoeff() >= width) continue;
     bool has_white = false;
     bool has_black = false;
@@ -226,11 +228,15 @@ TEST(TagPatternTest, TellsWhereTheDrawingIsEven) {
         (white ? has_white : has_black) = true;
       }
     }
-    EXPECT_EQ(pattern.isEven(low, high), !(has_white && has_black))
+    EXPECT_EQ(pattern.isEvenAround(position, reach), !(has_white && has_black))
         << low.transpose() << " to " << high.transpose();
     even += has_white && has_black ? 0 : 1;
   }
   EXPECT_GT(even, kCount / 10);
+  EXPECT_LT(even, kCount / 2);
+  // Farther than the next module it does not look.
+  EXPECT_TRUE(pattern.isEvenAround({0.2, 0.2}, {0.7, 1.0}));
+  EXPECT_FALSE(pattern.isEvenAround({0.2, 0.2}, {0.7, 1.1}));
 }
 
 /// Number of the data module at a place of the grid; nothing where the layout fixes the module.

@@ -9,22 +9,17 @@
 
 #include "omnitag/camera/mounted_camera.h"
 #include "omnitag/common/pose2.h"
+#include "omnitag/localization/facet_grid.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/marker/tag_pattern.h"
 
 namespace omnitag {
 
-/// How a part of a marker's drawing images: from pixel to pixel and from pose to pose that hardly
-/// changes within.
-struct Facet {
-  bool is_visible = false;
-  /// Derivatives of the position on the drawing (modules) by the pixel, and by the pose (x, y, yaw)
-  /// where the pixel stays.
-  Eigen::Matrix2d by_pixel = Eigen::Matrix2d::Zero();
-  Eigen::Matrix<double, 2, 3> by_pose = Eigen::Matrix<double, 2, 3>::Zero();
-  /// What a pixel sees of the drawing: a parallelogram whose sides are the columns of `by_pixel`,
-  /// which the blur makes longer.
-  TagPattern::Window window;
+/// A pixel and the position on the drawing (modules) that it sees.
+struct PixelPosition {
+  int column = 0;
+  int row = 0;
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();
 };
 
 /// What a pixel of the panorama sees of a marker's drawing: what the facet's window shows about
@@ -94,47 +89,19 @@ class MarkerPatch {
                                   const Pose2& map_from_base) const;
 
  private:
-  /// A pixel and the position on the drawing that it sees from the pose of the constructor.
-  struct Place {
-    int column = 0;
-    int row = 0;
-    Eigen::Vector2d position = Eigen::Vector2d::Zero();
-  };
-  /// Of pixels, the last ones included.
-  struct Box {
-    int left;
-    int top;
-    int right;
-    int bottom;
-  };
-  class Sorter;
-  using Nodes = std::vector<std::optional<Eigen::Vector2d>>;
-
-  /// Pixels of the corners of the facets, row by row.
-  Nodes nodesAt(const Pose2& map_from_base) const;
-  /// The same of so many facets along either side, each projected.
-  Nodes projectedNodes(const Pose2& map_from_base, int facets) const;
-  void setFacets(const Nodes& nodes, const Pose2& map_from_base, double blur);
-  Box boundingBox(const Nodes& nodes) const;
-  const Facet& facetOf(const Eigen::Vector2d& position) const;
-  Eigen::Vector3d inMap(const Eigen::Vector2d& position) const;
-  /// Pixels along columns and rows.
-  Eigen::Vector2i gridSteps(std::size_t max_considered) const;
   /// Keeps at most so many of the pixels, evenly spread.
-  void keep(const std::vector<Place>& places, std::size_t at_most);
-  void choosePlaces(const Pose2& map_from_base, const Box& box, const Choice& choice);
+  void keep(const std::vector<PixelPosition>& pixels, std::size_t at_most);
   /// The facet of a position about which a pixel sees nothing but the drawing; null elsewhere.
   const Facet* facetWithinDrawing(const Eigen::Vector2d& position) const;
-  MarkerPixel pixelAt(const cv::Mat& panorama, const Place& place, const Facet& facet) const;
+  MarkerPixel pixelAt(const cv::Mat& panorama, const PixelPosition& place,
+                      const Facet& facet) const;
 
   const Marker& marker_;
   const TagPattern& pattern_;
   const MountedCamera& camera_;
-  double metres_per_module_;
-  int facets_along_;
-  /// Row by row.
-  std::vector<Facet> facets_;
-  std::vector<Place> places_;
+  FacetGrid facets_;
+  /// From the pose of the constructor.
+  std::vector<PixelPosition> places_;
 };
 
 }  // namespace omnitag

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <string>
 #include <utility>
@@ -69,17 +70,23 @@ class TagPattern {
 
   bool isWhite(int column, int row) const;
 
-  /// Whether all of a rectangle, or of what the drawing has of it, is of one colour. It must not
-  /// lie off the drawing.
-  bool isEven(const Eigen::Vector2d& low, const Eigen::Vector2d& high) const {
-    const int left = moduleAt(low.x());
-    const int top = moduleAt(low.y());
-    const int right = moduleAt(high.x()) + 1;
-    const int bottom = moduleAt(high.y()) + 1;
-    const int modules = (right - left) * (bottom - top);
-    const double white =
-        sumAt(right, bottom) - sumAt(left, bottom) - sumAt(right, top) + sumAt(left, top);
-    return std::abs(white - 0.5 * modules) > 0.5 * modules - 0.5;
+  /// Whether all that is less than `reach` (modules along either axis) away from a position, or
+  /// what the drawing has of it, is of one colour. Modules beyond the next are not looked at: false
+  /// where the reach is more than 1. The position may be off the drawing by the reach at most.
+  bool isEvenAround(const Eigen::Vector2d& position, const Eigen::Vector2d& reach) const {
+    if (reach.maxCoeff() > 1.0) return false;
+    // From one module above and to the left of the first, so that none is negative.
+    const Eigen::Vector2d place = position + Eigen::Vector2d::Ones();
+    const int column = std::min(static_cast<int>(place.x()), width_ + 1);
+    const int row = std::min(static_cast<int>(place.y()), width_ + 1);
+    const double right = place.x() - column;
+    const double down = place.y() - row;
+    const unsigned columns =
+        2U | (right < reach.x() ? 1U : 0U) | (right > 1.0 - reach.x() ? 4U : 0U);
+    const unsigned rows = 8U | (down < reach.y() ? 1U : 0U) | (down > 1.0 - reach.y() ? 64U : 0U);
+    const unsigned unlike =
+        unlike_neighbours_[static_cast<std::size_t>(row * (width_ + 2) + column)];
+    return (columns * rows & unlike) == 0U;
   }
 
   /// How many modules tell the tags of a family apart; the layout fixes the others.
@@ -111,6 +118,7 @@ class TagPattern {
     int module;
     double within;
   };
+  void compareNeighbours();
   Place placeOf(double coordinate) const;
   Area whiteAbove(const Place& x, const Place& y) const;
   /// `per_area`: 1 / the area between.
@@ -137,6 +145,9 @@ class TagPattern {
   std::vector<char> is_white_;
   /// White modules above and to the left of each corner of the grid.
   std::vector<double> sums_;
+  /// Of each module and of those around the drawing, which are as the nearest ones: a bit for each
+  /// of three times three neighbours, row by row, that is of another colour.
+  std::vector<std::uint16_t> unlike_neighbours_;
   /// Number of each data module, row by row; -1 for the others.
   std::vector<int> data_module_;
 };

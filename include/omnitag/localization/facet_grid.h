@@ -1,0 +1,67 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include "omnitag/camera/mounted_camera.h"
+#include "omnitag/common/pose2.h"
+#include "omnitag/marker/marker_map.h"
+#include "omnitag/marker/tag_pattern.h"
+
+namespace omnitag {
+
+/// How a part of a marker's drawing images: from pixel to pixel and from pose to pose that hardly
+/// changes within.
+struct Facet {
+  bool is_visible = false;
+  /// Derivatives of the position on the drawing (modules) by the pixel, and by the pose (x, y, yaw)
+  /// where the pixel stays.
+  Eigen::Matrix2d by_pixel = Eigen::Matrix2d::Zero();
+  Eigen::Matrix<double, 2, 3> by_pose = Eigen::Matrix<double, 2, 3>::Zero();
+  /// What a pixel sees of the drawing: a parallelogram whose sides are the columns of `by_pixel`,
+  /// which the blur makes longer.
+  TagPattern::Window window;
+};
+
+/// Pixels, the last ones included; none where the last ones are before the first.
+struct PixelBox {
+  int left = 0;
+  int top = 0;
+  int right = -1;
+  int bottom = -1;
+};
+
+/// A marker's drawing cut into as many facets along either side, as they image from a pose.
+class FacetGrid {
+ public:
+  /// `blur`: pixels, as MarkerPatch has it.
+  FacetGrid(const Marker& marker, const TagPattern& pattern, const MountedCamera& camera,
+            const Pose2& map_from_base, double blur, int facets_along);
+
+  /// The facet of a position (modules); of one off the drawing, one of those nearest.
+  const Facet& at(const Eigen::Vector2d& position) const {
+    return facets_[static_cast<std::size_t>(indexAlong(position.y()) * facets_along_ +
+                                            indexAlong(position.x()))];
+  }
+
+  /// Pixels of the image that show all that is visible of the drawing.
+  const PixelBox& box() const { return box_; }
+
+  /// How many pixels the visible facets cover.
+  double area() const;
+
+ private:
+  int indexAlong(double coordinate) const {
+    return std::clamp(static_cast<int>(coordinate * facets_per_module_), 0, facets_along_ - 1);
+  }
+
+  int facets_along_;
+  double facets_per_module_;
+  /// Row by row.
+  std::vector<Facet> facets_;
+  PixelBox box_;
+};
+
+}  // namespace omnitag

@@ -1,0 +1,103 @@
+#include "omnitag/localization/facet_grid.h"
+
+#include <Eigen/LU>
+#include <cmath>
+#include <optional>
+
+#include "drawing_plane.h"
+#include "node_grid.h"
+
+namespace omnitag {
+namespace {
+
+/// Pixels of the corners of so many facets along either side, each projected.
+NodeGrid projectedNodes(const Marker& marker, const TagPattern& pattern,
+                        const MountedCamera& camera, const Pose2& map_from_base, int facets) {
+  const double metres_per_module = marker.size / pattern.widthBetweenCorners();
+  const double half = 0.5 * pattern.width();
+  const double width = static_cast<double>(pattern.width()) / facets;
+  NodeGrid nodes;
+  nodes.reserve(gridIndex(0, facets + 1, facets + 1));
+  for (int row = 0; row <= facets; ++row) {
+    for (int column = 0; column <= facets; ++column) {
+      const Eigen::Vector3d in_marker =
+          metres_per_module * Eigen::Vector3d(width * column - half, half - width * row, 0.0);
+      nodes.push_back(camera.pixelFromMap(map_from_base, marker.map_from_marker * in_marker));
+    }
+  }
+  return nodes;
+}
+
+NodeGrid nodesOf(const Marker& marker, const TagPattern& pattern, const MountedCamera& camera,
+                 const Pose2& map_from_base, int facets) {
+  // A drawing images so smoothly that a few nodes tell where all others are.
+  if (facets > kProjectedFacets) {
+    auto nodes = interpolated(
+        projectedNodes(marker, pattern, camera, map_from_base, kProjectedFacets), facets);
+    if (nodes) return *nodes;
+  }
+  return projectedNodes(marker, pattern, camera, map_from_base, facets);
+}
+
+PixelBox boxAround(const NodeGrid& nodes, const ImageSize& size) {
+  Eigen::Vector2d low(size.width, size.height);
+  Eigen::Vector2d high(-1.0, -1.0);
+  for (const auto& node : nodes) {
+    if (!node) continue;
+    low = low.cwiseMin(*node);
+    high = high.cwiseMax(*node);
+  }
+  return {std::max(0, static_cast<int>(low.x()) - 1), std::max(0, static_cast<int>(low.y()) - 1),
+          std::min(size.width - 1, static_cast<int>(high.x()) + 2),
+          std::min(size.height - 1, static_cast<int>(high.y()) + 2)};
+}
+
+}  // namespace
+
+FacetGrid::FacetGrid(const Marker& marker, const TagPattern& pattern, const MountedCamera& camera,
+                     const Pose2& map_from_base, double blur, int facets_along)
+    : facets_along_(facets_along),
+      facets_per_module_(static_cast<double>(facets_along) / pattern.width()) {
+  const NodeGrid nodes = nodesOf(marker, pattern, camera, map_from_base, facets_along);
+  box_ = boxAround(nodes, camera.model().imageSize());
+  const DrawingPlane plane(marker, pattern, map_from_base);
+  // A Gaussian blur and a box have the same variance where the box is sqrt(12) deviations wide.
+  const double stretch = std::sqrt(1.0 + 12.0 * blur * blur);
+  const auto nodeAt = [&](int column, int row) -> const std::optional<Eigen::Vector2d>& {
+    return nodes[gridIndex(column, row, facets_along + 1)];
+  };
+  facets_.reserve(gridIndex(0, facets_along, facets_along));
+  for (int row = 0; row < facets_along; ++row) {
+    for (int column = 0; column < facets_along; ++column) {
+      Facet& facet = facets_.emplace_back();
+      const auto& upper_left = nodeAt(column, row);
+      const auto& upper_right = nodeAt(column + 1, row);
+      const auto& lower_left = nodeAt(column, row + 1);
+      const auto& lower_right = nodeAt(column + 1, row + 1);
+      if (!upper_left || !upper_right || !lower_left || !lower_right) continue;
+      Eigen::Matrix2d pixel_by_position;
+      pixel_by_position << *upper_right + *lower_right - *upper_left - *lower_left,
+          *lower_left + *lower_right - *upper_left - *upper_right;
+      pixel_by_position *= 0.5 * facets_per_module_;
+      if (std::abs(pixel_by_position.determinant()) < 1e-6) continue;
+      const auto ray = camera.tabulatedRayInBase(
+          0.25 * (*upper_left + *upper_right + *lower_left + *lower_right));
+      if (!ray || !plane.meet(*ray)) continue;
+      facet.is_visible = true;
+      facet.by_pixel = pixel_by_position.inverse();
+      facet.by_pose = plane.derivative(*ray);
+      facet.window =
+          TagPattern::Window(stretch * facet.by_pixel.col(0), stretch * facet.by_pixel.col(1));
+    }
+  }
+}
+
+double FacetGrid::area() const {
+  double modules_per_pixel_inverse = 0.0;
+  for (const Facet& facet : facets_) {
+    if (facet.is_visible) modules_per_pixel_inverse += 1.0 / std::abs(facet.by_pixel.determinant());
+  }
+  return modules_per_pixel_inverse / (facets_per_module_ * facets_per_module_);
+}
+
+}  // namespace omnitag
