@@ -83,38 +83,32 @@ class Problem {
   Eigen::Matrix3d prior_information_ = Eigen::Matrix3d::Zero();
 };
 
-/// A pose with the problem linearised there.
-struct Descent {
-  Pose2 pose;
-  Linearization linear;
-};
-
-/// Levenberg-Marquardt until a step is shorter than the tolerance (m and rad); nothing where the
-/// pose is not determined.
-std::optional<Descent> descend(const Problem& problem, const Pose2& initial, double tolerance) {
+/// Levenberg-Marquardt until a step, which is still taken, is shorter than the tolerance (m and
+/// rad); nothing where the pose is not determined.
+std::optional<Pose2> descend(const Problem& problem, const Pose2& initial, double tolerance) {
   constexpr int kMaxIterations = 100;
-  Descent at{initial, problem.linearize(initial)};
+  Pose2 pose = initial;
+  Linearization linear = problem.linearize(pose);
   double damping = 1e-6;
   for (int i = 0; i < kMaxIterations; ++i) {
-    Eigen::Matrix3d damped = at.linear.information;
+    Eigen::Matrix3d damped = linear.information;
     damped.diagonal() *= 1.0 + damping;
     const Eigen::LLT<Eigen::Matrix3d> factors(damped);
     if (factors.info() != Eigen::Success) return std::nullopt;
-    const Eigen::Vector3d step = -factors.solve(at.linear.gradient);
+    const Eigen::Vector3d step = -factors.solve(linear.gradient);
     if (!step.allFinite()) return std::nullopt;
-    const Pose2 pose{at.pose.x + step.x(), at.pose.y + step.y(),
-                     normalizeAngle(at.pose.yaw + step.z())};
-    Descent next{pose, problem.linearize(pose)};
-    const bool is_better = next.linear.cost <= at.linear.cost;
-    if (is_better) {
-      at = std::move(next);
+    const Pose2 next{pose.x + step.x(), pose.y + step.y(), normalizeAngle(pose.yaw + step.z())};
+    if (step.norm() < tolerance) return next;
+    Linearization there = problem.linearize(next);
+    if (there.cost <= linear.cost) {
+      pose = next;
+      linear = std::move(there);
       damping = std::max(damping * 0.1, 1e-9);
     } else {
       damping = std::max(damping * 10.0, 1e-4);
     }
-    if (step.norm() < tolerance) break;
   }
-  return at;
+  return pose;
 }
 
 }  // namespace
@@ -123,22 +117,24 @@ std::optional<ReprojectionFit> refineByReprojection(
     const MarkerMap& map, const MountedCamera& camera,
     const std::vector<MarkerObservation>& observations, const Pose2& initial,
     const std::optional<PoseEstimate>& prior, const ReprojectionConfig& config) {
-  constexpr double kTolerance = 1e-7;
-  std::optional<Descent> end =
-      descend(Problem(map, camera, observations, prior, config), initial, kTolerance);
-  if (!end) return std::nullopt;
+  // What is left then is far less.
+  constexpr double kTolerance = 1e-6;
+  const Problem problem(map, camera, observations, prior, config);
+  const std::optional<Pose2> pose = descend(problem, initial, kTolerance);
+  if (!pose) return std::nullopt;
+  Linearization linear = problem.linearize(*pose);
 
   // An information matrix without a direction says nothing about the pose along it.
   constexpr double kSmallestEigenvalue = 1e-9;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(end->linear.information);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(linear.information);
   if (!(eigen.eigenvalues()(0) > kSmallestEigenvalue * eigen.eigenvalues()(2))) {
     return std::nullopt;
   }
   ReprojectionFit fit;
-  fit.map_from_base.pose = end->pose;
-  fit.map_from_base.covariance = end->linear.information.inverse();
-  fit.residuals = std::move(end->linear.residuals);
-  fit.weighted_squares = end->linear.weighted_squares;
+  fit.map_from_base.pose = *pose;
+  fit.map_from_base.covariance = linear.information.inverse();
+  fit.residuals = std::move(linear.residuals);
+  fit.weighted_squares = linear.weighted_squares;
   return fit;
 }
 
@@ -155,7 +151,7 @@ std::optional<ReprojectionFit> refineFromAfar(const MarkerMap& map, const Mounte
     ReprojectionConfig wide = config;
     wide.robust_width = std::max(width, config.robust_width);
     const auto end = descend(Problem(map, camera, observations, prior, wide), pose, kTolerance);
-    if (end) pose = end->pose;
+    if (end) pose = *end;
   }
   return refineByReprojection(map, camera, observations, pose, prior, config);
 }
