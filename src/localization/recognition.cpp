@@ -21,12 +21,14 @@ struct Sample {
 };
 
 /// How many pixels of a marker are looked at, about, by the width of a module in pixels. More would
-/// only make it slower; but of wide modules, few pixels see an edge.
-std::size_t pixelsFor(double module) {
+/// only make it slower; but of wide modules, few pixels see an edge, and what may be stretched has
+/// twice as many unknowns.
+std::size_t pixelsFor(double module, bool may_be_stretched) {
   constexpr double kPixels = 200.0;
   constexpr double kWide = 6.0;
   constexpr double kMost = 500.0;
-  return static_cast<std::size_t>(std::clamp(kPixels * module / kWide, kPixels, kMost));
+  const double pixels = std::clamp(kPixels * module / kWide, kPixels, kMost);
+  return static_cast<std::size_t>(may_be_stretched ? 1.5 * pixels : pixels);
 }
 
 /// Where its place is searched for, one of so many of those, if there are enough.
@@ -292,7 +294,8 @@ std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& mark
   const double margin = std::max(predicted.tangential_margin, predicted.radial_margin);
   if (margin > std::max(kLeastMargin, config.max_margin * module)) return std::nullopt;
   MarkerPatch::Choice choice;
-  choice.max_considered = pixelsFor(module);
+  const bool may_be_stretched = margin > kLeastMargin;
+  choice.max_considered = pixelsFor(module, may_be_stretched);
   choice.tolerance = 0.02;
   choice.facets = 3;
   const MarkerPatch patch(marker, pattern, camera, map_from_base, blur, choice);
@@ -309,7 +312,7 @@ std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& mark
   Placement start;
   start.displacement = place.cast<double>();
   start.predicted_middle = predicted.center;
-  const auto fit = alignPattern(panorama, footprints, pattern, start, margin > kLeastMargin);
+  const auto fit = alignPattern(panorama, footprints, pattern, start, may_be_stretched);
   if (!fit || fit->contrast < config.min_contrast) return std::nullopt;
   const Placement& placement = fit->placement;
   if (!area.contains(placement.displacement, step + 1.0)) return std::nullopt;
