@@ -7,8 +7,9 @@
 namespace omnitag {
 namespace {
 
-/// Pixels; the last step leaves far less.
+/// Pixels; the last step leaves far less. On the way it need not be that little.
 constexpr double kConverged = 0.1;
+constexpr double kConvergedOnTheWay = 0.3;
 
 /// Modules. Where pixels see less of the pattern than this, it is taken for so much blurred until
 /// it is nearly in place: only what sees an edge knows where that should be.
@@ -42,10 +43,11 @@ class Aligner {
   template <int Unknowns>
   bool converge(double blur) {
     constexpr int kMaxSteps = 10;
+    const double enough = blur > 0.0 ? kConvergedOnTheWay : kConverged;
     for (int i = 0; i < kMaxSteps; ++i) {
       const std::optional<double> change = step<Unknowns>(blur);
       if (!change) return false;
-      if (*change < kConverged) break;
+      if (*change < enough) break;
     }
     return true;
   }

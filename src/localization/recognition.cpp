@@ -31,9 +31,8 @@ std::size_t pixelsFor(double module, bool may_be_stretched) {
   return static_cast<std::size_t>(may_be_stretched ? 1.5 * pixels : pixels);
 }
 
-/// Where its place is searched for, one of so many of those, if there are enough.
-constexpr std::size_t kCoarse = 2;
-constexpr std::size_t kEnough = 150;
+/// How many of those tell about where it is.
+constexpr std::size_t kCoarse = 100;
 
 /// Pixels; however small the marker, it is worth to look for it so far around. Where it may be
 /// farther away, it may also image larger, turned or slanted.
@@ -93,7 +92,7 @@ Eigen::Vector2i bestPlace(const cv::Mat& panorama, const std::vector<Sample>& sa
     float white;
   };
   std::vector<Pixel> pixels;
-  const std::size_t every = samples.size() > kEnough ? kCoarse : 1;
+  const std::size_t every = std::max<std::size_t>(1, samples.size() / kCoarse);
   pixels.reserve(samples.size() / every + 1);
   const auto stride = static_cast<std::ptrdiff_t>(panorama.step[0]);
   float white_sum = 0.0F;
