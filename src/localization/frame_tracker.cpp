@@ -78,7 +78,7 @@ std::vector<MarkerReading> readViews(const TrackingTools& tools, const cv::Mat& 
   Stopwatch step;
   const std::size_t first = result->views.size();
   result->view_images.resize(first + views.size());
-  forEachIndex(views.size(), tools.config.threads, [&](std::size_t i) {
+  forEachIndex(views.size(), tools.config.threads, 1, [&](std::size_t i) {
     result->view_images[first + i] = tools.reader.warper().warp(panorama, views[i]);
   });
   std::move(views.begin(), views.end(), std::back_inserter(result->views));
@@ -211,7 +211,8 @@ void FrameTracker::recognize(const PoseEstimate& belief, std::size_t enough) {
 void FrameTracker::recognizeAll(const PoseEstimate& belief) {
   Stopwatch step;
   const std::vector<std::size_t> targets = missing();
-  forEachIndex(targets.size(), tools_.config.threads, [&](std::size_t i) {
+  constexpr std::size_t kWorthAThread = 2;
+  forEachIndex(targets.size(), tools_.config.threads, kWorthAThread, [&](std::size_t i) {
     sightings_[targets[i]].observation = recognizeOne(targets[i], belief);
   });
   result_->timings.recognize += step.lap();

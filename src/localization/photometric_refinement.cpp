@@ -89,7 +89,7 @@ class Aligner {
     MarkerPatch::Choice choice;
     choice.tolerance = 0.1;
     choice.facets = 2;
-    return patches(pose, config_.max_pixels, choice);
+    return patches(pose, config_.max_pixels, choice, kRoughWorthAThread);
   }
 
   /// The same, from a pose that is hardly to change any more: only those pixels tell more of it
@@ -98,20 +98,21 @@ class Aligner {
     MarkerPatch::Choice choice;
     choice.reach = 0.0;
     choice.facets = 6;
-    return patches(pose, config_.max_final_pixels, choice);
+    return patches(pose, config_.max_final_pixels, choice, kFineWorthAThread);
   }
 
   /// What each marker says at the pose of the patches; nothing where it is not seen.
   std::vector<std::optional<MarkerFit>> fits(const std::vector<MarkerPatch>& patches,
                                              const Alignment& alignment) const {
-    return fits(alignment, [&](std::size_t i) { return patches[i].pixels(panorama_); });
+    return fits(alignment, kFineWorthAThread,
+                [&](std::size_t i) { return patches[i].pixels(panorama_); });
   }
 
   /// The same at the alignment's pose, near that of the patches. `lines` are the patches'.
   std::vector<std::optional<MarkerFit>> fits(const std::vector<MarkerPatch>& patches,
                                              const std::vector<LinesOfSight>& lines,
                                              const Alignment& alignment) const {
-    return fits(alignment, [&](std::size_t i) {
+    return fits(alignment, kRoughWorthAThread, [&](std::size_t i) {
       return patches[i].pixels(panorama_, lines[i], alignment.pose);
     });
   }
@@ -132,11 +133,15 @@ class Aligner {
   }
 
  private:
+  /// Markers.
+  static constexpr std::size_t kRoughWorthAThread = 8;
+  static constexpr std::size_t kFineWorthAThread = 2;
+
   template <typename PixelsOf>
-  std::vector<std::optional<MarkerFit>> fits(const Alignment& alignment,
+  std::vector<std::optional<MarkerFit>> fits(const Alignment& alignment, std::size_t worth_a_thread,
                                              const PixelsOf& pixels_of) const {
     std::vector<std::optional<MarkerFit>> fits(entries_.size());
-    forEachIndex(fits.size(), threads_,
+    forEachIndex(fits.size(), threads_, worth_a_thread,
                  [&](std::size_t i) { fits[i] = fitOf(i, pixels_of(i), alignment); });
     return fits;
   }
@@ -156,7 +161,8 @@ class Aligner {
   /// With so many pixels at edges at most, all together, but for what a marker needs. Large markers
   /// get more of them: they are near, and each of their pixels tells more of the pose.
   std::vector<MarkerPatch> patches(const Pose2& pose, int max_pixels,
-                                   const MarkerPatch::Choice& choice) const {
+                                   const MarkerPatch::Choice& choice,
+                                   std::size_t worth_a_thread) const {
     constexpr double kLeast = 75.0;
     constexpr std::size_t kEnoughForLight = 60;
     // So many more are looked at to find those at edges.
@@ -165,7 +171,7 @@ class Aligner {
     for (const std::size_t entry : entries_) areas.push_back(areaOf(map_.markers[entry], pose));
     const double whole = std::accumulate(areas.begin(), areas.end(), 1.0);
     std::vector<std::optional<MarkerPatch>> made(entries_.size());
-    forEachIndex(entries_.size(), threads_, [&](std::size_t i) {
+    forEachIndex(entries_.size(), threads_, worth_a_thread, [&](std::size_t i) {
       const Marker& marker = map_.markers[entries_[i]];
       MarkerPatch::Choice own = choice;
       own.max_at_edges = static_cast<std::size_t>(std::max(kLeast, max_pixels * areas[i] / whole));

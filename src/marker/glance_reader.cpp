@@ -216,7 +216,7 @@ Glance GlanceReader::read(const cv::Mat& panorama, std::size_t glance, const Vie
     std::optional<MarkerReading> reading;
   };
   std::vector<Look> looks(tags.size());
-  forEachIndex(tags.size(), threads_, [&](std::size_t i) {
+  forEachIndex(tags.size(), threads_, 1, [&](std::size_t i) {
     TagDetection tag = tags[i];
     for (Eigen::Vector2d& corner : tag.corners) corner = excerpt.inPanorama(corner);
     Look& look = looks[i];

@@ -16,7 +16,7 @@ TEST(ForEachIndex, CallsEachIndexOnce) {
   for (const int threads : {-1, 0, 1, 2, 5}) {
     for (const std::size_t count : {0U, 1U, 3U, 1000U}) {
       std::vector<std::atomic<int>> calls(count);
-      forEachIndex(count, threads, [&](std::size_t i) { ++calls[i]; });
+      forEachIndex(count, threads, 1, [&](std::size_t i) { ++calls[i]; });
       for (const std::atomic<int>& times : calls) EXPECT_EQ(times, 1);
     }
   }
@@ -24,7 +24,7 @@ TEST(ForEachIndex, CallsEachIndexOnce) {
 
 TEST(ForEachIndex, StaysOnTheCallersThreadWhereThereIsToBeOne) {
   std::set<std::thread::id> used;
-  forEachIndex(100, 1, [&](std::size_t) { used.insert(std::this_thread::get_id()); });
+  forEachIndex(100, 1, 1, [&](std::size_t) { used.insert(std::this_thread::get_id()); });
   EXPECT_EQ(used, std::set<std::thread::id>{std::this_thread::get_id()});
 }
 
@@ -33,7 +33,7 @@ TEST(ForEachIndex, UsesAllOfItsThreadsAtOnce) {
   std::atomic<int> at_work{0};
   std::atomic<bool> did_meet{true};
   // Each waits for the others: one alone would not see them come.
-  forEachIndex(kThreads, kThreads, [&](std::size_t) {
+  forEachIndex(kThreads, kThreads, 1, [&](std::size_t) {
     ++at_work;
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
     while (at_work < kThreads && did_meet) {
@@ -48,11 +48,17 @@ TEST(ForEachIndex, UsesNoMoreThreadsThanItMay) {
   constexpr int kThreads = 2;
   std::mutex mutex;
   std::set<std::thread::id> used;
-  forEachIndex(1000, kThreads, [&](std::size_t) {
+  forEachIndex(1000, kThreads, 1, [&](std::size_t) {
     const std::lock_guard<std::mutex> lock(mutex);
     used.insert(std::this_thread::get_id());
   });
   EXPECT_LE(used.size(), kThreads);
+}
+
+TEST(ForEachIndex, StaysOnTheCallersThreadWhereThereIsTooLittleToDo) {
+  std::set<std::thread::id> used;
+  forEachIndex(7, 4, 4, [&](std::size_t) { used.insert(std::this_thread::get_id()); });
+  EXPECT_EQ(used, std::set<std::thread::id>{std::this_thread::get_id()});
 }
 
 }  // namespace
