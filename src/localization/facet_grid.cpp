@@ -6,6 +6,7 @@
 
 #include "drawing_plane.h"
 #include "node_grid.h"
+#include "omnitag/common/grid_index.h"
 
 namespace omnitag {
 namespace {

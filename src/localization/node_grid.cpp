@@ -1,5 +1,7 @@
 #include "node_grid.h"
 
+#include "omnitag/common/grid_index.h"
+
 namespace omnitag {
 namespace {
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -9,12 +8,6 @@ namespace omnitag {
 
 /// Pixels of the corners of square facets, row by row; nothing where one is not seen.
 using NodeGrid = std::vector<std::optional<Eigen::Vector2d>>;
-
-/// Of a grid with so many columns, row by row.
-inline std::size_t gridIndex(int column, int row, int columns) {
-  return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
-         static_cast<std::size_t>(column);
-}
 
 /// Facets along either side from whose nodes cubic polynomials tell all others.
 constexpr int kProjectedFacets = 3;

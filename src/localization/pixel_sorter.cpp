@@ -151,40 +151,40 @@ class Sorter {
     const std::optional<Bicubic> positions = positionsIn(block);
     if (!positions) return sortOneByOne(block);
     const Eigen::Vector2d per_pixel = kSpacings * block_.cast<double>().cwiseInverse();
-    const double middle = 0.5 * per_pixel.x() * (block.right - block.left);
     for (int top = block.top; top <= block.bottom; top += kCell * step_.y()) {
       std::array<Cubic, kCell> rows;
-      for (int i = 0; i < kCell; ++i) {
-        rows[static_cast<std::size_t>(i)] =
-            positions->alongRow(per_pixel.y() * (top + i * step_.y() - block.top));
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        const int row = top + static_cast<int>(i) * step_.y();
+        rows[i] = positions->alongRow(per_pixel.y() * (row - block.top));
       }
-      sortCells(block, top, rows, per_pixel.x(),
-                surroundingsAt(rows[kCell / 2].at(middle), Eigen::Vector2d::Zero()),
-                surroundingsAt(rows[kCell / 2].at(middle), step_.cast<double>()));
+      const int bottom = std::min(top + kCell * step_.y() - 1, block.bottom);
+      sortCells({block.left, top, block.right, bottom}, rows, per_pixel.x());
     }
   }
 
-  /// One row of cells. Most pixels see even ground, and most of those do so together.
-  void sortCells(const PixelBox& block, int top, const std::array<Cubic, kCell>& rows,
-                 double per_pixel, const Eigen::Vector2d& surroundings,
-                 const Eigen::Vector2d& surroundings_of_cell) {
+  /// One row of cells, with the positions along its rows of pixels. Most pixels see even ground,
+  /// and most of those do so together.
+  void sortCells(const PixelBox& cells, const std::array<Cubic, kCell>& rows, double per_pixel) {
     constexpr int kMiddle = kCell / 2;
-    for (int left = block.left; left <= block.right; left += kCell * step_.x()) {
+    const Cubic& middle = rows[kMiddle];
+    const int middle_row = cells.top + kMiddle * step_.y();
+    const Eigen::Vector2d amid = middle.at(0.5 * per_pixel * (cells.right - cells.left));
+    const Eigen::Vector2d around_pixel = surroundingsAt(amid, Eigen::Vector2d::Zero());
+    const Eigen::Vector2d around_cell = surroundingsAt(amid, step_.cast<double>());
+    for (int left = cells.left; left <= cells.right; left += kCell * step_.x()) {
+      const int right = std::min(left + kCell * step_.x() - 1, cells.right);
       const int column = left + kMiddle * step_.x();
-      const Eigen::Vector2d position = rows[kMiddle].at(per_pixel * (column - block.left));
-      if (isOff(position, surroundings_of_cell)) continue;
-      const int right = std::min(left + kCell * step_.x() - 1, block.right);
-      const int bottom = std::min(top + kCell * step_.y() - 1, block.bottom);
-      if (isEven(position, surroundings_of_cell)) {
-        if (column <= right && top + kMiddle * step_.y() <= bottom) {
-          sorted_.on_even_ground.push_back({column, top + kMiddle * step_.y(), position});
-        }
+      const Eigen::Vector2d position = middle.at(per_pixel * (column - cells.left));
+      if (isOff(position, around_cell)) continue;
+      if (isEven(position, around_cell)) {
+        const bool is_there = column <= right && middle_row <= cells.bottom;
+        if (is_there) sorted_.on_even_ground.push_back({column, middle_row, position});
         continue;
       }
-      auto along_row = rows.begin();
-      for (int y = top; y <= bottom; y += step_.y(), ++along_row) {
+      const Cubic* along_row = rows.data();
+      for (int row = cells.top; row <= cells.bottom; row += step_.y(), ++along_row) {
         for (int x = left; x <= right; x += step_.x()) {
-          add(x, y, along_row->at(per_pixel * (x - block.left)), surroundings);
+          add(x, row, along_row->at(per_pixel * (x - cells.left)), around_pixel);
         }
       }
     }

@@ -45,14 +45,14 @@ TagPattern::TagPattern(const apriltag_family& family, int id) {
   const std::unique_ptr<image_u8_t, Free> image(
       apriltag_to_image(const_cast<apriltag_family_t*>(&family), id), std::free);
   const std::unique_ptr<std::uint8_t, Free> pixels(image->buf, std::free);
-  sums_.assign(indexOf(width_, width_) + 1, 0.0);
+  sums_.assign(cornerIndex(width_, width_) + 1, 0.0);
   for (int row = 0; row < width_; ++row) {
     for (int column = 0; column < width_; ++column) {
       const double white = pixels.get()[row * image->stride + column] > 127 ? 1.0 : 0.0;
       is_white_.push_back(white > 0.5 ? 1 : 0);
-      sums_[indexOf(column + 1, row + 1)] = white + sums_[indexOf(column, row + 1)] +
-                                            sums_[indexOf(column + 1, row)] -
-                                            sums_[indexOf(column, row)];
+      sums_[cornerIndex(column + 1, row + 1)] = white + sums_[cornerIndex(column, row + 1)] +
+                                                sums_[cornerIndex(column + 1, row)] -
+                                                sums_[cornerIndex(column, row)];
     }
   }
 
@@ -106,7 +106,7 @@ TagPattern::Place TagPattern::placeOf(double coordinate) const {
 
 TagPattern::Area TagPattern::whiteAbove(const Place& x, const Place& y) const {
   // Within a module the area grows bilinearly, since the module is all black or all white.
-  const double* const upper = &sums_[indexOf(x.module, y.module)];
+  const double* const upper = &sums_[cornerIndex(x.module, y.module)];
   const double* const lower = upper + width_ + 1;
   const double right = upper[1] - upper[0];
   const double down = lower[0] - upper[0];

@@ -2,10 +2,10 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <cstddef>
 #include <vector>
 
 #include "omnitag/camera/mounted_camera.h"
+#include "omnitag/common/grid_index.h"
 #include "omnitag/common/pose2.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/marker/tag_pattern.h"
@@ -42,8 +42,7 @@ class FacetGrid {
 
   /// The facet of a position (modules); of one off the drawing, one of those nearest.
   const Facet& at(const Eigen::Vector2d& position) const {
-    return facets_[static_cast<std::size_t>(indexAlong(position.y()) * facets_along_ +
-                                            indexAlong(position.x()))];
+    return facets_[gridIndex(indexAlong(position.x()), indexAlong(position.y()), facets_along_)];
   }
 
   /// Pixels of the image that show all that is visible of the drawing.

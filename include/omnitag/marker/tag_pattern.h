@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "omnitag/common/grid_index.h"
 #include "omnitag/marker/marker_map.h"
 
 struct apriltag_family;
@@ -84,8 +85,7 @@ class TagPattern {
     const unsigned columns =
         2U | (right < reach.x() ? 1U : 0U) | (right > 1.0 - reach.x() ? 4U : 0U);
     const unsigned rows = 8U | (down < reach.y() ? 1U : 0U) | (down > 1.0 - reach.y() ? 64U : 0U);
-    const unsigned unlike =
-        unlike_neighbours_[static_cast<std::size_t>(row * (width_ + 2) + column)];
+    const unsigned unlike = unlike_neighbours_[gridIndex(column, row, width_ + 2)];
     return (columns * rows & unlike) == 0U;
   }
 
@@ -128,15 +128,8 @@ class TagPattern {
   int moduleAt(double coordinate) const {
     return std::clamp(static_cast<int>(coordinate), 0, width_ - 1);
   }
-  double sumAt(int column, int row) const { return sums_[indexOf(column, row)]; }
-  std::size_t moduleIndex(int column, int row) const {
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +
-           static_cast<std::size_t>(column);
-  }
-  std::size_t indexOf(int column, int row) const {
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(width_ + 1) +
-           static_cast<std::size_t>(column);
-  }
+  std::size_t moduleIndex(int column, int row) const { return gridIndex(column, row, width_); }
+  std::size_t cornerIndex(int column, int row) const { return gridIndex(column, row, width_ + 1); }
 
   int width_ = 0;
   int width_between_corners_ = 0;
