@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "omnitag/common/angle.h"
-#include "omnitag/localization/recognition.h"
 #include "omnitag/marker/tag_family.h"
+#include "omnitag/photometry/recognition.h"
 #include "program.h"
 #include "recorded_sequence.h"
 #include "visible_markers.h"

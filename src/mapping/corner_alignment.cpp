@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "light_grid.h"
-#include "omnitag/localization/marker_patch.h"
-#include "omnitag/localization/pixel_noise.h"
+#include "omnitag/photometry/marker_patch.h"
+#include "omnitag/photometry/pixel_noise.h"
 
 namespace omnitag {
 namespace {

@@ -4,11 +4,11 @@
 #include "omnitag/localization/look_around.h"
 #include "omnitag/localization/motion_model.h"
 #include "omnitag/localization/pose_estimator.h"
-#include "omnitag/localization/recognition.h"
 #include "omnitag/localization/relocalization.h"
 #include "omnitag/marker/marker_association.h"
 #include "omnitag/marker/marker_prediction.h"
 #include "omnitag/marker/tag_detector.h"
+#include "omnitag/photometry/recognition.h"
 #include "omnitag/view/view_planner.h"
 
 namespace omnitag {

@@ -7,9 +7,9 @@
 #include "omnitag/common/pose2.h"
 #include "omnitag/common/yaml_reader.h"
 #include "omnitag/localization/observation.h"
-#include "omnitag/localization/photometric_refinement.h"
 #include "omnitag/localization/reprojection.h"
 #include "omnitag/marker/marker_map.h"
+#include "omnitag/photometry/photometric_refinement.h"
 
 namespace omnitag {
 

@@ -1,4 +1,4 @@
-#include "omnitag/localization/marker_patch.h"
+#include "omnitag/photometry/marker_patch.h"
 
 #include <gtest/gtest.h>
 
@@ -169,7 +169,7 @@ TEST_P(MarkerPatchTest, PositionsAreWhatThePixelsSee) {
     const Eigen::Vector2d expected(footprint.column, footprint.row);
     largest = std::max(largest, (*pixel - expected).norm());
   }
-  EXPECT_LT(largest, 2e-3);
+  EXPECT_LT(largest, MarkerPatch::Choice().tolerance);
 }
 
 TEST_P(MarkerPatchTest, PositionsFollowThePose) {

@@ -9,9 +9,9 @@
 
 #include "omnitag/camera/mounted_camera.h"
 #include "omnitag/common/pose2.h"
-#include "omnitag/localization/facet_grid.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/marker/tag_pattern.h"
+#include "omnitag/photometry/facet_grid.h"
 
 namespace omnitag {
 

@@ -1,4 +1,4 @@
-#include "omnitag/localization/marker_patch.h"
+#include "omnitag/photometry/marker_patch.h"
 
 #include <algorithm>
 #include <cstdint>

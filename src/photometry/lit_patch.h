@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "omnitag/localization/marker_patch.h"
-#include "omnitag/localization/pixel_noise.h"
+#include "omnitag/photometry/marker_patch.h"
+#include "omnitag/photometry/pixel_noise.h"
 
 namespace omnitag {
 

@@ -1,4 +1,4 @@
-#include "omnitag/localization/recognition.h"
+#include "omnitag/photometry/recognition.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "omnitag/localization/photometric_refinement.h"
+#include "omnitag/photometry/photometric_refinement.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -11,8 +11,8 @@
 #include "lit_patch.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/common/parallel.h"
-#include "omnitag/localization/marker_patch.h"
-#include "omnitag/localization/pixel_noise.h"
+#include "omnitag/photometry/marker_patch.h"
+#include "omnitag/photometry/pixel_noise.h"
 
 namespace omnitag {
 namespace {

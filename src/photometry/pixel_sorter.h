@@ -4,9 +4,9 @@
 
 #include "drawing_plane.h"
 #include "omnitag/camera/mounted_camera.h"
-#include "omnitag/localization/facet_grid.h"
-#include "omnitag/localization/marker_patch.h"
 #include "omnitag/marker/tag_pattern.h"
+#include "omnitag/photometry/facet_grid.h"
+#include "omnitag/photometry/marker_patch.h"
 
 namespace omnitag {
 

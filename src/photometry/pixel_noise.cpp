@@ -1,4 +1,4 @@
-#include "omnitag/localization/pixel_noise.h"
+#include "omnitag/photometry/pixel_noise.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "omnitag/common/angle.h"
-#include "omnitag/localization/recognition.h"
+#include "omnitag/photometry/recognition.h"
 
 namespace omnitag {
 namespace {

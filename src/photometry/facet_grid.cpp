@@ -1,4 +1,4 @@
-#include "omnitag/localization/facet_grid.h"
+#include "omnitag/photometry/facet_grid.h"
 
 #include <Eigen/LU>
 #include <cmath>

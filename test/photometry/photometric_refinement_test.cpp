@@ -1,4 +1,4 @@
-#include "omnitag/localization/photometric_refinement.h"
+#include "omnitag/photometry/photometric_refinement.h"
 
 #include <gtest/gtest.h>
 

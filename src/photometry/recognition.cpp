@@ -1,4 +1,4 @@
-#include "omnitag/localization/recognition.h"
+#include "omnitag/photometry/recognition.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "omnitag/localization/marker_patch.h"
 #include "omnitag/marker/marker_reader.h"
+#include "omnitag/photometry/marker_patch.h"
 #include "pattern_alignment.h"
 
 namespace omnitag {

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "omnitag/localization/marker_patch.h"
 #include "omnitag/marker/tag_pattern.h"
+#include "omnitag/photometry/marker_patch.h"
 
 namespace omnitag {
 
