@@ -94,11 +94,12 @@ FacetGrid::FacetGrid(const Marker& marker, const TagPattern& pattern, const Moun
 }
 
 double FacetGrid::area() const {
-  double modules_per_pixel_inverse = 0.0;
+  const double facet_area = 1.0 / (facets_per_module_ * facets_per_module_);  // modules squared
+  double pixels = 0.0;
   for (const Facet& facet : facets_) {
-    if (facet.is_visible) modules_per_pixel_inverse += 1.0 / std::abs(facet.by_pixel.determinant());
+    if (facet.is_visible) pixels += facet_area / std::abs(facet.by_pixel.determinant());
   }
-  return modules_per_pixel_inverse / (facets_per_module_ * facets_per_module_);
+  return pixels;
 }
 
 }  // namespace omnitag
