@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "frame_tracker.h"
+#include "frame_steps.h"
 #include "omnitag/localization/frame_result.h"
 #include "omnitag/localization/relocalization.h"
 

@@ -1,8 +1,6 @@
 #include "frame_tracker.h"
 
-#include <Eigen/LU>
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <limits>
 #include <numeric>
@@ -11,7 +9,6 @@
 #include "omnitag/common/angle.h"
 #include "omnitag/common/parallel.h"
 #include "omnitag/common/stopwatch.h"
-#include "omnitag/localization/marker_pose.h"
 #include "omnitag/marker/marker_association.h"
 
 namespace omnitag {
@@ -35,128 +32,13 @@ double largestInDoubt(const cv::Mat& panorama) {
   return kShareOfSides * panorama.cols * kShareOfSides * panorama.rows;
 }
 
-/// Mean and covariance of a pose of which two estimates are possible, each with its misfit (twice
-/// the negative log-likelihood).
-PoseEstimate mixture(const PoseEstimate& a, double misfit_a, const PoseEstimate& b,
-                     double misfit_b) {
-  const double ratio = std::exp(0.5 * std::clamp(misfit_a - misfit_b, -100.0, 100.0)) *
-                       std::sqrt(b.covariance.determinant() / a.covariance.determinant());
-  const double share = ratio / (1.0 + ratio);
-  const Eigen::Vector3d apart = difference(b.pose, a.pose);
-  PoseEstimate mean;
-  mean.pose = {a.pose.x + share * apart.x(), a.pose.y + share * apart.y(),
-               normalizeAngle(a.pose.yaw + share * apart.z())};
-  mean.covariance = (1.0 - share) * a.covariance + share * b.covariance +
-                    share * (1.0 - share) * apart * apart.transpose();
-  return mean;
+/// A pose to start from, of which hardly anything is known.
+PoseEstimate vague(const Pose2& pose) {
+  constexpr double kDeviation = 1.0;  // m and rad
+  return {pose, kDeviation * kDeviation * Eigen::Matrix3d::Identity()};
 }
 
 }  // namespace
-
-MarkerDetection toDetection(const MarkerReading& reading) {
-  MarkerDetection detection;
-  detection.family = reading.family;
-  detection.id = reading.id;
-  detection.corners = reading.corners;
-  detection.center = reading.center;
-  detection.residual = std::numeric_limits<double>::quiet_NaN();
-  return detection;
-}
-
-MarkerDetection toDetection(const MarkerObservation& observation, const Marker& marker) {
-  MarkerDetection detection;
-  detection.family = marker.family;
-  detection.id = marker.id;
-  detection.map_entry = observation.map_entry;
-  detection.corners = observation.corners;
-  detection.center = observation.center;
-  return detection;
-}
-
-std::vector<MarkerReading> readViews(const TrackingTools& tools, const cv::Mat& panorama,
-                                     std::vector<View> views, FrameResult* result) {
-  Stopwatch step;
-  const std::size_t first = result->views.size();
-  result->view_images.resize(first + views.size());
-  forEachIndex(views.size(), tools.config.threads, 1, [&](std::size_t i) {
-    result->view_images[first + i] = tools.reader.warper().warp(panorama, views[i]);
-  });
-  std::move(views.begin(), views.end(), std::back_inserter(result->views));
-  result->timings.warp += step.lap();
-  std::vector<MarkerReading> readings;
-  for (std::size_t v = first; v < result->views.size(); ++v) {
-    for (MarkerReading& reading : tools.reader.read(result->view_images[v], result->views[v])) {
-      reading.view = v;
-      readings.push_back(std::move(reading));
-    }
-  }
-  result->timings.decode += step.lap();
-  return readings;
-}
-
-std::optional<MarkerObservation> recognizeMarker(const TrackingTools& tools,
-                                                 const cv::Mat& panorama,
-                                                 const MountedCamera& camera, std::size_t entry,
-                                                 const PoseEstimate& belief) {
-  const auto predicted = predictMarker(tools.map, entry, camera, belief, tools.config.visibility);
-  if (!predicted) return std::nullopt;
-  const Marker& marker = tools.map.markers[entry];
-  const auto recognition =
-      recognize(panorama, marker, tools.patterns.of(marker), camera, belief.pose, *predicted,
-                tools.config.estimation.photometric.blur, tools.config.recognition);
-  if (!recognition || !recognition->isAccepted()) return std::nullopt;
-  return MarkerObservation{entry, recognition->corners, recognition->center};
-}
-
-double residualLimit(const MarkerObservation& recognized, const LocalizerConfig& config) {
-  constexpr double kHalfModule = 1.0 / 16.0;  // of the edge
-  return std::max(config.estimation.max_residual, kHalfModule * meanEdge(recognized.corners));
-}
-
-std::optional<PoseEstimate> alignWithPixels(const TrackingTools& tools, const cv::Mat& panorama,
-                                            const MountedCamera& camera,
-                                            const std::vector<std::size_t>& entries,
-                                            const Pose2& initial,
-                                            const std::optional<PoseEstimate>& prior) {
-  const PhotometricConfig& config = tools.config.estimation.photometric;
-  if (tools.config.estimation.kind != EstimatorKind::kPhotometric) return std::nullopt;
-  const auto from = [&](const Pose2& start) {
-    return refinePhotometrically(panorama, tools.map, camera, tools.patterns, entries, start, prior,
-                                 config, tools.config.threads);
-  };
-  std::optional<PhotometricFit> fit = from(initial);
-  if (entries.size() > 1) return fit ? std::optional(fit->map_from_base) : std::nullopt;
-
-  // A single marker may look almost the same from two sides.
-  const Marker& marker = tools.map.markers[entries.front()];
-  const auto mirrored = mirroredPose(marker, camera, fit ? fit->map_from_base.pose : initial);
-  std::optional<PhotometricFit> other = mirrored ? from(*mirrored) : std::nullopt;
-  if (!fit) std::swap(fit, other);
-  if (!fit) return std::nullopt;
-  if (!other) return fit->map_from_base;
-  const PhotometricFit& sharper = other->noise < fit->noise ? *other : *fit;
-  const auto misfit = [&](const PhotometricFit& optimum) {
-    double sum = photometricMisfit(panorama, tools.map, camera, tools.patterns, entries,
-                                   optimum.map_from_base.pose, sharper, config);
-    if (prior) {
-      const Eigen::Vector3d off = difference(optimum.map_from_base.pose, prior->pose);
-      sum += off.dot(prior->covariance.inverse() * off);
-    }
-    return sum;
-  };
-  return mixture(fit->map_from_base, misfit(*fit), other->map_from_base, misfit(*other));
-}
-
-PoseEstimate standingOnCorners(const PoseEstimate& pose, std::size_t markers,
-                               const LocalizerConfig& config) {
-  constexpr std::size_t kFew = 2;
-  const double ratio =
-      config.relocalization.corner_noise / config.estimation.reprojection.corner_noise;
-  const bool was_to_be_aligned = config.estimation.kind == EstimatorKind::kPhotometric;
-  PoseEstimate standing = pose;
-  if (was_to_be_aligned && markers <= kFew && ratio > 1.0) standing.covariance *= ratio * ratio;
-  return standing;
-}
 
 FrameTracker::FrameTracker(const TrackingTools& tools, const Frame& frame,
                            const MountedCamera& camera, const PoseEstimate& predicted,
@@ -165,11 +47,15 @@ FrameTracker::FrameTracker(const TrackingTools& tools, const Frame& frame,
       frame_(frame),
       camera_(camera),
       predicted_(predicted),
+      prior_(predicted),
       result_(result),
       sightings_(result->predicted.size()) {}
 
 std::optional<PoseEstimate> FrameTracker::track(std::optional<std::size_t> glance) {
   const bool recognizes = tools_.config.estimation.kind == EstimatorKind::kPhotometric;
+  // What this frame's own readings gave tells nothing beside them.
+  is_start_ = !glance;
+  if (is_start_) prior_ = vague(predicted_.pose);
   if (recognizes) {
     // The first ones make it easy to find the others.
     recognize(predicted_, kFirst);
@@ -181,6 +67,11 @@ std::optional<PoseEstimate> FrameTracker::track(std::optional<std::size_t> glanc
     solve();
     if (solution_) {
       recognizeAll(solution_->map_from_base);
+      solve();
+    }
+    // What was found first may have been moved as one, and has drawn what was found after it.
+    if (isDoubtful()) {
+      recognizeAnew(is_start_ ? solution_->map_from_base.pose : predicted_.pose);
       solve();
     }
   }
@@ -251,6 +142,45 @@ std::size_t FrameTracker::found() const {
                     [](const Sighting& sighting) { return sighting.observation.has_value(); }));
 }
 
+bool FrameTracker::isDoubtful() const {
+  if (!solution_) return false;
+  const double sharp = tools_.config.estimation.reprojection.robust_width;
+  const auto agreeing = static_cast<std::size_t>(
+      std::count_if(solution_->residuals.begin(), solution_->residuals.end(),
+                    [sharp](double residual) { return residual <= sharp; }));
+  if (isLargeMajority(agreeing, observed_.size())) {
+    // Those that were not found may be hidden, but not all of them where the pose is a surprise, or
+    // where none would be.
+    constexpr double kVague = 0.05;  // m
+    const bool may_be_another =
+        !is_start_ && (predicted_.covariance.topLeftCorner<2, 2>().trace() > kVague * kVague ||
+                       !agree(solution_->map_from_base, predicted_));
+    return may_be_another && !isLargeMajority(agreeing, sightings_.size());
+  }
+  constexpr double kFar = 0.02;  // m and rad
+  const bool do_all_agree =
+      std::find(solution_->used.begin(), solution_->used.end(), false) == solution_->used.end();
+  return !do_all_agree ||
+         difference(solution_->map_from_base.pose, predicted_.pose).cwiseAbs().maxCoeff() > kFar;
+}
+
+void FrameTracker::recognizeAnew(const Pose2& pose) {
+  Stopwatch step;
+  const PoseEstimate belief{pose, Eigen::Matrix3d::Zero()};
+  for (std::size_t i = 0; i < sightings_.size(); ++i) {
+    auto predicted = predictMarker(tools_.map, result_->predicted[i].map_entry, camera_, belief,
+                                   tools_.config.visibility);
+    if (!predicted) continue;
+    const TagPattern& pattern = tools_.patterns.of(tools_.map.markers[predicted->map_entry]);
+    const double module = meanEdge(predicted->corners) / pattern.widthBetweenCorners();
+    const double margin = tools_.config.recognition.max_margin * module;
+    predicted->tangential_margin = predicted->radial_margin = margin;
+    const auto anew = recognizePredicted(tools_, frame_.image, camera_, pose, *predicted);
+    if (anew) sightings_[i].observation = anew;
+  }
+  result_->timings.recognize += step.lap();
+}
+
 void FrameTracker::decode(const std::vector<std::size_t>& targets, double max_pixels) {
   Stopwatch step;
   std::vector<View> views = viewsOf(targets);
@@ -288,31 +218,42 @@ void FrameTracker::solve() {
     observations.push_back(*sightings_[i].observation);
     observed_.push_back(i);
   }
-  solution_ = estimatePose(tools_.map, camera_, observations, predicted_, tools_.config.estimation);
+  solution_ = estimatePose(tools_.map, camera_, observations, prior_, tools_.config.estimation);
   result_->timings.solve += step.lap();
 }
 
 void FrameTracker::align() {
-  std::vector<std::size_t> entries;
   std::vector<MarkerObservation> observations;
-  for (std::size_t k = 0; k < observed_.size(); ++k) {
-    observations.push_back(*sightings_[observed_[k]].observation);
-    if (solution_->used[k]) entries.push_back(observations.back().map_entry);
+  observations.reserve(observed_.size());
+  for (const std::size_t i : observed_) observations.push_back(*sightings_[i].observation);
+  std::vector<bool> used = solution_->used;
+  // One that is then off is left out, once.
+  constexpr int kRounds = 2;
+  for (int round = 0; round < kRounds; ++round) {
+    std::vector<std::size_t> entries;
+    for (std::size_t k = 0; k < observations.size(); ++k) {
+      if (used[k]) entries.push_back(observations[k].map_entry);
+    }
+    if (entries.empty()) break;
+    const auto aligned = alignWithPixels(tools_, frame_.image, camera_, entries,
+                                         solution_->map_from_base.pose, prior_);
+    if (!aligned) break;
+    std::vector<double> residuals =
+        reprojectionResiduals(tools_.map, camera_, observations, aligned->pose);
+    const std::size_t before = entries.size();
+    std::size_t after = 0;
+    for (std::size_t k = 0; k < residuals.size(); ++k) {
+      used[k] = used[k] && residuals[k] <= residualLimit(observations[k], tools_.config);
+      if (used[k]) ++after;
+    }
+    if (after == before) {
+      *solution_ = {*aligned, std::move(residuals), std::move(used)};
+      return;
+    }
   }
-  const auto aligned = alignWithPixels(tools_, frame_.image, camera_, entries,
-                                       solution_->map_from_base.pose, predicted_);
-  if (!aligned) {
-    solution_->map_from_base =
-        standingOnCorners(solution_->map_from_base, entries.size(), tools_.config);
-    return;
-  }
-  std::vector<double> residuals =
-      reprojectionResiduals(tools_.map, camera_, observations, aligned->pose);
-  for (std::size_t k = 0; k < residuals.size(); ++k) {
-    if (solution_->used[k] && residuals[k] > residualLimit(observations[k], tools_.config)) return;
-  }
-  solution_->map_from_base = *aligned;
-  solution_->residuals = std::move(residuals);
+  const auto markers = std::count(solution_->used.begin(), solution_->used.end(), true);
+  solution_->map_from_base =
+      standingOnCorners(solution_->map_from_base, static_cast<std::size_t>(markers), tools_.config);
 }
 
 void FrameTracker::report() {

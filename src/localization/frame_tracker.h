@@ -4,26 +4,12 @@
 #include <optional>
 #include <vector>
 
+#include "frame_steps.h"
 #include "omnitag/camera/mounted_camera.h"
 #include "omnitag/localization/frame_result.h"
-#include "omnitag/localization/localizer_config.h"
 #include "omnitag/localization/pose_estimator.h"
-#include "omnitag/marker/glance_reader.h"
-#include "omnitag/marker/marker_map.h"
-#include "omnitag/marker/marker_reader.h"
-#include "omnitag/marker/tag_pattern.h"
 
 namespace omnitag {
-
-/// What a localizer looks with.
-struct TrackingTools {
-  const MarkerMap& map;
-  const MarkerIndex& index;
-  const LocalizerConfig& config;
-  const MarkerReader& reader;
-  const GlanceReader& glance_reader;
-  const TagPatterns& patterns;
-};
 
 /// Finds the predicted markers of one frame, by their patterns where their places are known well
 /// enough, by decoding views otherwise, and the pose that they give. Everything that is seen goes
@@ -37,7 +23,8 @@ class FrameTracker {
   /// The pose, the prediction included; nothing where no marker agrees with any. `glance` is
   /// counted up from frame to frame: of the markers that were not found though the pose is certain,
   /// it says which one is looked at with the decoder, to see what is there instead. Without it, as
-  /// for a prediction in doubt, few are decoded where markers can be recognized.
+  /// for a prediction that readings of the same frame gave, the pose is that of the markers alone,
+  /// and few are decoded where they can be recognized.
   std::optional<PoseEstimate> track(std::optional<std::size_t> glance = std::nullopt);
 
  private:
@@ -61,8 +48,15 @@ class FrameTracker {
   /// Those of them that the decoder may still be able to read.
   std::vector<std::size_t> undecoded() const;
   std::size_t found() const;
+  /// Whether the solution is off the prediction, or leaves out some that were found, while too few
+  /// agree with it sharply for these to be sure to be the ones that hang where the map has them.
+  bool isDoubtful() const;
+  /// Looks for the patterns of all as far around as is possible, and for however much they are
+  /// slanted: what was recognized from a pose that is wrong is drawn a little toward that pose.
+  void recognizeAnew(const Pose2& pose);
   void solve();
-  /// Aligns the solution with the pixels, unless a marker is then off that was not before.
+  /// Aligns the solution with the pixels of its markers, but for those that are then off; leaves it
+  /// with the corners where others are off without them.
   void align();
   void report();
   void addViews();
@@ -73,6 +67,10 @@ class FrameTracker {
   const Frame& frame_;
   const MountedCamera& camera_;
   const PoseEstimate& predicted_;
+  /// Whether the prediction is where to start from, but nothing that is known beside the frame.
+  bool is_start_ = false;
+  /// What is known of the pose beside what is found.
+  PoseEstimate prior_;
   FrameResult* result_;
   std::vector<Sighting> sightings_;
   /// What was decoded and is none of the predicted markers.
@@ -81,37 +79,5 @@ class FrameTracker {
   /// Indices of the sightings that the solution is based on, in the order of its residuals.
   std::vector<std::size_t> observed_;
 };
-
-/// A reading as a detection that is not accepted yet.
-MarkerDetection toDetection(const MarkerReading& reading);
-/// The same of a marker of the map that was observed.
-MarkerDetection toDetection(const MarkerObservation& observation, const Marker& marker);
-
-/// Reads views and adds them, with what they show, to the result.
-std::vector<MarkerReading> readViews(const TrackingTools& tools, const cv::Mat& panorama,
-                                     std::vector<View> views, FrameResult* result);
-
-/// The marker at an entry of the map, where its pattern is found about where `belief` has it.
-std::optional<MarkerObservation> recognizeMarker(const TrackingTools& tools,
-                                                 const cv::Mat& panorama,
-                                                 const MountedCamera& camera, std::size_t entry,
-                                                 const PoseEstimate& belief);
-
-/// Pixels that a marker may be off the final pose. One that was recognized from a worse belief is
-/// tilted and scaled a little: that may be some pixels where it is large, about half a module.
-double residualLimit(const MarkerObservation& recognized, const LocalizerConfig& config);
-
-/// A pose aligned with the pixels of the markers at `entries`; nothing where that is not asked for
-/// or not possible.
-std::optional<PoseEstimate> alignWithPixels(const TrackingTools& tools, const cv::Mat& panorama,
-                                            const MountedCamera& camera,
-                                            const std::vector<std::size_t>& entries,
-                                            const Pose2& initial,
-                                            const std::optional<PoseEstimate>& prior);
-
-/// A pose that stands on the corners of so many markers, although it was to be aligned with pixels:
-/// of a marker or two alone, corners may be much farther off than they are where many agree.
-PoseEstimate standingOnCorners(const PoseEstimate& pose, std::size_t markers,
-                               const LocalizerConfig& config);
 
 }  // namespace omnitag

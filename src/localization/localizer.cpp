@@ -165,7 +165,7 @@ bool Localizer::track(const Frame& frame, const MountedCamera& camera,
   // Where most of what is read contradicts, the prediction itself is in doubt.
   if (!pose || contradictions(*result, map_) > result->acceptedMarkers()) return true;
   if (!markersAgree(camera, predicted, pose->pose, *result)) return false;
-  if (isElsewhere(frame, camera, predicted, *pose, result)) return false;
+  if (isElsewhere(frame, camera, *pose, result)) return false;
   motion_.correct(*pose);
   result->mode = Mode::kTracking;
   result->map_from_base = pose;
@@ -202,13 +202,9 @@ bool Localizer::markersAgree(const MountedCamera& camera, const PoseEstimate& pr
 }
 
 bool Localizer::isElsewhere(const Frame& frame, const MountedCamera& camera,
-                            const PoseEstimate& predicted, const PoseEstimate& tracked,
-                            FrameResult* result) {
+                            const PoseEstimate& tracked, FrameResult* result) {
   const int accepted = result->acceptedMarkers();
-  const int expected = static_cast<int>(result->predicted.size());
-  // More than a few may have been moved as one, which is unexpected and hides the others.
-  const bool is_odd = 2 * accepted <= expected && !agree(predicted, tracked);
-  const bool is_weak = (accepted <= kFew && accepted < expected) || is_odd;
+  const bool is_weak = accepted <= kFew && accepted < static_cast<int>(result->predicted.size());
   if (!is_weak || frame.stamp < next_doubt_) return false;
   next_doubt_ = frame.stamp + config_.recognition.period;
   FrameResult around;

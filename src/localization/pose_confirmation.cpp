@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "frame_search.h"
+#include "frame_tracker.h"
 #include "omnitag/common/stopwatch.h"
 #include "omnitag/localization/relocalization.h"
 

@@ -1,8 +1,11 @@
 #include "omnitag/localization/pose_estimator.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
+#include <utility>
 
 #include "omnitag/common/angle.h"
 #include "omnitag/localization/triangulation.h"
@@ -80,37 +83,95 @@ std::optional<PoseSolution> triangulateRobustly(const MarkerMap& map, const Moun
   }
 }
 
+/// How badly observations fit a pose. One that agrees well counts much more than one that hardly
+/// does: a pose between two that fit well would otherwise win with the markers of both.
+double misfit(const std::vector<double>& residuals, const EstimatorConfig& config) {
+  double sum = 0.0;
+  for (const double residual : residuals) {
+    const double ratio = config.reprojection.robust_width / residual;
+    sum += 1.0 / (1.0 + ratio * ratio);
+  }
+  return sum;
+}
+
+/// Which observations agree with a pose, at least a little.
+std::vector<bool> agreeing(const std::vector<double>& residuals, const EstimatorConfig& config) {
+  std::vector<bool> agree;
+  agree.reserve(residuals.size());
+  for (const double residual : residuals) agree.push_back(residual <= config.max_residual);
+  return agree;
+}
+
+/// Pairs of so many observations: all, or an even choice where these are too many.
+std::vector<std::array<std::size_t, 2>> pairsOf(std::size_t count) {
+  constexpr std::size_t kMost = 30;
+  const std::size_t all = count * (count - 1) / 2;
+  const std::size_t step = (all + kMost - 1) / kMost;
+  std::vector<std::array<std::size_t, 2>> pairs;
+  std::size_t number = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t j = i + 1; j < count; ++j) {
+      if (number++ % step == 0) pairs.push_back({i, j});
+    }
+  }
+  return pairs;
+}
+
+/// The pose of the two observations that the others agree with best, and of those that do: a pose
+/// between what hangs in its place and what was moved may hold all of it a little, but two that
+/// hang in their places tell the right one. The residuals are those of all observations.
+std::optional<ReprojectionFit> refineFromPairs(const MarkerMap& map, const MountedCamera& camera,
+                                               const std::vector<MarkerObservation>& observations,
+                                               const Pose2& initial,
+                                               const std::optional<PoseEstimate>& prior,
+                                               const EstimatorConfig& config) {
+  // Pixels: both of a pair are to be met, however far off they are.
+  constexpr double kAny = 16.0;
+  ReprojectionConfig trusting = config.reprojection;
+  trusting.robust_width = std::max(kAny, trusting.robust_width);
+  std::optional<Pose2> best;
+  std::vector<double> best_residuals;
+  for (const auto& [i, j] : pairsOf(observations.size())) {
+    const auto pair = refineByReprojection(map, camera, {observations[i], observations[j]}, initial,
+                                           std::nullopt, trusting);
+    if (!pair) continue;
+    std::vector<double> residuals =
+        reprojectionResiduals(map, camera, observations, pair->map_from_base.pose);
+    if (best && misfit(residuals, config) >= misfit(best_residuals, config)) continue;
+    best = pair->map_from_base.pose;
+    best_residuals = std::move(residuals);
+  }
+  if (!best) return std::nullopt;
+  auto fit =
+      refineByReprojection(map, camera, chosen(observations, agreeing(best_residuals, config)),
+                           *best, prior, config.reprojection);
+  if (fit) {
+    fit->residuals = reprojectionResiduals(map, camera, observations, fit->map_from_base.pose);
+  }
+  return fit;
+}
+
 std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera& camera,
                                       const std::vector<MarkerObservation>& observations,
                                       const std::optional<PoseEstimate>& prior,
                                       const EstimatorConfig& config) {
-  const auto agreeing = [&config](const ReprojectionFit& fit) {
-    return std::count_if(fit.residuals.begin(), fit.residuals.end(),
-                         [&config](double r) { return r <= config.max_residual; });
-  };
-  // A marker that agrees well counts much more than one that hardly does: a pose between two that
-  // fit well would otherwise win with the markers of both.
-  const double good_residual = 2.0 * config.reprojection.robust_width;
-  const auto misfit = [good_residual](const ReprojectionFit& fit) {
-    double sum = 0.0;
-    for (const double residual : fit.residuals) {
-      const double ratio = good_residual / residual;
-      sum += 1.0 / (1.0 + ratio * ratio);
-    }
-    return sum;
-  };
   std::optional<ReprojectionFit> best;
   const auto keepBetter = [&](std::optional<ReprojectionFit> fit) {
-    if (fit && (!best || misfit(*fit) < misfit(*best))) best = std::move(fit);
+    if (fit && (!best || misfit(fit->residuals, config) < misfit(best->residuals, config))) {
+      best = std::move(fit);
+    }
   };
-  const auto isGood = [&] {
-    return best && std::all_of(best->residuals.begin(), best->residuals.end(),
-                               [good_residual](double r) { return r <= good_residual; });
+  const auto within = [&best](double residual) -> std::size_t {
+    if (!best) return 0;
+    return static_cast<std::size_t>(std::count_if(best->residuals.begin(), best->residuals.end(),
+                                                  [residual](double r) { return r <= residual; }));
   };
+  const double sharp = config.reprojection.robust_width;
+  const auto areAllGood = [&] { return within(2.0 * sharp) == observations.size(); };
   if (prior) {
     keepBetter(refineFromAfar(map, camera, observations, prior->pose, prior, config.reprojection));
   }
-  if (!isGood()) {
+  if (!areAllGood()) {
     const auto triangulated =
         triangulateRobustly(map, camera, observations, prior ? prior->pose.yaw : 0.0, config);
     if (triangulated) {
@@ -118,7 +179,7 @@ std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera&
                                 config.reprojection));
     }
   }
-  if (prior && !isGood()) {
+  if (prior && !areAllGood()) {
     // Each marker alone says where the others should be.
     for (const MarkerObservation& observation : observations) {
       const auto alone =
@@ -128,14 +189,17 @@ std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera&
                                       config.reprojection));
     }
   }
-  if (!best || agreeing(*best) == 0) return std::nullopt;
+  if (prior && observations.size() > 2 && !areAllGood() &&
+      !isLargeMajority(within(sharp), observations.size())) {
+    keepBetter(refineFromPairs(map, camera, observations, prior->pose, prior, config));
+  }
+  if (!best) return std::nullopt;
 
   PoseSolution solution;
-  for (const double residual : best->residuals) {
-    solution.used.push_back(residual <= config.max_residual);
-  }
-  const bool do_all_agree =
-      std::all_of(solution.used.begin(), solution.used.end(), [](bool used) { return used; });
+  solution.used = agreeing(best->residuals, config);
+  const auto used = std::count(solution.used.begin(), solution.used.end(), true);
+  if (used == 0) return std::nullopt;
+  const bool do_all_agree = used == static_cast<std::ptrdiff_t>(observations.size());
   if (!do_all_agree) {
     // What disagrees is left out altogether, which may bring others back into agreement.
     best = refineByReprojection(map, camera, chosen(observations, solution.used),
@@ -167,6 +231,10 @@ EstimatorConfig readEstimatorConfig(const YamlReader& reader) {
   reader.read("max_pixels", &config.photometric.max_pixels, {50, 1000000});
   reader.read("max_final_pixels", &config.photometric.max_final_pixels, {50, 1000000});
   return config;
+}
+
+bool isLargeMajority(std::size_t agreeing, std::size_t expected) {
+  return 3 * agreeing >= 2 * expected;
 }
 
 std::optional<PoseSolution> estimatePose(const MarkerMap& map, const MountedCamera& camera,

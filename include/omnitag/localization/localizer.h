@@ -72,11 +72,10 @@ class Localizer {
   /// prediction that is too sure of itself may hold a pose against all of them.
   bool markersAgree(const MountedCamera& camera, const PoseEstimate& predicted,
                     const Pose2& solution, const FrameResult& result) const;
-  /// Whether a look all around finds the robot elsewhere: now and then, where a marker or two are
-  /// all that was found of those predicted, or no more than half, far off the prediction. What it
-  /// reads is not lost to exploring.
-  bool isElsewhere(const Frame& frame, const MountedCamera& camera, const PoseEstimate& predicted,
-                   const PoseEstimate& tracked, FrameResult* result);
+  /// Whether a look all around, now and then where a marker or two are all that was found of those
+  /// predicted, finds the robot elsewhere. What it reads is not lost to exploring.
+  bool isElsewhere(const Frame& frame, const MountedCamera& camera, const PoseEstimate& tracked,
+                   FrameResult* result);
   /// Looks for what is not expected from a pose: with one of the views all around from time to
   /// time, or in every frame as exploring asks for, unless a doubt has just looked at all of the
   /// panorama.

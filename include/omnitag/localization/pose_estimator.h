@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -40,6 +41,11 @@ struct PoseSolution {
   /// Whether the pose stands on the observation.
   std::vector<bool> used;
 };
+
+/// Whether so many of the markers that are expected leave no doubt that the pose on which they
+/// agree is right. Some may have been moved as one, and then one or the other that was not may seem
+/// in its place by chance.
+bool isLargeMajority(std::size_t agreeing, std::size_t expected);
 
 /// Estimates the robot's pose from what was observed and, where there is one, the predicted pose.
 /// Observations that disagree with the others are left out.

@@ -1,0 +1,149 @@
+#include "frame_steps.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <utility>
+
+#include "omnitag/common/angle.h"
+#include "omnitag/common/parallel.h"
+#include "omnitag/common/stopwatch.h"
+#include "omnitag/localization/marker_pose.h"
+
+namespace omnitag {
+namespace {
+
+/// Mean and covariance of a pose of which two estimates are possible, each with its misfit (twice
+/// the negative log-likelihood).
+PoseEstimate mixture(const PoseEstimate& a, double misfit_a, const PoseEstimate& b,
+                     double misfit_b) {
+  const double ratio = std::exp(0.5 * std::clamp(misfit_a - misfit_b, -100.0, 100.0)) *
+                       std::sqrt(b.covariance.determinant() / a.covariance.determinant());
+  const double share = ratio / (1.0 + ratio);
+  const Eigen::Vector3d apart = difference(b.pose, a.pose);
+  PoseEstimate mean;
+  mean.pose = {a.pose.x + share * apart.x(), a.pose.y + share * apart.y(),
+               normalizeAngle(a.pose.yaw + share * apart.z())};
+  mean.covariance = (1.0 - share) * a.covariance + share * b.covariance +
+                    share * (1.0 - share) * apart * apart.transpose();
+  return mean;
+}
+
+}  // namespace
+
+MarkerDetection toDetection(const MarkerReading& reading) {
+  MarkerDetection detection;
+  detection.family = reading.family;
+  detection.id = reading.id;
+  detection.corners = reading.corners;
+  detection.center = reading.center;
+  detection.residual = std::numeric_limits<double>::quiet_NaN();
+  return detection;
+}
+
+MarkerDetection toDetection(const MarkerObservation& observation, const Marker& marker) {
+  MarkerDetection detection;
+  detection.family = marker.family;
+  detection.id = marker.id;
+  detection.map_entry = observation.map_entry;
+  detection.corners = observation.corners;
+  detection.center = observation.center;
+  return detection;
+}
+
+std::vector<MarkerReading> readViews(const TrackingTools& tools, const cv::Mat& panorama,
+                                     std::vector<View> views, FrameResult* result) {
+  Stopwatch step;
+  const std::size_t first = result->views.size();
+  result->view_images.resize(first + views.size());
+  forEachIndex(views.size(), tools.config.threads, 1, [&](std::size_t i) {
+    result->view_images[first + i] = tools.reader.warper().warp(panorama, views[i]);
+  });
+  std::move(views.begin(), views.end(), std::back_inserter(result->views));
+  result->timings.warp += step.lap();
+  std::vector<MarkerReading> readings;
+  for (std::size_t v = first; v < result->views.size(); ++v) {
+    for (MarkerReading& reading : tools.reader.read(result->view_images[v], result->views[v])) {
+      reading.view = v;
+      readings.push_back(std::move(reading));
+    }
+  }
+  result->timings.decode += step.lap();
+  return readings;
+}
+
+std::optional<MarkerObservation> recognizePredicted(const TrackingTools& tools,
+                                                    const cv::Mat& panorama,
+                                                    const MountedCamera& camera,
+                                                    const Pose2& map_from_base,
+                                                    const PredictedMarker& predicted) {
+  const Marker& marker = tools.map.markers[predicted.map_entry];
+  const auto recognition =
+      recognize(panorama, marker, tools.patterns.of(marker), camera, map_from_base, predicted,
+                tools.config.estimation.photometric.blur, tools.config.recognition);
+  if (!recognition || !recognition->isAccepted()) return std::nullopt;
+  return MarkerObservation{predicted.map_entry, recognition->corners, recognition->center};
+}
+
+std::optional<MarkerObservation> recognizeMarker(const TrackingTools& tools,
+                                                 const cv::Mat& panorama,
+                                                 const MountedCamera& camera, std::size_t entry,
+                                                 const PoseEstimate& belief) {
+  const auto predicted = predictMarker(tools.map, entry, camera, belief, tools.config.visibility);
+  if (!predicted) return std::nullopt;
+  return recognizePredicted(tools, panorama, camera, belief.pose, *predicted);
+}
+
+double residualLimit(const MarkerObservation& recognized, const LocalizerConfig& config) {
+  constexpr double kHalfModule = 1.0 / 16.0;  // of the edge
+  return std::max(config.estimation.max_residual, kHalfModule * meanEdge(recognized.corners));
+}
+
+std::optional<PoseEstimate> alignWithPixels(const TrackingTools& tools, const cv::Mat& panorama,
+                                            const MountedCamera& camera,
+                                            const std::vector<std::size_t>& entries,
+                                            const Pose2& initial,
+                                            const std::optional<PoseEstimate>& prior) {
+  const PhotometricConfig& config = tools.config.estimation.photometric;
+  if (tools.config.estimation.kind != EstimatorKind::kPhotometric) return std::nullopt;
+  const auto from = [&](const Pose2& start) {
+    return refinePhotometrically(panorama, tools.map, camera, tools.patterns, entries, start, prior,
+                                 config, tools.config.threads);
+  };
+  std::optional<PhotometricFit> fit = from(initial);
+  if (entries.size() > 1) return fit ? std::optional(fit->map_from_base) : std::nullopt;
+
+  // A single marker may look almost the same from two sides.
+  const Marker& marker = tools.map.markers[entries.front()];
+  const auto mirrored = mirroredPose(marker, camera, fit ? fit->map_from_base.pose : initial);
+  std::optional<PhotometricFit> other = mirrored ? from(*mirrored) : std::nullopt;
+  if (!fit) std::swap(fit, other);
+  if (!fit) return std::nullopt;
+  if (!other) return fit->map_from_base;
+  const PhotometricFit& sharper = other->noise < fit->noise ? *other : *fit;
+  const auto misfit = [&](const PhotometricFit& optimum) {
+    double sum = photometricMisfit(panorama, tools.map, camera, tools.patterns, entries,
+                                   optimum.map_from_base.pose, sharper, config);
+    if (prior) {
+      const Eigen::Vector3d off = difference(optimum.map_from_base.pose, prior->pose);
+      sum += off.dot(prior->covariance.inverse() * off);
+    }
+    return sum;
+  };
+  return mixture(fit->map_from_base, misfit(*fit), other->map_from_base, misfit(*other));
+}
+
+PoseEstimate standingOnCorners(const PoseEstimate& pose, std::size_t markers,
+                               const LocalizerConfig& config) {
+  constexpr std::size_t kFew = 2;
+  const double ratio =
+      config.relocalization.corner_noise / config.estimation.reprojection.corner_noise;
+  const bool was_to_be_aligned = config.estimation.kind == EstimatorKind::kPhotometric;
+  PoseEstimate standing = pose;
+  if (was_to_be_aligned && markers <= kFew && ratio > 1.0) standing.covariance *= ratio * ratio;
+  return standing;
+}
+
+}  // namespace omnitag

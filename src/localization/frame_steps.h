@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstddef>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <vector>
+
+#include "omnitag/camera/mounted_camera.h"
+#include "omnitag/localization/frame_result.h"
+#include "omnitag/localization/localizer_config.h"
+#include "omnitag/localization/observation.h"
+#include "omnitag/marker/glance_reader.h"
+#include "omnitag/marker/marker_index.h"
+#include "omnitag/marker/marker_map.h"
+#include "omnitag/marker/marker_reader.h"
+#include "omnitag/marker/tag_pattern.h"
+
+namespace omnitag {
+
+/// What a localizer looks with.
+struct TrackingTools {
+  const MarkerMap& map;
+  const MarkerIndex& index;
+  const LocalizerConfig& config;
+  const MarkerReader& reader;
+  const GlanceReader& glance_reader;
+  const TagPatterns& patterns;
+};
+
+/// A reading as a detection that is not accepted yet.
+MarkerDetection toDetection(const MarkerReading& reading);
+/// The same of a marker of the map that was observed.
+MarkerDetection toDetection(const MarkerObservation& observation, const Marker& marker);
+
+/// Reads views and adds them, with what they show, to the result.
+std::vector<MarkerReading> readViews(const TrackingTools& tools, const cv::Mat& panorama,
+                                     std::vector<View> views, FrameResult* result);
+
+/// The marker at an entry of the map, where its pattern is found about where `belief` has it.
+std::optional<MarkerObservation> recognizeMarker(const TrackingTools& tools,
+                                                 const cv::Mat& panorama,
+                                                 const MountedCamera& camera, std::size_t entry,
+                                                 const PoseEstimate& belief);
+
+/// The same where it images, about, from a pose.
+std::optional<MarkerObservation> recognizePredicted(const TrackingTools& tools,
+                                                    const cv::Mat& panorama,
+                                                    const MountedCamera& camera,
+                                                    const Pose2& map_from_base,
+                                                    const PredictedMarker& predicted);
+
+/// Pixels that a marker may be off the final pose. One that was recognized from a worse belief is
+/// tilted and scaled a little: that may be some pixels where it is large, about half a module.
+double residualLimit(const MarkerObservation& recognized, const LocalizerConfig& config);
+
+/// A pose aligned with the pixels of the markers at `entries`; nothing where that is not asked for
+/// or not possible.
+std::optional<PoseEstimate> alignWithPixels(const TrackingTools& tools, const cv::Mat& panorama,
+                                            const MountedCamera& camera,
+                                            const std::vector<std::size_t>& entries,
+                                            const Pose2& initial,
+                                            const std::optional<PoseEstimate>& prior);
+
+/// A pose that stands on the corners of so many markers, although it was to be aligned with pixels:
+/// of a marker or two alone, corners may be much farther off than they are where many agree.
+PoseEstimate standingOnCorners(const PoseEstimate& pose, std::size_t markers,
+                               const LocalizerConfig& config);
+
+}  // namespace omnitag
