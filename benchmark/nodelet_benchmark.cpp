@@ -1,23 +1,29 @@
 // What the nodelet takes beside the core that it wraps: images and odometry come to it at 30 frames
 // a second inside one process, as from a camera's driver in the same nodelet manager, and the core
 // alone gets the same images, the same odometry and the same pauses. The robot stands for a second
-// where each image was taken, and is then told by odometry how it went on to the next. The two take
-// turns, since a processor's speed changes from minute to minute; means are printed of all frames
-// and of their middle half, which leaves out what else the machine did. Times are processor time:
-// the nodelet's are of all threads but those that send and listen to it, less what they take while
-// no nodelet is loaded. The core's time within the nodelet, where its caches are cold, is wall
-// time. Needs a ROS master.
+// where each image was taken, and is then told by odometry how it went on to the next. What ROS
+// itself takes is seen from a node that only receives the same and publishes as many messages. They
+// take turns, since a processor's speed changes from minute to minute; means are printed of all
+// frames and of their middle half, which leaves out what else the machine did. Times are processor
+// time: the nodelet's are of all threads but those that send and listen to it, less what they take
+// while no nodelet is loaded. The core's time within the nodelet, where its caches are cold, is
+// wall time. Needs a ROS master.
 //
 //   nodelet_benchmark [BAG CAMERA MAP]     a bag of render_sequence; the shipped one by default
 //   taskset -c 0 rosrun omnitag nodelet_benchmark ...     on one core
 
+#include <geometry_msgs/PoseStamped.h>
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <nodelet/loader.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/image_encodings.h>
+#include <tf2_msgs/TFMessage.h>
+#include <tf2_ros/buffer.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 #include <tf2_ros/transform_broadcaster.h>
+#include <tf2_ros/transform_listener.h>
 
 #include <algorithm>
 #include <atomic>
@@ -34,6 +40,7 @@
 #include <vector>
 
 #include "omnitag/LocalizationStatus.h"
+#include "omnitag/MarkerDetectionArray.h"
 #include "omnitag/localization/localizer.h"
 #include "omnitag/ros/conversions.h"
 #include "processor_time.h"
@@ -85,6 +92,13 @@ struct Answers {
   unsigned long long dropped = 0;
   /// ms of wall time that the core took within the nodelet.
   std::vector<double> within;
+
+  void add(const Answers& more) {
+    all += more.all;
+    poses += more.poses;
+    dropped += more.dropped;
+    within.insert(within.end(), more.within.begin(), more.within.end());
+  }
 };
 
 /// Listens to the nodelet in a thread of its own, whose time is not the nodelet's.
@@ -182,6 +196,65 @@ class Sender {
   tf2_ros::TransformBroadcaster odometry_;
 };
 
+/// A node that localizes nothing: it receives images and transforms, looks these up and publishes
+/// as many messages as the nodelet does, without content, all in a thread of its own.
+class IdleNode {
+ public:
+  IdleNode() : node_(withQueue(&queue_)), listener_(transforms_, node_, false) {
+    images_ = node_.subscribe("/image", 1, &IdleNode::onImage, this);
+    transform_ = node_.advertise<tf2_msgs::TFMessage>("/tf", 10);
+    pose_ = node_.advertise<geometry_msgs::PoseStamped>("/pose", 10);
+    pose_with_covariance_ =
+        node_.advertise<geometry_msgs::PoseWithCovarianceStamped>("/pose_with_covariance", 10);
+    detections_ = node_.advertise<MarkerDetectionArray>("/detections", 10);
+    status_ = node_.advertise<LocalizationStatus>("/status", 10);
+    thread_ = std::thread([this] {
+      while (!is_done_) queue_.callAvailable(ros::WallDuration(0.1));
+    });
+  }
+  IdleNode(const IdleNode&) = delete;
+  IdleNode& operator=(const IdleNode&) = delete;
+  ~IdleNode() {
+    is_done_ = true;
+    thread_.join();
+  }
+
+ private:
+  static ros::NodeHandle withQueue(ros::CallbackQueue* queue) {
+    ros::NodeHandle node;
+    node.setCallbackQueue(queue);
+    return node;
+  }
+
+  void onImage(const sensor_msgs::ImageConstPtr& image) {
+    const ros::Time& stamp = image->header.stamp;
+    try {
+      transforms_.lookupTransform("base_link", image->header.frame_id, stamp);
+      transforms_.lookupTransform("odom", "base_link", stamp);
+    } catch (const tf2::TransformException&) {
+      return;
+    }
+    transform_.publish(boost::make_shared<tf2_msgs::TFMessage>());
+    pose_.publish(boost::make_shared<geometry_msgs::PoseStamped>());
+    pose_with_covariance_.publish(boost::make_shared<geometry_msgs::PoseWithCovarianceStamped>());
+    detections_.publish(boost::make_shared<MarkerDetectionArray>());
+    status_.publish(boost::make_shared<LocalizationStatus>());
+  }
+
+  ros::CallbackQueue queue_;
+  ros::NodeHandle node_;
+  tf2_ros::Buffer transforms_;
+  tf2_ros::TransformListener listener_;
+  ros::Subscriber images_;
+  ros::Publisher transform_;
+  ros::Publisher pose_;
+  ros::Publisher pose_with_covariance_;
+  ros::Publisher detections_;
+  ros::Publisher status_;
+  std::atomic<bool> is_done_ = false;
+  std::thread thread_;
+};
+
 void setParameters(const std::string& camera_file, const std::string& map_file) {
   ros::param::set(kNodelet + "/camera_file", camera_file);
   ros::param::set(kNodelet + "/map_file", map_file);
@@ -230,28 +303,45 @@ class Core {
 struct Times {
   std::vector<double> core;
   std::vector<double> nodelet;
-  /// What the process itself takes, without a nodelet.
-  std::vector<double> idle;
+  /// A node that only receives and publishes.
+  std::vector<double> idle_node;
+  /// What the process itself takes, without any.
+  std::vector<double> process;
 };
 
-Times measure(const RecordedSequence& sequence, Answers* answers) {
-  Sender sender(sequence);
-  Core core(sequence);
+/// Sends one turn to whatever listens to the images.
+void measureListening(int turn, Sender* sender, std::vector<double>* times, Answers* answers) {
+  while (!sender->isHeard() && ros::ok()) ros::WallDuration(0.01).sleep();
   Listener listener;
-  Times times;
-  sendAll(0, &sender, listener, &times.idle);
+  sendAll(turn, sender, listener, times);
+  ros::WallDuration(0.5).sleep();
+  answers->add(listener.stop());
+}
+
+void measureNodelet(int turn, Sender* sender, std::vector<double>* times, Answers* answers) {
   nodelet::Loader loader(false);
   if (!loader.load(kNodelet, "omnitag/LocalizerNodelet", {}, {})) {
     throw InputError("the nodelet could not be loaded");
   }
-  while (!sender.isHeard() && ros::ok()) ros::WallDuration(0.01).sleep();
+  measureListening(turn, sender, times, answers);
+}
+
+void measureIdleNode(int turn, Sender* sender, std::vector<double>* times) {
+  const IdleNode node;
+  Answers answers;
+  measureListening(turn, sender, times, &answers);
+}
+
+Times measure(const RecordedSequence& sequence, Answers* answers) {
+  Sender sender(sequence);
+  Core core(sequence);
+  Times times;
+  sendAll(0, &sender, Listener(), &times.process);
   for (int turn = 0; turn < kTurns; ++turn) {
-    sendAll(turn, &sender, listener, &times.nodelet);
-    ros::WallDuration(0.5).sleep();
+    measureNodelet(turn, &sender, &times.nodelet, answers);
+    measureIdleNode(turn, &sender, &times.idle_node);
     core.localizeAll(turn, &times.core);
   }
-  loader.clear();
-  *answers = listener.stop();
   return times;
 }
 
@@ -265,13 +355,18 @@ double trimmedMean(std::vector<double> sample, double share) {
 }
 
 void print(const Times& times, const Answers& answers, double trimmed, const char* frames) {
-  const double core = trimmedMean(times.core, trimmed);
-  const double nodelet = trimmedMean(times.nodelet, trimmed) - trimmedMean(times.idle, trimmed);
+  const auto mean = [trimmed](const std::vector<double>& sample) {
+    return trimmedMean(sample, trimmed);
+  };
+  const double core = mean(times.core);
+  const double nodelet = mean(times.nodelet) - mean(times.process);
+  const double idle_node = mean(times.idle_node) - mean(times.process);
   std::printf(
       "%s: ms core alone %.2f, core within the nodelet %.2f, nodelet %.2f, which is %.0f %% of a "
-      "core; nodelet over core %+.1f %%\n",
-      frames, 1e3 * core, trimmedMean(answers.within, trimmed), 1e3 * nodelet,
-      100.0 * nodelet / kFrameInterval, 100.0 * (nodelet / core - 1.0));
+      "core; nodelet over core %+.1f %%, of which a node that only receives and publishes takes "
+      "%.1f %%\n",
+      frames, 1e3 * core, mean(answers.within), 1e3 * nodelet, 100.0 * nodelet / kFrameInterval,
+      100.0 * (nodelet / core - 1.0), 100.0 * idle_node / core);
 }
 
 int run(int argc, char** argv) {

@@ -17,6 +17,7 @@ add_library(omnitag_ros SHARED
   src/ros/path_recorder.cpp
   src/ros/result_messages.cpp
   src/ros/rviz_marker.cpp
+  src/ros/transform_input.cpp
   src/ros/xmlrpc_yaml.cpp
 )
 add_dependencies(omnitag_ros ${PROJECT_NAME}_generate_messages_cpp ${catkin_EXPORTED_TARGETS})

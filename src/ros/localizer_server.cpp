@@ -19,12 +19,6 @@
 namespace omnitag {
 namespace {
 
-/// s of tf that are kept: images that waited in a long queue still find theirs.
-constexpr double kTransformCache = 30.0;
-
-/// It would wake up a hundred times a second: tf comes to the thread that takes the images.
-constexpr bool kListenerHasOwnThread = false;
-
 /// By a pointer: subscribers in the same nodelet manager get it without a copy, and without a
 /// thread that ROS would wake to hand it on.
 template <typename Message>
@@ -64,8 +58,7 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
       parameters_(parameters),
       localizer_(parameters_, camera),
       input_(node, private_node, parameters_.image_transport, parameters_.queue_size),
-      transforms_(ros::Duration(kTransformCache)),
-      transform_listener_(transforms_, input_.node(), kListenerHasOwnThread),
+      transforms_(node),
       map_markers_(mapMarkers(localizer_.map(), {}, localizer_.frames().map)),
       frame_markers_(localizer_.frames().map, parameters_.robot_radius),
       debug_image_painter_(localizer_.camera(), localizer_.map()),
@@ -114,12 +107,14 @@ LocalizerServer::~LocalizerServer() {
   global_localization_server_.shutdown();
   save_map_server_.shutdown();
   input_.close();
+  transforms_.close();
   thread_.join();
 }
 
 void LocalizerServer::run() {
   while (!input_.isClosed()) {
     const std::optional<ReceivedImage> received = input_.next(parameters_.transform_period);
+    transforms_.serve(0.0);
     repeatTransform();
     if (!received) continue;
     try {
@@ -139,8 +134,8 @@ void LocalizerServer::onImage(const ReceivedImage& received) {
   }
   const cv_bridge::CvImageConstPtr image = received.decode();
   waitForTransforms(received.header);
-  const std::optional<LocalizedImage> localized =
-      localizer_.localize(image, transforms_, debug_image_publisher_.getNumSubscribers() > 0);
+  const std::optional<LocalizedImage> localized = localizer_.localize(
+      image, transforms_.buffer(), debug_image_publisher_.getNumSubscribers() > 0);
   if (localized) {
     publish(*localized);
   } else {
@@ -154,9 +149,10 @@ void LocalizerServer::waitForTransforms(const std_msgs::Header& header) {
   using Seconds = std::chrono::duration<double>;
   const auto deadline = Clock::now() + Seconds(parameters_.transform_timeout);
   const auto remaining = [&] { return Seconds(deadline - Clock::now()).count(); };
-  while (!localizer_.assembler().hasTransforms(header, transforms_) && remaining() > 0.0 &&
+  while (!localizer_.assembler().hasTransforms(header, transforms_.buffer()) && remaining() > 0.0 &&
          !input_.isClosed()) {
-    input_.serve(std::min(remaining(), parameters_.transform_period));
+    transforms_.serve(std::min(remaining(), parameters_.transform_period));
+    input_.serve(0.0);
     repeatTransform();
   }
 }
@@ -253,7 +249,8 @@ Eigen::Isometry3d LocalizerServer::mapFrom(const std::string& frame) const {
   if (frame == map_frame) return Eigen::Isometry3d::Identity();
   if (frame.empty()) throw InputError("header.frame_id is empty; expected '" + map_frame + "'");
   try {
-    return fromMessage(transforms_.lookupTransform(map_frame, frame, ros::Time()).transform);
+    return fromMessage(
+        transforms_.buffer().lookupTransform(map_frame, frame, ros::Time()).transform);
   } catch (const tf2::TransformException& error) {
     throw InputError("no transform from '" + frame + "' to '" + map_frame + "': " + error.what());
   }

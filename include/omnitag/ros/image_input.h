@@ -44,8 +44,6 @@ class ImageInput {
   /// Takes what has come on the queue; waits for it where nothing has, but no longer than so many s
   /// nor than to close().
   void serve(double duration);
-  /// The node with this queue, for what else is to come to the thread that takes the images.
-  const ros::NodeHandle& node() const { return node_; }
   /// Nothing comes any more.
   void close();
   bool isClosed() const { return is_closed_; }

@@ -6,8 +6,6 @@
 #include <ros/ros.h>
 #include <std_srvs/Empty.h>
 #include <std_srvs/Trigger.h>
-#include <tf2_ros/buffer.h>
-#include <tf2_ros/transform_listener.h>
 #include <visualization_msgs/MarkerArray.h>
 
 #include <functional>
@@ -24,6 +22,7 @@
 #include "omnitag/ros/image_localizer.h"
 #include "omnitag/ros/parameters.h"
 #include "omnitag/ros/path_recorder.h"
+#include "omnitag/ros/transform_input.h"
 
 namespace omnitag {
 
@@ -71,8 +70,7 @@ class LocalizerServer {
   LocalizerParameters parameters_;
   ImageLocalizer localizer_;
   ImageInput input_;
-  tf2_ros::Buffer transforms_;
-  tf2_ros::TransformListener transform_listener_;
+  TransformInput transforms_;
 
   /// The map as RViz shows it, and what mapping has added to it so far.
   std::mutex map_mutex_;
