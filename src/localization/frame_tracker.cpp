@@ -6,7 +6,6 @@
 #include <numeric>
 #include <utility>
 
-#include "omnitag/common/angle.h"
 #include "omnitag/common/parallel.h"
 #include "omnitag/common/stopwatch.h"
 #include "omnitag/marker/marker_association.h"
@@ -42,27 +41,25 @@ PoseEstimate vague(const Pose2& pose) {
 
 FrameTracker::FrameTracker(const TrackingTools& tools, const Frame& frame,
                            const MountedCamera& camera, const PoseEstimate& predicted,
-                           FrameResult* result)
+                           std::optional<std::size_t> glance, FrameResult* result)
     : tools_(tools),
       frame_(frame),
       camera_(camera),
       predicted_(predicted),
-      prior_(predicted),
+      glance_(glance),
+      prior_(glance ? predicted : vague(predicted.pose)),
       result_(result),
       sightings_(result->predicted.size()) {}
 
-std::optional<PoseEstimate> FrameTracker::track(std::optional<std::size_t> glance) {
+std::optional<PoseEstimate> FrameTracker::track() {
   const bool recognizes = tools_.config.estimation.kind == EstimatorKind::kPhotometric;
-  // What this frame's own readings gave tells nothing beside them.
-  is_start_ = !glance;
-  if (is_start_) prior_ = vague(predicted_.pose);
   if (recognizes) {
     // The first ones make it easy to find the others.
     recognize(predicted_, kFirst);
     if (found() < kFirst) {
       std::vector<std::size_t> anchors = undecoded();
       anchors.resize(std::min(anchors.size(), kAnchors));
-      decode(anchors, glance ? kAnySize : largestInDoubt(frame_.image));
+      decode(anchors, glance_ ? kAnySize : largestInDoubt(frame_.image));
     }
     solve();
     if (solution_) {
@@ -70,14 +67,12 @@ std::optional<PoseEstimate> FrameTracker::track(std::optional<std::size_t> glanc
       solve();
     }
     // What was found first may have been moved as one, and has drawn what was found after it.
-    if (isDoubtful()) {
-      recognizeAnew(is_start_ ? solution_->map_from_base.pose : predicted_.pose);
-      solve();
-    }
+    if (glance_ && isDoubtful()) lookAgain(predicted_.pose);
+    if (isDoubtful()) lookAgain(solution_->map_from_base.pose);
   }
   std::vector<std::size_t> rest = undecoded();
-  if (recognizes && !glance) rest.clear();
-  if (glance && found() >= kEnough && !rest.empty()) rest = {rest[*glance % rest.size()]};
+  if (recognizes && !glance_) rest.clear();
+  if (glance_ && found() >= kEnough && !rest.empty()) rest = {rest[*glance_ % rest.size()]};
   if (!rest.empty()) {
     decode(rest, kAnySize);
     solve();
@@ -144,18 +139,15 @@ std::size_t FrameTracker::found() const {
 
 bool FrameTracker::isDoubtful() const {
   if (!solution_) return false;
-  const double sharp = tools_.config.estimation.reprojection.robust_width;
-  const auto agreeing = static_cast<std::size_t>(
-      std::count_if(solution_->residuals.begin(), solution_->residuals.end(),
-                    [sharp](double residual) { return residual <= sharp; }));
+  const std::size_t agreeing = sharplyAgreeing(solution_->residuals, tools_.config.estimation);
   if (isLargeMajority(agreeing, observed_.size())) {
-    // Those that were not found may be hidden, but not all of them where the pose is a surprise, or
-    // where none would be.
+    // Those that were not found may be hidden. But where the pose is a surprise, or the prediction
+    // too vague for any to be one, they may as well be where another pose has them.
     constexpr double kVague = 0.05;  // m
-    const bool may_be_another =
-        !is_start_ && (predicted_.covariance.topLeftCorner<2, 2>().trace() > kVague * kVague ||
-                       !agree(solution_->map_from_base, predicted_));
-    return may_be_another && !isLargeMajority(agreeing, sightings_.size());
+    const bool may_be_elsewhere =
+        glance_ && (predicted_.covariance.topLeftCorner<2, 2>().trace() > kVague * kVague ||
+                    !agree(solution_->map_from_base, predicted_));
+    return may_be_elsewhere && !isLargeMajority(agreeing, sightings_.size());
   }
   constexpr double kFar = 0.02;  // m and rad
   const bool do_all_agree =
@@ -164,20 +156,29 @@ bool FrameTracker::isDoubtful() const {
          difference(solution_->map_from_base.pose, predicted_.pose).cwiseAbs().maxCoeff() > kFar;
 }
 
+void FrameTracker::lookAgain(Pose2 pose) {
+  const std::vector<Sighting> before = sightings_;
+  recognizeAnew(pose);
+  solve();
+  if (solution_) return;
+  sightings_ = before;
+  solve();
+}
+
 void FrameTracker::recognizeAnew(const Pose2& pose) {
   Stopwatch step;
   const PoseEstimate belief{pose, Eigen::Matrix3d::Zero()};
-  for (std::size_t i = 0; i < sightings_.size(); ++i) {
+  constexpr std::size_t kWorthAThread = 2;
+  forEachIndex(sightings_.size(), tools_.config.threads, kWorthAThread, [&](std::size_t i) {
     auto predicted = predictMarker(tools_.map, result_->predicted[i].map_entry, camera_, belief,
                                    tools_.config.visibility);
-    if (!predicted) continue;
+    if (!predicted) return;
     const TagPattern& pattern = tools_.patterns.of(tools_.map.markers[predicted->map_entry]);
-    const double module = meanEdge(predicted->corners) / pattern.widthBetweenCorners();
-    const double margin = tools_.config.recognition.max_margin * module;
-    predicted->tangential_margin = predicted->radial_margin = margin;
+    predicted->tangential_margin = predicted->radial_margin =
+        largestMargin(*predicted, pattern, tools_.config.recognition);
     const auto anew = recognizePredicted(tools_, frame_.image, camera_, pose, *predicted);
     if (anew) sightings_[i].observation = anew;
-  }
+  });
   result_->timings.recognize += step.lap();
 }
 
@@ -227,6 +228,7 @@ void FrameTracker::align() {
   observations.reserve(observed_.size());
   for (const std::size_t i : observed_) observations.push_back(*sightings_[i].observation);
   std::vector<bool> used = solution_->used;
+  const auto all = static_cast<std::size_t>(std::count(used.begin(), used.end(), true));
   // One that is then off is left out, once.
   constexpr int kRounds = 2;
   for (int round = 0; round < kRounds; ++round) {
@@ -234,19 +236,18 @@ void FrameTracker::align() {
     for (std::size_t k = 0; k < observations.size(); ++k) {
       if (used[k]) entries.push_back(observations[k].map_entry);
     }
-    if (entries.empty()) break;
+    if (!isLargeMajority(entries.size(), all)) break;
     const auto aligned = alignWithPixels(tools_, frame_.image, camera_, entries,
                                          solution_->map_from_base.pose, prior_);
     if (!aligned) break;
     std::vector<double> residuals =
         reprojectionResiduals(tools_.map, camera_, observations, aligned->pose);
-    const std::size_t before = entries.size();
-    std::size_t after = 0;
+    std::size_t left = 0;
     for (std::size_t k = 0; k < residuals.size(); ++k) {
       used[k] = used[k] && residuals[k] <= residualLimit(observations[k], tools_.config);
-      if (used[k]) ++after;
+      if (used[k]) ++left;
     }
-    if (after == before) {
+    if (left == entries.size()) {
       *solution_ = {*aligned, std::move(residuals), std::move(used)};
       return;
     }

@@ -16,16 +16,17 @@ namespace omnitag {
 /// to the frame's result.
 class FrameTracker {
  public:
-  /// All must outlive the tracker. `result->predicted` holds what is to be found.
-  FrameTracker(const TrackingTools& tools, const Frame& frame, const MountedCamera& camera,
-               const PoseEstimate& predicted, FrameResult* result);
-
-  /// The pose, the prediction included; nothing where no marker agrees with any. `glance` is
+  /// All must outlive the tracker. `result->predicted` holds what is to be found. `glance` is
   /// counted up from frame to frame: of the markers that were not found though the pose is certain,
   /// it says which one is looked at with the decoder, to see what is there instead. Without it, as
   /// for a prediction that readings of the same frame gave, the pose is that of the markers alone,
   /// and few are decoded where they can be recognized.
-  std::optional<PoseEstimate> track(std::optional<std::size_t> glance = std::nullopt);
+  FrameTracker(const TrackingTools& tools, const Frame& frame, const MountedCamera& camera,
+               const PoseEstimate& predicted, std::optional<std::size_t> glance,
+               FrameResult* result);
+
+  /// The pose; nothing where no marker agrees with any.
+  std::optional<PoseEstimate> track();
 
  private:
   /// What became of a predicted marker.
@@ -51,6 +52,8 @@ class FrameTracker {
   /// Whether the solution is off the prediction, or leaves out some that were found, while too few
   /// agree with it sharply for these to be sure to be the ones that hang where the map has them.
   bool isDoubtful() const;
+  /// Recognizes all anew from a pose and solves again; keeps what was where no pose agrees then.
+  void lookAgain(Pose2 pose);
   /// Looks for the patterns of all as far around as is possible, and for however much they are
   /// slanted: what was recognized from a pose that is wrong is drawn a little toward that pose.
   void recognizeAnew(const Pose2& pose);
@@ -67,8 +70,7 @@ class FrameTracker {
   const Frame& frame_;
   const MountedCamera& camera_;
   const PoseEstimate& predicted_;
-  /// Whether the prediction is where to start from, but nothing that is known beside the frame.
-  bool is_start_ = false;
+  std::optional<std::size_t> glance_;
   /// What is known of the pose beside what is found.
   PoseEstimate prior_;
   FrameResult* result_;

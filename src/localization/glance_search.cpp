@@ -53,14 +53,13 @@ bool isEnough(const FrameResult& seen) {
   return accepted > 2 || (accepted == 2 && seen.predicted.size() == 2);
 }
 
-/// Whether nothing that is still unseen could speak against it.
-bool isBeyondDoubt(const FrameResult& seen, const LocalizerConfig& config) {
-  const double sharp = config.estimation.reprojection.robust_width;
-  const auto agreeing = std::count_if(seen.detections.begin(), seen.detections.end(),
-                                      [sharp](const MarkerDetection& detection) {
-                                        return detection.accepted && detection.residual <= sharp;
-                                      });
-  return 2 * static_cast<std::size_t>(agreeing) > seen.predicted.size();
+/// Whether nothing that is still unseen could speak against it: what was moved as one is fewer.
+bool isBeyondDoubt(const FrameResult& seen, const EstimatorConfig& config) {
+  std::vector<double> residuals;
+  for (const MarkerDetection& detection : seen.detections) {
+    if (detection.accepted) residuals.push_back(detection.residual);
+  }
+  return 2 * sharplyAgreeing(residuals, config) > seen.predicted.size();
 }
 
 /// Whether all markers of the map that were read are where a pose has them.
@@ -98,7 +97,7 @@ std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& fram
       add(std::move(more), warper, &seen);
       if (agrees) continue;
       around = confirm(seen, isEnough, tools, frame, camera, &result->timings);
-      if (around && isBeyondDoubt(*around, config)) break;
+      if (around && isBeyondDoubt(*around, config.estimation)) break;
     }
     if (!around) continue;
     around->timings = result->timings;

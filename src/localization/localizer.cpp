@@ -160,8 +160,8 @@ bool Localizer::track(const Frame& frame, const MountedCamera& camera,
   result->predicted = predictMarkers(map_, index_, camera, predicted, config_.visibility);
   result->timings.predict += step.lap();
   const TrackingTools tools = trackingTools();
-  FrameTracker tracker(tools, frame, camera, predicted, result);
-  const std::optional<PoseEstimate> pose = tracker.track(frames_++);
+  FrameTracker tracker(tools, frame, camera, predicted, frames_++, result);
+  const std::optional<PoseEstimate> pose = tracker.track();
   // Where most of what is read contradicts, the prediction itself is in doubt.
   if (!pose || contradictions(*result, map_) > result->acceptedMarkers()) return true;
   if (!markersAgree(camera, predicted, pose->pose, *result)) return false;

@@ -122,33 +122,36 @@ std::vector<std::array<std::size_t, 2>> pairsOf(std::size_t count) {
 /// hang in their places tell the right one. The residuals are those of all observations.
 std::optional<ReprojectionFit> refineFromPairs(const MarkerMap& map, const MountedCamera& camera,
                                                const std::vector<MarkerObservation>& observations,
-                                               const Pose2& initial,
-                                               const std::optional<PoseEstimate>& prior,
+                                               const PoseEstimate& prior,
                                                const EstimatorConfig& config) {
   // Pixels: both of a pair are to be met, however far off they are.
   constexpr double kAny = 16.0;
   ReprojectionConfig trusting = config.reprojection;
   trusting.robust_width = std::max(kAny, trusting.robust_width);
-  std::optional<Pose2> best;
-  std::vector<double> best_residuals;
+  Pose2 best;
+  std::vector<bool> agree;
+  double least = std::numeric_limits<double>::infinity();
   for (const auto& [i, j] : pairsOf(observations.size())) {
-    const auto pair = refineByReprojection(map, camera, {observations[i], observations[j]}, initial,
-                                           std::nullopt, trusting);
+    const auto pair = refineByReprojection(map, camera, {observations[i], observations[j]},
+                                           prior.pose, std::nullopt, trusting);
     if (!pair) continue;
-    std::vector<double> residuals =
+    const std::vector<double> residuals =
         reprojectionResiduals(map, camera, observations, pair->map_from_base.pose);
-    if (best && misfit(residuals, config) >= misfit(best_residuals, config)) continue;
+    const double sum = misfit(residuals, config);
+    if (!(sum < least)) continue;
+    least = sum;
     best = pair->map_from_base.pose;
-    best_residuals = std::move(residuals);
+    agree = agreeing(residuals, config);
   }
-  if (!best) return std::nullopt;
-  auto fit =
-      refineByReprojection(map, camera, chosen(observations, agreeing(best_residuals, config)),
-                           *best, prior, config.reprojection);
-  if (fit) {
-    fit->residuals = reprojectionResiduals(map, camera, observations, fit->map_from_base.pose);
-  }
-  return fit;
+  if (std::count(agree.begin(), agree.end(), true) < 2) return std::nullopt;
+  auto fit = refineByReprojection(map, camera, chosen(observations, agree), best, prior,
+                                  config.reprojection);
+  if (!fit) return std::nullopt;
+  fit->residuals = reprojectionResiduals(map, camera, observations, fit->map_from_base.pose);
+  const std::vector<bool> then = agreeing(fit->residuals, config);
+  if (std::find(then.begin(), then.end(), false) != then.end()) return fit;
+  return refineByReprojection(map, camera, observations, fit->map_from_base.pose, prior,
+                              config.reprojection);
 }
 
 std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera& camera,
@@ -161,13 +164,11 @@ std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera&
       best = std::move(fit);
     }
   };
-  const auto within = [&best](double residual) -> std::size_t {
-    if (!best) return 0;
-    return static_cast<std::size_t>(std::count_if(best->residuals.begin(), best->residuals.end(),
-                                                  [residual](double r) { return r <= residual; }));
+  const auto areAllGood = [&] {
+    const double good_residual = 2.0 * config.reprojection.robust_width;
+    return best && std::all_of(best->residuals.begin(), best->residuals.end(),
+                               [good_residual](double r) { return r <= good_residual; });
   };
-  const double sharp = config.reprojection.robust_width;
-  const auto areAllGood = [&] { return within(2.0 * sharp) == observations.size(); };
   if (prior) {
     keepBetter(refineFromAfar(map, camera, observations, prior->pose, prior, config.reprojection));
   }
@@ -189,9 +190,11 @@ std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera&
                                       config.reprojection));
     }
   }
-  if (prior && observations.size() > 2 && !areAllGood() &&
-      !isLargeMajority(within(sharp), observations.size())) {
-    keepBetter(refineFromPairs(map, camera, observations, prior->pose, prior, config));
+  const bool is_sure =
+      best && (areAllGood() ||
+               isLargeMajority(sharplyAgreeing(best->residuals, config), observations.size()));
+  if (prior && observations.size() > 2 && !is_sure) {
+    keepBetter(refineFromPairs(map, camera, observations, *prior, config));
   }
   if (!best) return std::nullopt;
 
@@ -231,6 +234,12 @@ EstimatorConfig readEstimatorConfig(const YamlReader& reader) {
   reader.read("max_pixels", &config.photometric.max_pixels, {50, 1000000});
   reader.read("max_final_pixels", &config.photometric.max_final_pixels, {50, 1000000});
   return config;
+}
+
+std::size_t sharplyAgreeing(const std::vector<double>& residuals, const EstimatorConfig& config) {
+  const double sharp = config.reprojection.robust_width;
+  return static_cast<std::size_t>(std::count_if(
+      residuals.begin(), residuals.end(), [sharp](double residual) { return residual <= sharp; }));
 }
 
 bool isLargeMajority(std::size_t agreeing, std::size_t expected) {

@@ -38,6 +38,11 @@ constexpr std::size_t kCoarse = 100;
 /// farther away, it may also image larger, turned or slanted.
 constexpr double kLeastMargin = 3.0;
 
+/// Pixels, the width of a module where it is predicted.
+double moduleOf(const PredictedMarker& predicted, const TagPattern& pattern) {
+  return meanEdge(predicted.corners) / pattern.widthBetweenCorners();
+}
+
 std::vector<Sample> samplesOf(const std::vector<Footprint>& footprints, const TagPattern& pattern) {
   std::vector<Sample> samples;
   samples.reserve(footprints.size());
@@ -285,13 +290,18 @@ double correlationThreshold(double dimensions, double rate) {
   return std::sqrt(1.0 - std::min(1.0, std::pow(2.0 * rate, 2.0 / (dimensions - 1.0))));
 }
 
+double largestMargin(const PredictedMarker& predicted, const TagPattern& pattern,
+                     const RecognitionConfig& config) {
+  return std::max(kLeastMargin, config.max_margin * moduleOf(predicted, pattern));
+}
+
 std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& marker,
                                      const TagPattern& pattern, const MountedCamera& camera,
                                      const Pose2& map_from_base, const PredictedMarker& predicted,
                                      double blur, const RecognitionConfig& config) {
-  const double module = meanEdge(predicted.corners) / pattern.widthBetweenCorners();
+  const double module = moduleOf(predicted, pattern);
   const double margin = std::max(predicted.tangential_margin, predicted.radial_margin);
-  if (margin > std::max(kLeastMargin, config.max_margin * module)) return std::nullopt;
+  if (margin > largestMargin(predicted, pattern, config)) return std::nullopt;
   MarkerPatch::Choice choice;
   const bool may_be_stretched = margin > kLeastMargin;
   choice.max_considered = pixelsFor(module, may_be_stretched);

@@ -19,6 +19,9 @@
 namespace omnitag {
 namespace {
 
+/// s, the longest that transforms wait where no image comes.
+constexpr double kTransformsWait = 0.1;
+
 /// By a pointer: subscribers in the same nodelet manager get it without a copy, and without a
 /// thread that ROS would wake to hand it on.
 template <typename Message>
@@ -113,7 +116,8 @@ LocalizerServer::~LocalizerServer() {
 
 void LocalizerServer::run() {
   while (!input_.isClosed()) {
-    const std::optional<ReceivedImage> received = input_.next(parameters_.transform_period);
+    const std::optional<ReceivedImage> received =
+        input_.next(std::min(parameters_.transform_period, kTransformsWait));
     transforms_.serve(0.0);
     repeatTransform();
     if (!received) continue;
@@ -152,6 +156,7 @@ void LocalizerServer::waitForTransforms(const std_msgs::Header& header) {
   while (!localizer_.assembler().hasTransforms(header, transforms_.buffer()) && remaining() > 0.0 &&
          !input_.isClosed()) {
     transforms_.serve(std::min(remaining(), parameters_.transform_period));
+    // Of images that come meanwhile, only the newest are to wait.
     input_.serve(0.0);
     repeatTransform();
   }

@@ -42,9 +42,13 @@ struct PoseSolution {
   std::vector<bool> used;
 };
 
-/// Whether so many of the markers that are expected leave no doubt that the pose on which they
-/// agree is right. Some may have been moved as one, and then one or the other that was not may seem
-/// in its place by chance.
+/// How many markers, of these residuals (pixels), agree with a pose sharply: an exact map and sharp
+/// corners leave no more.
+std::size_t sharplyAgreeing(const std::vector<double>& residuals, const EstimatorConfig& config);
+
+/// Whether so many of the markers that are expected, two thirds, leave no doubt that the pose on
+/// which they agree is right. Some may have been moved as one, and then one or the other that was
+/// not may seem in its place by chance.
 bool isLargeMajority(std::size_t agreeing, std::size_t expected);
 
 /// Estimates the robot's pose from what was observed and, where there is one, the predicted pose.

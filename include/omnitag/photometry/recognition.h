@@ -48,6 +48,10 @@ struct Recognition {
 /// acos(t) has of the sphere in n dimensions is at most (1 - t^2)^((n - 1) / 2) / 2.
 double correlationThreshold(double dimensions, double rate);
 
+/// Pixels that a marker may be from its predicted place, at most, to be recognized.
+double largestMargin(const PredictedMarker& predicted, const TagPattern& pattern,
+                     const RecognitionConfig& config);
+
 /// Whether a marker is where it is predicted, without decoding: its pattern is laid where it should
 /// image, moved until it fits the panorama best (CV_8UC1), and compared in the modules that tell
 /// the tags of its family apart. Needs far fewer pixels than decoding does.

@@ -5,7 +5,7 @@
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
 
-#include <optional>
+#include <memory>
 
 namespace omnitag {
 
@@ -13,6 +13,7 @@ namespace omnitag {
 /// them: on a robot, they come far more often than images, and each would wake a thread.
 class TransformInput {
  public:
+  /// Subscribes; nothing is taken before serve().
   explicit TransformInput(const ros::NodeHandle& node);
   ~TransformInput() { close(); }
   TransformInput(const TransformInput&) = delete;
@@ -20,7 +21,7 @@ class TransformInput {
 
   /// Takes what has come; waits for it where nothing has, but no longer than so many s nor than to
   /// close().
-  void serve(double duration) { queue_.callAvailable(ros::WallDuration(duration)); }
+  void serve(double duration);
   /// What has been taken. May be read by any thread.
   const tf2_ros::Buffer& buffer() const { return buffer_; }
   /// Nothing comes any more.
@@ -30,7 +31,8 @@ class TransformInput {
   ros::CallbackQueue queue_;
   ros::NodeHandle node_;
   tf2_ros::Buffer buffer_;
-  std::optional<tf2_ros::TransformListener> listener_;
+  std::unique_ptr<tf2_ros::TransformListener> listener_;
+  ros::Time last_served_;
 };
 
 }  // namespace omnitag
