@@ -156,17 +156,9 @@ bool FrameTracker::isDoubtful() const {
          difference(solution_->map_from_base.pose, predicted_.pose).cwiseAbs().maxCoeff() > kFar;
 }
 
-void FrameTracker::lookAgain(Pose2 pose) {
-  const std::vector<Sighting> before = sightings_;
-  recognizeAnew(pose);
-  solve();
-  if (solution_) return;
-  sightings_ = before;
-  solve();
-}
-
-void FrameTracker::recognizeAnew(const Pose2& pose) {
+void FrameTracker::lookAgain(const Pose2& pose) {
   Stopwatch step;
+  const std::vector<Sighting> before = sightings_;
   const PoseEstimate belief{pose, Eigen::Matrix3d::Zero()};
   constexpr std::size_t kWorthAThread = 2;
   forEachIndex(sightings_.size(), tools_.config.threads, kWorthAThread, [&](std::size_t i) {
@@ -180,6 +172,10 @@ void FrameTracker::recognizeAnew(const Pose2& pose) {
     if (anew) sightings_[i].observation = anew;
   });
   result_->timings.recognize += step.lap();
+  solve();
+  if (solution_) return;
+  sightings_ = before;
+  solve();
 }
 
 void FrameTracker::decode(const std::vector<std::size_t>& targets, double max_pixels) {

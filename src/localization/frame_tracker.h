@@ -52,11 +52,10 @@ class FrameTracker {
   /// Whether the solution is off the prediction, or leaves out some that were found, while too few
   /// agree with it sharply for these to be sure to be the ones that hang where the map has them.
   bool isDoubtful() const;
-  /// Recognizes all anew from a pose and solves again; keeps what was where no pose agrees then.
-  void lookAgain(Pose2 pose);
-  /// Looks for the patterns of all as far around as is possible, and for however much they are
-  /// slanted: what was recognized from a pose that is wrong is drawn a little toward that pose.
-  void recognizeAnew(const Pose2& pose);
+  /// Looks for the patterns of all from a pose, as far around as is possible and for however much
+  /// they are slanted, and solves again: what was recognized from a pose that is wrong is drawn a
+  /// little toward that pose. Keeps what was where no pose agrees then.
+  void lookAgain(const Pose2& pose);
   void solve();
   /// Aligns the solution with the pixels of its markers, but for those that are then off; leaves it
   /// with the corners where others are off without them.
