@@ -248,9 +248,7 @@ void FrameTracker::align() {
       return;
     }
   }
-  const auto markers = std::count(solution_->used.begin(), solution_->used.end(), true);
-  solution_->map_from_base =
-      standingOnCorners(solution_->map_from_base, static_cast<std::size_t>(markers), tools_.config);
+  solution_->map_from_base = standingOnCorners(solution_->map_from_base, all, tools_.config);
 }
 
 void FrameTracker::report() {
