@@ -65,6 +65,7 @@ TagPattern::TagPattern(const apriltag_family& family, int id) {
     const int column = border + static_cast<int>(family.bit_x[bit]);
     const int row = border + static_cast<int>(family.bit_y[bit]);
     data_module_[moduleIndex(column, row)] = bit;
+    is_data_white_.push_back(is_white_[moduleIndex(column, row)]);
   }
 }
 
@@ -91,12 +92,6 @@ bool TagPattern::isWhite(int column, int row) const {
 
 bool TagPattern::isWhiteAt(const Eigen::Vector2d& position) const {
   return isWhite(moduleAt(position.x()), moduleAt(position.y()));
-}
-
-bool TagPattern::isDataWhite(int module) const {
-  const auto place = std::find(data_module_.begin(), data_module_.end(), module);
-  const auto index = static_cast<int>(place - data_module_.begin());
-  return isWhite(index % width_, index / width_);
 }
 
 TagPattern::Place TagPattern::placeOf(double coordinate) const {

@@ -31,12 +31,6 @@ Eigen::RowVector3d greyByPose(const MarkerPixel& pixel, const Light& light) {
   return contrastAt(pixel.position, light) * pixel.white_by_pose;
 }
 
-PixelResidual residualOf(const MarkerPixel& pixel, const Light& light) {
-  const double contrast = contrastAt(pixel.position, light);
-  return {pixel.grey - light[0] - pixel.white * contrast, pixel.gradient,
-          contrast * pixel.gradient};
-}
-
 bool isSaturated(const MarkerPixel& pixel, const PixelResidual& residual) {
   return omnitag::isSaturated(pixel.grey, pixel.grey - residual.grey);
 }
@@ -76,7 +70,7 @@ struct Terms {
 };
 
 Terms termsOf(const MarkerPixel& pixel, const Light& light, const PixelNoise& noise) {
-  const PixelResidual residual = residualOf(pixel, light);
+  const PixelResidual residual = residualOf(pixel, light, Eigen::Vector3d::Zero());
   Terms terms;
   terms.weight = isSaturated(pixel, residual) ? 0.0 : weightOf(residual, noise);
   terms.light << regressorsOf(pixel), residual.grey;
@@ -128,24 +122,28 @@ std::optional<LitPatch> fitLight(const std::vector<MarkerPixel>& pixels, const P
       of_change.topLeftCorner<3, 3>() + light_and_pose.transpose() * patch.light_by_pose;
   patch.gradient =
       of_change.topRightCorner<3, 1>() + patch.light_by_pose.transpose() * light_and_residual;
-  patch.residuals.reserve(pixels.size());
-  for (const MarkerPixel& pixel : pixels) {
-    patch.residuals.push_back(residualOf(pixel, patch.light));
-  }
   return patch;
 }
 
+PixelResidual residualOf(const MarkerPixel& pixel, const Light& light,
+                         const Eigen::Vector3d& change) {
+  const double contrast = contrastAt(pixel.position, light);
+  const double white = pixel.white + pixel.white_by_pose.dot(change);
+  return {pixel.grey - light[0] - white * contrast, pixel.gradient, contrast * pixel.gradient};
+}
+
 Eigen::Matrix3d gradientCovariance(const std::vector<MarkerPixel>& pixels, const LitPatch& patch,
-                                   const PixelNoise& noise) {
+                                   const PixelNoise& noise, const Eigen::Vector3d& change) {
+  const Light light = patch.lightAfter(change);
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   int count = 0;
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    if (isSaturated(pixels[i], patch.residuals[i])) continue;
+  for (const MarkerPixel& pixel : pixels) {
+    const PixelResidual residual = residualOf(pixel, light, change);
+    if (isSaturated(pixel, residual)) continue;
     // The light gives way to a change of the pose.
-    const Eigen::RowVector3d by_pose = greyByPose(pixels[i], patch.light) +
-                                       regressorsOf(pixels[i]).transpose() * patch.light_by_pose;
-    const Eigen::RowVector3d gradient =
-        weightOf(patch.residuals[i], noise) * patch.residuals[i].grey * by_pose;
+    const Eigen::RowVector3d by_pose =
+        greyByPose(pixel, light) + regressorsOf(pixel).transpose() * patch.light_by_pose;
+    const Eigen::RowVector3d gradient = weightOf(residual, noise) * residual.grey * by_pose;
     covariance.noalias() += gradient.transpose() * gradient;
     ++count;
   }

@@ -26,8 +26,9 @@ struct LitPatch {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   /// The information times what the pose is to change by.
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-  /// One for each pixel.
-  std::vector<PixelResidual> residuals;
+
+  /// The light that fits best once the pose changes so.
+  Light lightAfter(const Eigen::Vector3d& change) const { return light + light_by_pose * change; }
 };
 
 /// Fits the light in the sense of weighted least squares and linearises what remains by the pose.
@@ -37,10 +38,14 @@ struct LitPatch {
 std::optional<LitPatch> fitLight(const std::vector<MarkerPixel>& pixels, const PixelNoise& noise,
                                  const std::optional<Light>& start = std::nullopt);
 
-/// Covariance of the gradient as the residuals themselves show it, pixel by pixel, whatever their
-/// noise was taken for (Huber and White): pixels at edges err more than others, and some more than
-/// most.
+/// A pixel's difference from the pattern in some light, once the pose changes so.
+PixelResidual residualOf(const MarkerPixel& pixel, const Light& light,
+                         const Eigen::Vector3d& change);
+
+/// Covariance of the gradient as the residuals themselves show it that are left once the pose
+/// changes so, pixel by pixel, whatever their noise was taken for (Huber and White): pixels at
+/// edges err more than others, and some more than most.
 Eigen::Matrix3d gradientCovariance(const std::vector<MarkerPixel>& pixels, const LitPatch& patch,
-                                   const PixelNoise& noise);
+                                   const PixelNoise& noise, const Eigen::Vector3d& change);
 
 }  // namespace omnitag

@@ -31,9 +31,6 @@ std::size_t pixelsFor(double module, bool may_be_stretched) {
   return static_cast<std::size_t>(may_be_stretched ? 1.5 * pixels : pixels);
 }
 
-/// How many of those tell about where it is.
-constexpr std::size_t kCoarse = 100;
-
 /// Pixels; however small the marker, it is worth to look for it so far around. Where it may be
 /// farther away, it may also image larger, turned or slanted.
 constexpr double kLeastMargin = 3.0;
@@ -43,10 +40,14 @@ double moduleOf(const PredictedMarker& predicted, const TagPattern& pattern) {
   return meanEdge(predicted.corners) / pattern.widthBetweenCorners();
 }
 
+/// Of as many of a marker's pixels as tell, about, where it is.
 std::vector<Sample> samplesOf(const std::vector<Footprint>& footprints, const TagPattern& pattern) {
+  constexpr std::size_t kEnough = 100;
+  const std::size_t every = std::max<std::size_t>(1, footprints.size() / kEnough);
   std::vector<Sample> samples;
-  samples.reserve(footprints.size());
-  for (const Footprint& footprint : footprints) {
+  samples.reserve(footprints.size() / every + 1);
+  for (std::size_t i = 0; i < footprints.size(); i += every) {
+    const Footprint& footprint = footprints[i];
     const double white = pattern.average(footprint.position, footprint.facet->window.size()).share;
     samples.push_back({footprint.column, footprint.row, white});
   }
@@ -97,14 +98,12 @@ Eigen::Vector2i bestPlace(const cv::Mat& panorama, const std::vector<Sample>& sa
     float white;
   };
   std::vector<Pixel> pixels;
-  const std::size_t every = std::max<std::size_t>(1, samples.size() / kCoarse);
-  pixels.reserve(samples.size() / every + 1);
+  pixels.reserve(samples.size());
   const auto stride = static_cast<std::ptrdiff_t>(panorama.step[0]);
   float white_sum = 0.0F;
   Eigen::Vector2i low(panorama.cols, panorama.rows);
   Eigen::Vector2i high(0, 0);
-  for (std::size_t i = 0; i < samples.size(); i += every) {
-    const Sample& sample = samples[i];
+  for (const Sample& sample : samples) {
     pixels.push_back({sample.row * stride + sample.column, static_cast<float>(sample.white)});
     white_sum += pixels.back().white;
     low = low.cwiseMin(Eigen::Vector2i(sample.column, sample.row));
@@ -168,8 +167,7 @@ struct DataPixels {
 };
 
 DataPixels dataPixels(const cv::Mat& panorama, const std::vector<Footprint>& footprints,
-                      const Placement& placement, const TagPattern& pattern,
-                      const std::vector<double>& signs) {
+                      const Placement& placement, const TagPattern& pattern) {
   DataPixels data;
   data.pixels.reserve(footprints.size());
   constexpr std::size_t kUsualShares = 4;
@@ -184,7 +182,7 @@ DataPixels dataPixels(const cv::Mat& panorama, const std::vector<Footprint>& foo
                 for (std::size_t i = first; i < data.shares.size(); ++i) {
                   const auto& [module, share] = data.shares[i];
                   of_data += share;
-                  pixel.expected += signs[static_cast<std::size_t>(module)] * share;
+                  pixel.expected += pattern.isDataWhite(module) ? share : -share;
                 }
                 constexpr double kLeastData = 0.05;
                 if (of_data < kLeastData) {
@@ -218,12 +216,7 @@ Eigen::Matrix<double, kNuisances, kNuisances> normalizing(
 std::optional<Comparison> compareData(const cv::Mat& panorama,
                                       const std::vector<Footprint>& footprints,
                                       const Placement& placement, const TagPattern& pattern) {
-  std::vector<double> signs;
-  signs.reserve(static_cast<std::size_t>(pattern.dataModules()));
-  for (int module = 0; module < pattern.dataModules(); ++module) {
-    signs.push_back(pattern.isDataWhite(module) ? 1.0 : -1.0);
-  }
-  DataPixels data = dataPixels(panorama, footprints, placement, pattern, signs);
+  DataPixels data = dataPixels(panorama, footprints, placement, pattern);
   if (data.pixels.size() <= kNuisances + 2) return std::nullopt;
 
   // All that follows leaves out what the nuisances explain.
@@ -233,7 +226,7 @@ std::optional<Comparison> compareData(const cv::Mat& panorama,
   const auto independent = normalizing(gram);
   Nuisances in_grey = Nuisances::Zero();
   Nuisances in_expected = Nuisances::Zero();
-  Eigen::Matrix<double, kNuisances, Eigen::Dynamic> in_shares(kNuisances, signs.size());
+  Eigen::Matrix<double, kNuisances, Eigen::Dynamic> in_shares(kNuisances, pattern.dataModules());
   in_shares.setZero();
   double share_squares = 0.0;
   auto share = data.shares.cbegin();
@@ -271,6 +264,19 @@ std::optional<Comparison> compareData(const cv::Mat& panorama,
   // |G s|^2 / (s'G s tr G), G = A'A; of n independent dimensions it would be 1 / n.
   comparison.dimensions = expected_squares * share_squares / along_expected.squaredNorm();
   return comparison;
+}
+
+Recognition recognitionOf(const PredictedMarker& predicted, const Placement& placement,
+                          const Comparison& comparison, double false_accept_rate) {
+  Recognition recognition;
+  recognition.center = predicted.center + placement.displacement;
+  for (std::size_t k = 0; k < predicted.corners.size(); ++k) {
+    const Eigen::Vector2d& corner = predicted.corners[k];
+    recognition.corners[k] = corner + placement.displacementAt(corner);
+  }
+  recognition.correlation = comparison.correlation;
+  recognition.threshold = correlationThreshold(comparison.dimensions, false_accept_rate);
+  return recognition;
 }
 
 }  // namespace
@@ -311,32 +317,29 @@ std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& mark
   const std::vector<Footprint> footprints = patch.footprints();
   constexpr std::size_t kFewestPixels = 24;
   if (footprints.size() < kFewestPixels) return std::nullopt;
-  const std::vector<Sample> samples = samplesOf(footprints, pattern);
 
   // Alignment finds its way from a quarter of a module.
   const int step = std::max(1, static_cast<int>(0.3 * module));
   const SearchArea area(predicted, camera.model());
   const std::vector<Eigen::Vector2i> places = area.places(step);
-  const Eigen::Vector2i place = bestPlace(panorama, samples, places);
-  Placement start;
-  start.displacement = place.cast<double>();
-  start.predicted_middle = predicted.center;
-  const auto fit = alignPattern(panorama, footprints, pattern, start, may_be_stretched);
-  if (!fit || fit->contrast < config.min_contrast) return std::nullopt;
-  const Placement& placement = fit->placement;
-  if (!area.contains(placement.displacement, step + 1.0)) return std::nullopt;
-  const auto comparison = compareData(panorama, footprints, placement, pattern);
-  if (!comparison) return std::nullopt;
-  const double rate = config.false_accept_rate / static_cast<double>(places.size());
-  Recognition recognition;
-  recognition.center = predicted.center + placement.displacement;
-  for (std::size_t k = 0; k < predicted.corners.size(); ++k) {
-    const Eigen::Vector2d& corner = predicted.corners[k];
-    recognition.corners[k] = corner + placement.displacementAt(corner);
+  const auto recognizedFrom = [&](const Eigen::Vector2i& place) -> std::optional<Recognition> {
+    Placement start;
+    start.displacement = place.cast<double>();
+    start.predicted_middle = predicted.center;
+    const auto fit = alignPattern(panorama, footprints, pattern, start, may_be_stretched);
+    if (!fit || fit->contrast < config.min_contrast) return std::nullopt;
+    if (!area.contains(fit->placement.displacement, step + 1.0)) return std::nullopt;
+    const auto comparison = compareData(panorama, footprints, fit->placement, pattern);
+    if (!comparison) return std::nullopt;
+    const double rate = config.false_accept_rate / static_cast<double>(places.size());
+    return recognitionOf(predicted, fit->placement, *comparison, rate);
+  };
+  if (!may_be_stretched) {
+    // Mostly it is found from where it is predicted, which is one of the places.
+    const auto recognition = recognizedFrom(Eigen::Vector2i::Zero());
+    if (recognition && recognition->isAccepted()) return recognition;
   }
-  recognition.correlation = comparison->correlation;
-  recognition.threshold = correlationThreshold(comparison->dimensions, rate);
-  return recognition;
+  return recognizedFrom(bestPlace(panorama, samplesOf(footprints, pattern), places));
 }
 
 }  // namespace omnitag

@@ -104,7 +104,9 @@ class TagPattern {
                         std::vector<DataShare>* shares) const;
 
   /// Whether a data module is white.
-  bool isDataWhite(int module) const;
+  bool isDataWhite(int module) const {
+    return is_data_white_[static_cast<std::size_t>(module)] != 0;
+  }
 
  private:
   /// White area above and to the left of a position, in modules squared, and its derivatives.
@@ -143,6 +145,8 @@ class TagPattern {
   std::vector<std::uint16_t> unlike_neighbours_;
   /// Number of each data module, row by row; -1 for the others.
   std::vector<int> data_module_;
+  /// One for each data module.
+  std::vector<char> is_data_white_;
 };
 
 /// The patterns of a map's markers, each drawn once.
