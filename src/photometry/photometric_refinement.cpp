@@ -100,9 +100,13 @@ bool isNear(const MarkerFitter& fitter, std::vector<MarkerPixels> some,
             const std::optional<PoseEstimate>& prior, Alignment* alignment) {
   // Pixels. What a pixel sees of an edge changes evenly as long as the edge stays within it.
   constexpr double kNear = 0.1;
+  // m and rad. What the markers leave open, edges hardly tell, and not evenly.
+  constexpr double kShort = 0.01;
   const Linearization all = combine(fitter.fits(std::move(some), *alignment), prior, *alignment);
   const std::optional<Eigen::Vector3d> change = changeOf(all);
-  if (!change || displacementOf(all, *change) > kNear) return false;
+  if (!change || change->cwiseAbs().maxCoeff() > kShort || displacementOf(all, *change) > kNear) {
+    return false;
+  }
   alignment->noise = fitter.noise(all.fits, *change);
   keepLights(all, alignment);
   return true;
