@@ -21,7 +21,7 @@ namespace omnitag {
 namespace {
 
 /// Standard deviations of the grey levels, between white and black of what stands out.
-constexpr double kObvious = 1.5;
+constexpr double kObvious = 2.0;
 
 /// Pixels, the image's smaller side, to which it is reduced for the first glance.
 constexpr int kFirstSize = 500;
