@@ -24,10 +24,10 @@ struct Sample {
 /// only make it slower; but of wide modules, few pixels see an edge, and what may be stretched has
 /// twice as many unknowns.
 std::size_t pixelsFor(double module, bool may_be_stretched) {
-  constexpr double kPixels = 200.0;
-  constexpr double kWide = 6.0;
+  constexpr double kFewest = 150.0;
+  constexpr double kPerWidth = 33.0;
   constexpr double kMost = 500.0;
-  const double pixels = std::clamp(kPixels * module / kWide, kPixels, kMost);
+  const double pixels = std::clamp(kPerWidth * module, kFewest, kMost);
   return static_cast<std::size_t>(may_be_stretched ? 1.5 * pixels : pixels);
 }
 
