@@ -62,6 +62,11 @@ class PhotometricRefinementTest : public testing::Test {
     return test::positionError(fit.map_from_base.pose, truth());
   }
 
+  static double deviationsBetween(const PhotometricFit& a, const PhotometricFit& b) {
+    const Eigen::Vector3d apart = difference(a.map_from_base.pose, b.map_from_base.pose);
+    return std::sqrt(apart.dot(b.map_from_base.covariance.ldlt().solve(apart)));
+  }
+
   static cv::Mat withNoise(double deviation, unsigned seed) {
     std::mt19937 generator(seed);
     std::normal_distribution<double> normal(0.0, deviation);
@@ -136,14 +141,48 @@ TEST_F(PhotometricRefinementTest, TellsTheNoiseAndIsAsExactAsItSays) {
   }
 }
 
+TEST_F(PhotometricRefinementTest, ThePoseIsTheSameFromNearAndFar) {
+  // Edges are displaced by some hundredths of a pixel, and by some tenths.
+  const Pose2 near = off(0.0003, -0.0002, 0.0002);
+  const Pose2 far = off(0.004, 0.003, -0.003);
+  for (const std::size_t count : {1U, 2U, 3U, 6U}) {
+    for (unsigned seed = 20; seed < 26; ++seed) {
+      const cv::Mat noisy = withNoise(2.0, seed);
+      const auto from_near = refine(noisy, entries(count), near);
+      const auto from_far = refine(noisy, entries(count), far);
+      ASSERT_TRUE(from_near && from_far) << count;
+      EXPECT_LT(deviationsBetween(*from_near, *from_far), 2.0) << count;
+    }
+  }
+}
+
+TEST_F(PhotometricRefinementTest, ThePoseIsTheSameFromAllAroundAMarker) {
+  // A marker hardly looks different from a little to the left and to the right.
+  const cv::Mat noisy = withNoise(2.0, 30);
+  for (const std::size_t entry : {0U, 2U, 5U}) {
+    const auto expected = refine(noisy, {entry}, truth());
+    ASSERT_TRUE(expected);
+    for (const double turn : {-0.03, -0.015, 0.015, 0.03}) {
+      const Eigen::Vector2d center = sampleMap().markers[entry].center().head<2>();
+      const Eigen::Vector2d base =
+          center + Eigen::Rotation2Dd(turn) * (Eigen::Vector2d(truth().x, truth().y) - center);
+      const auto fit = refine(noisy, {entry}, {base.x(), base.y(), truth().yaw + turn});
+      ASSERT_TRUE(fit) << entry << ", " << turn;
+      EXPECT_LT(deviationsBetween(*fit, *expected), 1.5) << entry << ", " << turn;
+    }
+  }
+}
+
 TEST_F(PhotometricRefinementTest, AHalfCoveredMarkerHardlyPullsThePose) {
   for (const std::size_t covered : {0U, 2U, 4U}) {
     cv::Mat panorama = panorama_.clone();
     cover(&panorama, sampleMap().markers[covered], -1.3, 0.0);
-    const auto fit = refine(panorama, entries(6), off(0.003, 0.002, -0.003));
-    ASSERT_TRUE(fit) << covered;
-    EXPECT_LT(positionError(*fit), 1e-3) << covered;
-    EXPECT_NEAR(fit->map_from_base.pose.yaw, truth().yaw, radians(0.05)) << covered;
+    for (const Pose2& initial : {truth(), off(0.003, 0.002, -0.003)}) {
+      const auto fit = refine(panorama, entries(6), initial);
+      ASSERT_TRUE(fit) << covered;
+      EXPECT_LT(positionError(*fit), 1e-3) << covered;
+      EXPECT_NEAR(fit->map_from_base.pose.yaw, truth().yaw, radians(0.05)) << covered;
+    }
   }
 }
 
