@@ -56,20 +56,15 @@ MarkerDetection toDetection(const MarkerObservation& observation, const Marker& 
 std::vector<MarkerReading> readViews(const TrackingTools& tools, const cv::Mat& panorama,
                                      std::vector<View> views, FrameResult* result) {
   Stopwatch step;
-  const std::size_t first = result->views.size();
-  result->view_images.resize(first + views.size());
+  std::vector<cv::Mat> images(views.size());
   forEachIndex(views.size(), tools.config.threads, 1, [&](std::size_t i) {
-    result->view_images[first + i] = tools.reader.warper().warp(panorama, views[i]);
+    images[i] = tools.reader.warper().warp(panorama, views[i]);
   });
-  std::move(views.begin(), views.end(), std::back_inserter(result->views));
   result->timings.warp += step.lap();
-  std::vector<MarkerReading> readings;
-  for (std::size_t v = first; v < result->views.size(); ++v) {
-    for (MarkerReading& reading : tools.reader.read(result->view_images[v], result->views[v])) {
-      reading.view = v;
-      readings.push_back(std::move(reading));
-    }
-  }
+  std::vector<MarkerReading> readings = tools.reader.read(images, views);
+  for (MarkerReading& reading : readings) reading.view += result->views.size();
+  std::move(views.begin(), views.end(), std::back_inserter(result->views));
+  std::move(images.begin(), images.end(), std::back_inserter(result->view_images));
   result->timings.decode += step.lap();
   return readings;
 }

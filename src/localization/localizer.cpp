@@ -79,7 +79,7 @@ Localizer::Localizer(std::shared_ptr<const CameraModel> camera, MarkerMap map,
       map_(std::move(map)),
       index_(map_),
       config_(config),
-      reader_(camera_, kWorkingDistance, config.detector, familiesOf(map_)),
+      reader_(camera_, kWorkingDistance, config.detector, familiesOf(map_), config.threads),
       glance_reader_(camera_, config.detector, reader_.detector(), config.threads),
       patterns_(map_),
       motion_(config.motion) {}

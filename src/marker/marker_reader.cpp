@@ -6,6 +6,8 @@
 #include <optional>
 #include <utility>
 
+#include "omnitag/common/parallel.h"
+
 namespace omnitag {
 namespace {
 
@@ -30,12 +32,38 @@ double meanEdge(const Corners<Eigen::Vector2d>& corners) {
 }
 
 MarkerReader::MarkerReader(std::shared_ptr<const CameraModel> camera, double working_distance,
-                           const TagDetectorConfig& config, const std::set<std::string>& families)
-    : warper_(std::move(camera), working_distance), detector_(config, families) {}
+                           const TagDetectorConfig& config, const std::set<std::string>& families,
+                           int threads)
+    : warper_(std::move(camera), working_distance) {
+  detectors_.emplace_back(config, families);
+  for (int thread = 1; thread < threads; ++thread) detectors_.emplace_back(config, detector());
+}
 
 std::vector<MarkerReading> MarkerReader::read(const cv::Mat& view_image, const View& view) const {
+  return read(view_image, view, detector());
+}
+
+std::vector<MarkerReading> MarkerReader::read(const std::vector<cv::Mat>& view_images,
+                                              const std::vector<View>& views) const {
+  std::vector<std::vector<MarkerReading>> of_views(views.size());
+  const auto threads = static_cast<int>(detectors_.size());
+  forEachIndexByWorker(views.size(), threads, 1, [&](std::size_t worker, std::size_t i) {
+    of_views[i] = read(view_images[i], views[i], detectors_[worker]);
+  });
   std::vector<MarkerReading> readings;
-  for (const TagDetection& tag : detector_.detect(view_image)) {
+  for (std::size_t i = 0; i < of_views.size(); ++i) {
+    for (MarkerReading& reading : of_views[i]) {
+      reading.view = i;
+      readings.push_back(std::move(reading));
+    }
+  }
+  return readings;
+}
+
+std::vector<MarkerReading> MarkerReader::read(const cv::Mat& view_image, const View& view,
+                                              const TagDetector& detector) const {
+  std::vector<MarkerReading> readings;
+  for (const TagDetection& tag : detector.detect(view_image)) {
     if (isCut(tag, view.size)) continue;
     std::optional<MarkerReading> reading = inPanorama(tag, view, warper_);
     if (reading) readings.push_back(std::move(*reading));

@@ -22,6 +22,21 @@ TEST(ForEachIndex, CallsEachIndexOnce) {
   }
 }
 
+TEST(ForEachIndexByWorker, NoTwoAreTheSameWorkerAtOnce) {
+  constexpr int kThreads = 4;
+  std::vector<std::atomic<int>> at_work(kThreads);
+  std::atomic<int> calls{0};
+  std::atomic<bool> is_alone{true};
+  forEachIndexByWorker(2000, kThreads, 1, [&](std::size_t worker, std::size_t) {
+    if (worker >= kThreads || ++at_work[worker] != 1) is_alone = false;
+    ++calls;
+    std::this_thread::yield();
+    if (worker < kThreads) --at_work[worker];
+  });
+  EXPECT_EQ(calls, 2000);
+  EXPECT_TRUE(is_alone);
+}
+
 TEST(ForEachIndex, StaysOnTheCallersThreadWhereThereIsToBeOne) {
   std::set<std::thread::id> used;
   forEachIndex(100, 1, 1, [&](std::size_t) { used.insert(std::this_thread::get_id()); });

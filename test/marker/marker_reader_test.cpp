@@ -144,5 +144,27 @@ TEST(MeanEdgeTest, IsTheMeanOfFourLengths) {
                    (5.0 + 2.0 + 5.0 + 10.0) / 4.0);
 }
 
+TEST_F(MarkerReaderTest, SeveralThreadsReadTheSame) {
+  const cv::Mat panorama = test::renderPanorama(map_, camera_, truth_);
+  std::vector<cv::Mat> images;
+  images.reserve(views_.size());
+  for (const View& view : views_) images.push_back(reader_.warper().warp(panorama, view));
+  const std::vector<MarkerReading> expected = readEverywhere();
+  for (const int threads : {1, 3}) {
+    const MarkerReader reader(test::sphericalCamera(), kWorkingDistance, {}, {"tag36h11"}, threads);
+    for (int round = 0; round < 3; ++round) {
+      const std::vector<MarkerReading> readings = reader.read(images, views_);
+      ASSERT_EQ(readings.size(), expected.size());
+      for (std::size_t i = 0; i < readings.size(); ++i) {
+        EXPECT_EQ(readings[i].id, expected[i].id);
+        EXPECT_EQ(readings[i].view, expected[i].view);
+        for (std::size_t k = 0; k < 4; ++k) {
+          EXPECT_EQ(readings[i].corners[k], expected[i].corners[k]);
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace omnitag

@@ -8,21 +8,30 @@
 
 namespace omnitag {
 
-/// Calls `work(i)` for every i below `count`, on at most so many threads at once, this one among
-/// them. The calls must not depend on each other and must not throw. Threads are made anew each
-/// time, which takes some ten microseconds: `worth_a_thread` calls take longer than that.
+/// Calls `work(worker, i)` for every i below `count`, on at most so many threads at once, this one
+/// among them; each of them is another worker, numbered from 0. The calls must not depend on each
+/// other and must not throw. Threads are made anew each time, which takes some ten microseconds:
+/// `worth_a_thread` calls take longer than that.
 template <typename Work>
-void forEachIndex(std::size_t count, int threads, std::size_t worth_a_thread, const Work& work) {
+void forEachIndexByWorker(std::size_t count, int threads, std::size_t worth_a_thread,
+                          const Work& work) {
   std::atomic<std::size_t> next{0};
-  const auto takeTurns = [&] {
-    for (std::size_t i = next++; i < count; i = next++) work(i);
+  const auto takeTurns = [&](std::size_t worker) {
+    for (std::size_t i = next++; i < count; i = next++) work(worker, i);
   };
   const std::size_t workers =
       std::min(count / worth_a_thread, static_cast<std::size_t>(std::max(1, threads)));
   std::vector<std::thread> others;
-  for (std::size_t k = 1; k < workers; ++k) others.emplace_back(takeTurns);
-  takeTurns();
+  for (std::size_t k = 1; k < workers; ++k) others.emplace_back(takeTurns, k);
+  takeTurns(0);
   for (std::thread& other : others) other.join();
+}
+
+/// The same where it does not matter which of them is at work.
+template <typename Work>
+void forEachIndex(std::size_t count, int threads, std::size_t worth_a_thread, const Work& work) {
+  forEachIndexByWorker(count, threads, worth_a_thread,
+                       [&work](std::size_t /*worker*/, std::size_t i) { work(i); });
 }
 
 }  // namespace omnitag

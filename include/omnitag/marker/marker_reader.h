@@ -38,21 +38,30 @@ std::optional<MarkerReading> inPanorama(const TagDetection& tag, const View& vie
 /// threads at once.
 class MarkerReader {
  public:
-  /// `working_distance`: m, as in ViewWarper. Throws InputError for a family that the AprilTag
-  /// library does not have.
+  /// `working_distance`: m, as in ViewWarper. `threads`: how many read several views. Throws
+  /// InputError for a family that the AprilTag library does not have.
   MarkerReader(std::shared_ptr<const CameraModel> camera, double working_distance,
-               const TagDetectorConfig& config, const std::set<std::string>& families);
+               const TagDetectorConfig& config, const std::set<std::string>& families,
+               int threads = 1);
 
   /// The markers of one view's image. One that the view cuts, or that reaches off the world that
   /// the panorama shows, is left out.
   std::vector<MarkerReading> read(const cv::Mat& view_image, const View& view) const;
 
+  /// Those of several views, one after the other. `view_images`: the views'.
+  std::vector<MarkerReading> read(const std::vector<cv::Mat>& view_images,
+                                  const std::vector<View>& views) const;
+
   const ViewWarper& warper() const { return warper_; }
-  const TagDetector& detector() const { return detector_; }
+  const TagDetector& detector() const { return detectors_.front(); }
 
  private:
+  std::vector<MarkerReading> read(const cv::Mat& view_image, const View& view,
+                                  const TagDetector& detector) const;
+
   ViewWarper warper_;
-  TagDetector detector_;
+  /// One for each thread.
+  std::vector<TagDetector> detectors_;
 };
 
 /// Readings of overlapping views without repetitions: of the same marker read twice, the one that
