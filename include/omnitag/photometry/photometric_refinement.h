@@ -26,9 +26,9 @@ struct PhotometricConfig {
   /// Pixels of the panorama: standard deviation of what all of a marker's pixels err by together,
   /// since neither the camera model nor the pattern's is perfect.
   double alignment_deviation = 0.0015;
-  /// Pixels at edges of modules that are used, at most, of all markers together: from step to step
-  /// until the pose stays, and for the last step from there. More of the latter make the pose more
-  /// exact. Of each marker up to 75 are used all the same.
+  /// Pixels at edges of modules that are used, at most, of all markers together: until the pose is
+  /// nearly right, and for the last step from there. More of the latter make the pose more exact. Of
+  /// each marker up to 75 are used all the same.
   int max_pixels = 600;
   int max_final_pixels = 12000;
 };
