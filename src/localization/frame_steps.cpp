@@ -57,9 +57,8 @@ std::vector<MarkerReading> readViews(const TrackingTools& tools, const cv::Mat& 
                                      std::vector<View> views, FrameResult* result) {
   Stopwatch step;
   std::vector<cv::Mat> images(views.size());
-  forEachIndex(views.size(), tools.config.threads, 1, [&](std::size_t i) {
-    images[i] = tools.reader.warper().warp(panorama, views[i]);
-  });
+  forEachIndex(views.size(), tools.config.threads, 1,
+               [&](std::size_t i) { images[i] = tools.reader.warper().warp(panorama, views[i]); });
   result->timings.warp += step.lap();
   std::vector<MarkerReading> readings = tools.reader.read(images, views);
   for (MarkerReading& reading : readings) reading.view += result->views.size();

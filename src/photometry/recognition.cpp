@@ -336,7 +336,7 @@ std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& mark
   };
   if (!may_be_stretched) {
     // Mostly it is found from where it is predicted, which is one of the places.
-    const auto recognition = recognizedFrom(Eigen::Vector2i::Zero());
+    auto recognition = recognizedFrom(Eigen::Vector2i::Zero());
     if (recognition && recognition->isAccepted()) return recognition;
   }
   return recognizedFrom(bestPlace(panorama, samplesOf(footprints, pattern), places));

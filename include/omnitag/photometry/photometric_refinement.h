@@ -27,8 +27,8 @@ struct PhotometricConfig {
   /// since neither the camera model nor the pattern's is perfect.
   double alignment_deviation = 0.0015;
   /// Pixels at edges of modules that are used, at most, of all markers together: until the pose is
-  /// nearly right, and for the last step from there. More of the latter make the pose more exact. Of
-  /// each marker up to 75 are used all the same.
+  /// nearly right, and for the last step from there. More of the latter make the pose more exact.
+  /// Of each marker up to 75 are used all the same.
   int max_pixels = 600;
   int max_final_pixels = 12000;
 };
