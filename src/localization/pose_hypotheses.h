@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "omnitag/camera/mounted_camera.h"
-#include "omnitag/localization/relocalization.h"
+#include "omnitag/localization/relocalization_config.h"
 #include "omnitag/localization/reprojection.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/marker/marker_reader.h"

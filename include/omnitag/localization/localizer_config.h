@@ -4,7 +4,7 @@
 #include "omnitag/localization/look_around.h"
 #include "omnitag/localization/motion_model.h"
 #include "omnitag/localization/pose_estimator.h"
-#include "omnitag/localization/relocalization.h"
+#include "omnitag/localization/relocalization_config.h"
 #include "omnitag/marker/marker_association.h"
 #include "omnitag/marker/marker_prediction.h"
 #include "omnitag/marker/tag_detector.h"
