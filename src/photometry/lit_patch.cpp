@@ -69,19 +69,22 @@ struct Terms {
   Eigen::Vector4d change;
 };
 
-Terms termsOf(const MarkerPixel& pixel, const Light& light, const PixelNoise& noise) {
-  const PixelResidual residual = residualOf(pixel, light, Eigen::Vector3d::Zero());
+Terms termsOf(const MarkerPixel& pixel, const Light& light, const PixelNoise& noise,
+              const Eigen::Vector3d& expected_change) {
+  const double residual = residualOf(pixel, light, Eigen::Vector3d::Zero()).grey;
+  const PixelResidual expected = residualOf(pixel, light, expected_change);
   Terms terms;
-  terms.weight = isSaturated(pixel, residual) ? 0.0 : weightOf(residual, noise);
-  terms.light << regressorsOf(pixel), residual.grey;
-  terms.change << greyByPose(pixel, light).transpose(), residual.grey;
+  terms.weight = isSaturated(pixel, expected) ? 0.0 : weightOf(expected, noise);
+  terms.light << regressorsOf(pixel), residual;
+  terms.change << greyByPose(pixel, light).transpose(), residual;
   return terms;
 }
 
 }  // namespace
 
 std::optional<LitPatch> fitLight(const std::vector<MarkerPixel>& pixels, const PixelNoise& noise,
-                                 const std::optional<Light>& start) {
+                                 const std::optional<Light>& start,
+                                 const Eigen::Vector3d& expected_change) {
   constexpr std::size_t kFewestPixels = 24;
   if (pixels.size() < kFewestPixels) return std::nullopt;
   const std::optional<Light> rough = start ? start : roughLight(pixels);
@@ -98,7 +101,8 @@ std::optional<LitPatch> fitLight(const std::vector<MarkerPixel>& pixels, const P
   std::array<Terms, 64> terms;
   for (std::size_t first = 0; first < pixels.size(); first += terms.size()) {
     const std::size_t count = std::min(terms.size(), pixels.size() - first);
-    for (std::size_t i = 0; i < count; ++i) terms[i] = termsOf(pixels[first + i], *rough, noise);
+    for (std::size_t i = 0; i < count; ++i)
+      terms[i] = termsOf(pixels[first + i], *rough, noise, expected_change);
     for (std::size_t i = 0; i < count; ++i) {
       const Eigen::Matrix<double, kLightTerms + 1, 1> light = terms[i].weight * terms[i].light;
       const Eigen::Vector4d change = terms[i].weight * terms[i].change;

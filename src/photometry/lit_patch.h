@@ -32,11 +32,12 @@ struct LitPatch {
 };
 
 /// Fits the light in the sense of weighted least squares and linearises what remains by the pose.
-/// Pixels are weighed by how well the light explains them that the fit starts from; without it,
-/// that is one in which all of them count alike. Nothing where there are too few pixels or hardly
-/// any contrast.
+/// Pixels are weighed by how well the light explains them that the fit starts from, once the pose
+/// changes as expected; without it, that is one in which all of them count alike. Nothing where
+/// there are too few pixels or hardly any contrast.
 std::optional<LitPatch> fitLight(const std::vector<MarkerPixel>& pixels, const PixelNoise& noise,
-                                 const std::optional<Light>& start = std::nullopt);
+                                 const std::optional<Light>& start = std::nullopt,
+                                 const Eigen::Vector3d& expected_change = Eigen::Vector3d::Zero());
 
 /// A pixel's difference from the pattern in some light, once the pose changes so.
 PixelResidual residualOf(const MarkerPixel& pixel, const Light& light,

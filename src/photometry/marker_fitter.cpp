@@ -15,6 +15,9 @@ namespace {
 constexpr std::size_t kRoughWorthAThread = 8;
 constexpr std::size_t kFineWorthAThread = 2;
 
+/// Pixels to fit.
+constexpr std::size_t kFitWorthAThread = 700;
+
 /// Pixels of a marker, whatever the others need.
 constexpr std::size_t kLeastPixels = 75;
 
@@ -77,9 +80,9 @@ std::vector<MarkerPixels> MarkerFitter::finePixels(const Pose2& pose) const {
 std::vector<MarkerPixels> MarkerFitter::someOf(const std::vector<MarkerPixels>& pixels) const {
   std::vector<MarkerPixels> some;
   some.reserve(pixels.size());
+  const std::size_t share = static_cast<std::size_t>(config_.max_pixels) / pixels.size();
+  const std::size_t enough = std::max(kLeastPixels, share);
   for (const MarkerPixels& all : pixels) {
-    const std::size_t share = static_cast<std::size_t>(config_.max_pixels) / pixels.size();
-    const std::size_t enough = std::max(kLeastPixels, share);
     const std::size_t every = std::max<std::size_t>(1, all.size() / enough);
     MarkerPixels& part = some.emplace_back();
     part.reserve(all.size() / every + 1);
@@ -91,7 +94,10 @@ std::vector<MarkerPixels> MarkerFitter::someOf(const std::vector<MarkerPixels>& 
 MarkerFitter::Fits MarkerFitter::fits(std::vector<MarkerPixels> pixels,
                                       const Alignment& alignment) const {
   Fits fits(pixels.size());
-  forEachIndex(fits.size(), threads_, kFineWorthAThread,
+  std::size_t count = 1;
+  for (const MarkerPixels& of_marker : pixels) count += of_marker.size();
+  const std::size_t worth_a_thread = 1 + kFitWorthAThread * pixels.size() / count;
+  forEachIndex(fits.size(), threads_, worth_a_thread,
                [&](std::size_t i) { fits[i] = fitOf(i, std::move(pixels[i]), alignment); });
   return fits;
 }
@@ -114,7 +120,8 @@ PixelNoise MarkerFitter::noise(const Fits& fits, const Eigen::Vector3d& change) 
 
 std::optional<MarkerFit> MarkerFitter::fitOf(std::size_t index, MarkerPixels pixels,
                                              const Alignment& alignment) const {
-  const std::optional<LitPatch> lit = fitLight(pixels, alignment.noise, alignment.lights[index]);
+  const std::optional<LitPatch> lit =
+      fitLight(pixels, alignment.noise, alignment.lights[index], alignment.expected_change);
   if (!lit) return std::nullopt;
   const Eigen::Matrix3d misplacement =
       misplacementOf(map_.markers[entries_[index]], camera_, alignment.pose, config_);

@@ -36,6 +36,9 @@ struct MarkerFit {
 /// What is estimated, and what is learnt on the way.
 struct Alignment {
   Pose2 pose;
+  /// What the pose is expected to change by still: pixels count by how well they are explained
+  /// then.
+  Eigen::Vector3d expected_change = Eigen::Vector3d::Zero();
   PixelNoise noise;
   /// One for each marker; no light where it was not seen yet.
   std::vector<double> weights;
@@ -73,7 +76,7 @@ class MarkerFitter {
   /// of it that have an edge in them.
   std::vector<MarkerPixels> finePixels(const Pose2& pose) const;
 
-  /// About as many of them as rough patches have.
+  /// About as many of them, all together, as rough patches have.
   std::vector<MarkerPixels> someOf(const std::vector<MarkerPixels>& pixels) const;
 
   /// What they say at the pose that they are from, the alignment's.

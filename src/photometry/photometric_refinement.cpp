@@ -74,41 +74,50 @@ std::optional<Eigen::Vector3d> changeOf(const Linearization& all) {
   return change.allFinite() ? std::optional(change) : std::nullopt;
 }
 
-void keepLights(const Linearization& all, Alignment* alignment) {
+/// Keeps the lights that fit best once the pose changes so.
+void keepLights(const Linearization& all, const Eigen::Vector3d& change, Alignment* alignment) {
   for (std::size_t i = 0; i < all.fits.size(); ++i) {
-    if (all.fits[i]) alignment->lights[i] = all.fits[i]->patch.light;
+    if (all.fits[i]) alignment->lights[i] = all.fits[i]->patch.lightAfter(change);
   }
 }
 
-/// Pixels by which edges are displaced, about, where the pose changes.
-double displacementOf(const Linearization& all, const Eigen::Vector3d& change) {
+/// Pixels by which a marker's edges are displaced, RMS, where the pose changes.
+double displacementOf(const MarkerPixels& pixels, const Eigen::Vector3d& change) {
   double squares = 0.0;
   double gradient_squares = 0.0;
-  for (const auto& fit : all.fits) {
-    if (!fit) continue;
-    for (const MarkerPixel& pixel : fit->pixels) {
-      squares += std::pow(pixel.white_by_pose.dot(change), 2);
-      gradient_squares += pixel.gradient * pixel.gradient;
-    }
+  for (const MarkerPixel& pixel : pixels) {
+    squares += std::pow(pixel.white_by_pose.dot(change), 2);
+    gradient_squares += pixel.gradient * pixel.gradient;
   }
   return gradient_squares > 0.0 ? std::sqrt(squares / gradient_squares) : 0.0;
 }
 
-/// Whether the pose is so near the optimum already that one step will do. Learns the noise and the
-/// lights on the way. `some`: of each marker's pixels, from that pose.
+/// m and rad by which a pose may change in one step. What the markers leave open, edges hardly
+/// tell, and they do not follow it evenly.
+constexpr double kShort = 0.01;
+
+/// Pixels by which a marker's edges may. What a pixel sees of one changes evenly as long as it
+/// stays well within it.
+constexpr double kNear = 0.05;
+
+/// Whether pixels follow a change of the pose evenly.
+bool isShort(const Linearization& all, const Eigen::Vector3d& change) {
+  return change.cwiseAbs().maxCoeff() < kShort &&
+         std::all_of(all.fits.begin(), all.fits.end(), [&change](const auto& fit) {
+           return !fit || displacementOf(fit->pixels, change) < kNear;
+         });
+}
+
+/// Whether the pose is so near the optimum already that one step will do. Learns the step, the
+/// noise and the lights on the way. `some`: of each marker's pixels, from that pose.
 bool isNear(const MarkerFitter& fitter, std::vector<MarkerPixels> some,
             const std::optional<PoseEstimate>& prior, Alignment* alignment) {
-  // Pixels. What a pixel sees of an edge changes evenly as long as the edge stays within it.
-  constexpr double kNear = 0.1;
-  // m and rad. What the markers leave open, edges hardly tell, and not evenly.
-  constexpr double kShort = 0.01;
   const Linearization all = combine(fitter.fits(std::move(some), *alignment), prior, *alignment);
   const std::optional<Eigen::Vector3d> change = changeOf(all);
-  if (!change || change->cwiseAbs().maxCoeff() > kShort || displacementOf(all, *change) > kNear) {
-    return false;
-  }
+  if (!change || !isShort(all, *change)) return false;
+  alignment->expected_change = *change;
   alignment->noise = fitter.noise(all.fits, *change);
-  keepLights(all, alignment);
+  keepLights(all, *change, alignment);
   return true;
 }
 
@@ -130,11 +139,32 @@ bool converge(const MarkerFitter& fitter, const std::vector<MarkerPatch>& patche
     const PixelNoise& noise = alignment->noise;
     const bool is_settled = step > 0 && std::abs(noise.flat - before.flat) < 0.2 * noise.flat &&
                             std::abs(noise.edge - before.edge) < 0.2 * noise.edge + 0.01;
-    keepLights(all, alignment);
+    keepLights(all, *change, alignment);
     if (is_settled && change->dot(all.information * *change) < kConverged * kConverged) return true;
     weigh(all, *change, alignment);
   }
   return false;
+}
+
+/// The last step from a pose that is nearly right, and what it stands on.
+struct FinalStep {
+  Linearization all;
+  Eigen::Vector3d change;
+};
+
+/// `pixels`: of each marker, from the alignment's pose. They are many, and tell better than fewer
+/// which markers disagree. Nothing where they leave the pose undetermined.
+std::optional<FinalStep> finalStep(const MarkerFitter& fitter, std::vector<MarkerPixels> pixels,
+                                   const std::optional<PoseEstimate>& prior, Alignment* alignment) {
+  Linearization all = combine(fitter.fits(std::move(pixels), *alignment), prior, *alignment);
+  std::optional<Eigen::Vector3d> change = changeOf(all);
+  for (int round = 0; round < 2 && change; ++round) {
+    weigh(all, *change, alignment);
+    all = combine(std::move(all.fits), prior, *alignment);
+    change = changeOf(all);
+  }
+  if (!change) return std::nullopt;
+  return FinalStep{std::move(all), *change};
 }
 
 /// How many times more than their pixels say the markers disagree about a change of the pose, at
@@ -205,29 +235,27 @@ std::optional<PhotometricFit> refinePhotometrically(
     const std::optional<PoseEstimate>& prior, const PhotometricConfig& config, int threads) {
   if (entries.empty()) return std::nullopt;
   const MarkerFitter fitter(panorama, map, camera, patterns, entries, config, threads);
-  Alignment alignment{initial,
-                      {},
-                      std::vector<double>(entries.size(), 1.0),
-                      std::vector<std::optional<Light>>(entries.size())};
+  const Alignment start{initial,
+                        Eigen::Vector3d::Zero(),
+                        {},
+                        std::vector<double>(entries.size(), 1.0),
+                        std::vector<std::optional<Light>>(entries.size())};
+  Alignment alignment = start;
+  std::optional<FinalStep> step;
   std::vector<MarkerPixels> pixels = fitter.finePixels(initial);
-  if (!isNear(fitter, fitter.someOf(pixels), prior, &alignment)) {
+  if (isNear(fitter, fitter.someOf(pixels), prior, &alignment)) {
+    step = finalStep(fitter, std::move(pixels), prior, &alignment);
+  }
+  if (!step || !isShort(step->all, step->change)) {
+    alignment = start;
     if (!converge(fitter, fitter.roughPatches(initial), prior, &alignment)) return std::nullopt;
-    pixels = fitter.finePixels(alignment.pose);
+    step = finalStep(fitter, fitter.finePixels(alignment.pose), prior, &alignment);
   }
-  // From so near, one step with many more pixels is enough. They tell better, too, which markers
-  // disagree.
-  Linearization all = combine(fitter.fits(std::move(pixels), alignment), prior, alignment);
-  std::optional<Eigen::Vector3d> change = changeOf(all);
-  for (int round = 0; round < 2 && change; ++round) {
-    weigh(all, *change, &alignment);
-    all = combine(std::move(all.fits), prior, alignment);
-    change = changeOf(all);
-  }
-  if (!change) return std::nullopt;
-  const PixelNoise noise = fitter.noise(all.fits, *change);
+  if (!step) return std::nullopt;
+  const PixelNoise noise = fitter.noise(step->all.fits, step->change);
   PhotometricFit result;
-  result.map_from_base = {moved(alignment.pose, *change),
-                          covarianceOf(all, *change, prior, alignment)};
+  result.map_from_base = {moved(alignment.pose, step->change),
+                          covarianceOf(step->all, step->change, prior, alignment)};
   result.noise = noise.flat;
   result.edge_noise = noise.edge;
   result.weights = std::move(alignment.weights);

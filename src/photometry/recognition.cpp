@@ -334,12 +334,13 @@ std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& mark
     const double rate = config.false_accept_rate / static_cast<double>(places.size());
     return recognitionOf(predicted, fit->placement, *comparison, rate);
   };
-  if (!may_be_stretched) {
-    // Mostly it is found from where it is predicted, which is one of the places.
-    auto recognition = recognizedFrom(Eigen::Vector2i::Zero());
-    if (recognition && recognition->isAccepted()) return recognition;
-  }
-  return recognizedFrom(bestPlace(panorama, samplesOf(footprints, pattern), places));
+  // Where little displacement is to be expected, it is mostly found from where it is predicted,
+  // which is one of the places.
+  std::optional<Recognition> there;
+  if (!may_be_stretched) there = recognizedFrom(Eigen::Vector2i::Zero());
+  if (there && there->isAccepted()) return there;
+  const Eigen::Vector2i place = bestPlace(panorama, samplesOf(footprints, pattern), places);
+  return !may_be_stretched && place.isZero() ? there : recognizedFrom(place);
 }
 
 }  // namespace omnitag

@@ -135,21 +135,26 @@ TEST_P(LocalizerTest, TheSameInputGivesTheSameResult) {
 }
 
 TEST_P(LocalizerTest, MoreThreadsGiveTheSameResult) {
-  // One frame is searched, the next one tracked.
-  const auto poses = [this](int threads) {
-    LocalizerConfig config;
-    config.threads = threads;
-    Localizer localizer = this->localizer(config);
-    std::vector<Pose2> poses;
-    for (int i = 0; i < 2; ++i) poses.push_back(localizer.process(frameAt(i)).map_from_base->pose);
-    return poses;
-  };
-  const std::vector<Pose2> alone = poses(1);
-  const std::vector<Pose2> together = poses(3);
-  for (std::size_t i = 0; i < alone.size(); ++i) {
-    EXPECT_EQ(alone[i].x, together[i].x);
-    EXPECT_EQ(alone[i].y, together[i].y);
-    EXPECT_EQ(alone[i].yaw, together[i].yaw);
+  // One frame is searched, at a glance or all around, the next one tracked.
+  for (const bool glances : {true, false}) {
+    const auto poses = [this, glances](int threads) {
+      LocalizerConfig config;
+      config.threads = threads;
+      config.look_around.glance = glances;
+      Localizer localizer = this->localizer(config);
+      std::vector<Pose2> poses;
+      for (int i = 0; i < 2; ++i) {
+        poses.push_back(localizer.process(frameAt(i)).map_from_base->pose);
+      }
+      return poses;
+    };
+    const std::vector<Pose2> alone = poses(1);
+    const std::vector<Pose2> together = poses(3);
+    for (std::size_t i = 0; i < alone.size(); ++i) {
+      EXPECT_EQ(alone[i].x, together[i].x);
+      EXPECT_EQ(alone[i].y, together[i].y);
+      EXPECT_EQ(alone[i].yaw, together[i].yaw);
+    }
   }
 }
 

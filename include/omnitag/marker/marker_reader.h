@@ -48,7 +48,7 @@ class MarkerReader {
   /// the panorama shows, is left out.
   std::vector<MarkerReading> read(const cv::Mat& view_image, const View& view) const;
 
-  /// Those of several views, one after the other. `view_images`: the views'.
+  /// Those of several views, one after the other. `view_images`: the views', CV_8UC1.
   std::vector<MarkerReading> read(const std::vector<cv::Mat>& view_images,
                                   const std::vector<View>& views) const;
 
