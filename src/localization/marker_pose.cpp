@@ -131,12 +131,15 @@ std::vector<ReprojectionFit> posesFromMarker(const MarkerMap& map, const Mounted
                            cost <= starts[(i + kDirections - 1) % kDirections].cost;
     if (!is_lowest) continue;
     refineFrom(starts[i]);
-    // Two optima may lie between the same two directions, or one hide behind the other: look from
-    // both sides, and where the view from the other side of the marker's normal would be.
-    refineFrom(starts[(i + 1) % kDirections]);
-    refineFrom(starts[(i + kDirections - 1) % kDirections]);
+    // Two optima, hardly ever more, may lie between the same two directions, or one hide behind the
+    // other: look where the view from the other side of the marker's normal would be, or from both
+    // sides.
     const double mirrored = 2.0 * normal_azimuth - 2.0 * kPi * static_cast<double>(i) / kDirections;
     refineFrom(startFrom(mirrored, marker, camera, observation, bearing, starts[i].distance));
+    constexpr std::size_t kMostOptima = 2;
+    if (fits.size() >= kMostOptima) continue;
+    refineFrom(starts[(i + 1) % kDirections]);
+    refineFrom(starts[(i + kDirections - 1) % kDirections]);
   }
   std::sort(fits.begin(), fits.end(), [](const ReprojectionFit& a, const ReprojectionFit& b) {
     return a.residuals[0] < b.residuals[0];
