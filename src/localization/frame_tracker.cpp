@@ -37,6 +37,11 @@ PoseEstimate vague(const Pose2& pose) {
   return {pose, kDeviation * kDeviation * Eigen::Matrix3d::Identity()};
 }
 
+bool isVague(const PoseEstimate& pose) {
+  constexpr double kVague = 0.05;  // m
+  return pose.covariance.topLeftCorner<2, 2>().trace() > kVague * kVague;
+}
+
 }  // namespace
 
 FrameTracker::FrameTracker(const TrackingTools& tools, const Frame& frame,
@@ -62,10 +67,7 @@ std::optional<PoseEstimate> FrameTracker::track() {
       decode(anchors, glance_ ? kAnySize : largestInDoubt(frame_.image));
     }
     solve();
-    if (solution_) {
-      recognizeAll(solution_->map_from_base);
-      solve();
-    }
+    findOthers();
     // What was found first may have been moved as one, and has drawn what was found after it.
     if (glance_ && isDoubtful()) lookAgain(predicted_.pose);
     if (isDoubtful()) lookAgain(solution_->map_from_base.pose);
@@ -74,8 +76,10 @@ std::optional<PoseEstimate> FrameTracker::track() {
   if (recognizes && !glance_) rest.clear();
   if (glance_ && found() >= kEnough && !rest.empty()) rest = {rest[*glance_ % rest.size()]};
   if (!rest.empty()) {
+    const bool was_vague = !solution_ || isVague(solution_->map_from_base);
     decode(rest, kAnySize);
     solve();
+    if (recognizes && was_vague) findOthers();
   }
   Stopwatch step;
   if (solution_) align();
@@ -94,14 +98,37 @@ void FrameTracker::recognize(const PoseEstimate& belief, std::size_t enough) {
   result_->timings.recognize += step.lap();
 }
 
-void FrameTracker::recognizeAll(const PoseEstimate& belief) {
+void FrameTracker::findOthers() {
+  constexpr int kRounds = 2;
+  for (int round = 0; round < kRounds && solution_; ++round) {
+    const PoseEstimate belief = solution_->map_from_base;
+    std::vector<std::size_t> targets = missing();
+    // Of a small marker, the decoder may have read the corners pixels off.
+    for (std::size_t k = 0; k < observed_.size(); ++k) {
+      const bool is_doubtful = !solution_->used[k] && sightings_[observed_[k]].was_decoded;
+      if (is_doubtful) targets.push_back(observed_[k]);
+    }
+    if (!recognizeAll(targets, belief)) return;
+    solve();
+    if (!isVague(belief)) return;
+  }
+}
+
+bool FrameTracker::recognizeAll(const std::vector<std::size_t>& targets,
+                                const PoseEstimate& belief) {
   Stopwatch step;
-  const std::vector<std::size_t> targets = missing();
+  std::vector<std::optional<MarkerObservation>> observations(targets.size());
   constexpr std::size_t kWorthAThread = 2;
-  forEachIndex(targets.size(), tools_.config.threads, kWorthAThread, [&](std::size_t i) {
-    sightings_[targets[i]].observation = recognizeOne(targets[i], belief);
-  });
+  forEachIndex(targets.size(), tools_.config.threads, kWorthAThread,
+               [&](std::size_t i) { observations[i] = recognizeOne(targets[i], belief); });
+  bool has_found = false;
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    if (!observations[i]) continue;
+    sightings_[targets[i]].observation = std::move(observations[i]);
+    has_found = true;
+  }
   result_->timings.recognize += step.lap();
+  return has_found;
 }
 
 std::optional<MarkerObservation> FrameTracker::recognizeOne(std::size_t target,
@@ -143,10 +170,8 @@ bool FrameTracker::isDoubtful() const {
   if (isLargeMajority(agreeing, observed_.size())) {
     // Those that were not found may be hidden. But where the pose is a surprise, or the prediction
     // too vague for any to be one, they may as well be where another pose has them.
-    constexpr double kVague = 0.05;  // m
     const bool may_be_elsewhere =
-        glance_ && (predicted_.covariance.topLeftCorner<2, 2>().trace() > kVague * kVague ||
-                    !agree(solution_->map_from_base, predicted_));
+        glance_ && (isVague(predicted_) || !agree(solution_->map_from_base, predicted_));
     return may_be_elsewhere && !isLargeMajority(agreeing, sightings_.size());
   }
   constexpr double kFar = 0.02;  // m and rad
@@ -173,7 +198,10 @@ void FrameTracker::lookAgain(const Pose2& pose) {
   });
   result_->timings.recognize += step.lap();
   solve();
-  if (solution_) return;
+  if (solution_) {
+    findOthers();
+    return;
+  }
   sightings_ = before;
   solve();
 }

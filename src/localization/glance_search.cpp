@@ -6,33 +6,17 @@
 #include <vector>
 
 #include "frame_search.h"
-#include "omnitag/common/angle.h"
 #include "omnitag/common/stopwatch.h"
 #include "omnitag/localization/look_around.h"
+#include "omnitag/marker/glance_sectors.h"
 #include "pose_confirmation.h"
 
 namespace omnitag {
 namespace {
 
-constexpr std::size_t kSectors = 4;
-
-/// Of each sector the largest markers, so many: more of them hardly tell more of where to look for
+/// The largest markers, so many in all sectors: more of them hardly tell more of where to look for
 /// the others.
-constexpr std::size_t kAtMost = 4;
-
-/// Where a glance looks one after another: what the first ones show is mostly enough. Neighbours
-/// overlap by an angle (rad).
-std::vector<Sector> sectorsOf(const Annulus& annulus, double overlap) {
-  // A marker at the axis is in no sector.
-  if (!(annulus.min_radius > 0.0)) return {Sector{}};
-  std::vector<Sector> sectors;
-  sectors.reserve(kSectors);
-  constexpr double kWidth = 2.0 * kPi / kSectors;
-  for (std::size_t i = 0; i < kSectors; ++i) {
-    sectors.push_back({kWidth * static_cast<double>(i), 0.5 * (kWidth + overlap)});
-  }
-  return sectors;
-}
+constexpr std::size_t kAtMost = 16;
 
 /// Adds what another sector showed.
 void add(Glance more, const ViewWarper& warper, Glance* seen) {
@@ -82,13 +66,14 @@ std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& fram
   const std::optional<Annulus> annulus = annulusOfMarkers(
       tools.index.heights(), camera, config.visibility.max_range, config.look_around);
   if (!annulus) return std::nullopt;
-  const std::vector<Sector> sectors = sectorsOf(*annulus, config.look_around.overlap);
+  const std::vector<Sector> sectors = sectorsToGlanceAt(
+      frame.image, *annulus, camera.model().imagePlane(), config.look_around.overlap);
   for (std::size_t i = 0; i < reader.count(); ++i) {
     Glance seen;
     std::optional<FrameResult> around;
     for (const Sector& sector : sectors) {
       Stopwatch step;
-      const GlanceAim aim{*annulus, sector, kAtMost * kSectors / sectors.size(), true};
+      const GlanceAim aim{*annulus, sector, kAtMost / sectors.size(), true};
       Glance more = reader.read(frame.image, i, warper, camera.axisUp(), aim);
       result->timings.decode += step.lap();
       if (more.readings.empty()) continue;

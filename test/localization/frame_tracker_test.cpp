@@ -164,6 +164,21 @@ TEST_P(FrameTrackerTest, FindsAllMarkersFromAPoorPrediction) {
   }
 }
 
+TEST_P(FrameTrackerTest, FindsAllSmallMarkersFromAVaguePrediction) {
+  MarkerMap map = ring();
+  for (Marker& marker : map.markers) marker.size = 0.4;
+  for (int i = 0; i < 12; ++i) {
+    const double direction = kPi / 6.0 * i;
+    PoseEstimate predicted = nearby(0.3, radians(10.0));
+    predicted.pose.x += 0.3 * std::cos(direction);
+    predicted.pose.y += 0.3 * std::sin(direction);
+    predicted.pose.yaw += radians(i % 2 == 0 ? 10.0 : -10.0);
+    const FrameResult result = track(map, map, predicted);
+    ASSERT_TRUE(result.map_from_base) << i;
+    EXPECT_EQ(result.acceptedMarkers(), 7) << i;
+  }
+}
+
 TEST_P(FrameTrackerTest, TheSharperThePredictionTheFewerViewsAreDecoded) {
   const MarkerMap map = ring();
   // One view is looked at for what is not expected.

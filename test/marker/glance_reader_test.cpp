@@ -6,7 +6,9 @@
 #include <cmath>
 #include <memory>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 #include <ostream>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -137,6 +139,46 @@ TEST_P(GlanceReaderTest, ReadsWhatIsInTheSectorAndNothingElse) {
       EXPECT_FALSE(isRead({azimuth + half_width, half_width})) << marker.id << ", " << half_width;
     }
   }
+}
+
+TEST_P(GlanceReaderTest, LooksFirstWhereTheMarkersAre) {
+  constexpr double kOverlap = 0.3;
+  for (const Marker& marker : map_.markers) {
+    cv::Mat panorama = test::renderPanorama({"map", {marker}}, camera_, truth_);
+    // Noise all over the image, and more of light and dark where no marker can be.
+    cv::Mat noise(panorama.size(), CV_8S);
+    cv::randn(noise, 0.0, 10.0);
+    cv::add(panorama, noise, panorama, cv::noArray(), CV_8U);
+    const ImagePlane& plane = model_->imagePlane();
+    const Eigen::Vector2d center = plane.principalPoint();
+    const double inner = 0.3 * plane.scale() * model_->maxRadius();
+    for (int x = -static_cast<int>(inner); x < inner; x += 8) {
+      cv::line(panorama, cv::Point2d(center.x() + x, center.y() - 0.5 * inner),
+               cv::Point2d(center.x() + x, center.y() + 0.5 * inner), x % 16 == 0 ? 0 : 255, 4);
+    }
+    const MarkerReading exact = *test::exactReading(marker, camera_, truth_);
+    const Eigen::Vector2d ideal = *plane.idealFromPixel(exact.center);
+    const Annulus annulus{0.45 * model_->maxRadius(), model_->maxRadius()};
+    ASSERT_GT(ideal.norm(), annulus.min_radius);
+    const std::vector<Sector> sectors = sectorsToGlanceAt(panorama, annulus, plane, kOverlap);
+    ASSERT_EQ(sectors.size(), 4U);
+    std::set<long> turns;
+    for (const Sector& sector : sectors) {
+      EXPECT_NEAR(sector.half_width, kPi / 4.0 + 0.5 * kOverlap, 1e-12);
+      turns.insert(std::lround(10.0 * sector.azimuth));
+    }
+    EXPECT_EQ(turns.size(), sectors.size()) << "all around, each quarter once";
+    const double off = normalizeAngle(std::atan2(ideal.y(), ideal.x()) - sectors[0].azimuth);
+    EXPECT_LT(std::abs(off), sectors[0].half_width) << marker.id;
+  }
+}
+
+TEST_P(GlanceReaderTest, LooksEverywhereAtOnceWhereMarkersCanBeAtTheAxis) {
+  const cv::Mat panorama = test::renderPanorama(map_, camera_, truth_);
+  const std::vector<Sector> sectors =
+      sectorsToGlanceAt(panorama, Annulus{}, model_->imagePlane(), 0.3);
+  ASSERT_EQ(sectors.size(), 1U);
+  EXPECT_GE(sectors[0].half_width, kPi);
 }
 
 TEST_P(GlanceReaderTest, MayStartWithWhatStandsOut) {

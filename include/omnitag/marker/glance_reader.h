@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "omnitag/camera/camera_model.h"
-#include "omnitag/common/angle.h"
+#include "omnitag/marker/glance_sectors.h"
 #include "omnitag/marker/marker_reader.h"
 #include "omnitag/marker/tag_detector.h"
 #include "omnitag/view/view.h"
@@ -16,19 +16,6 @@ namespace omnitag {
 
 /// Whether an image shows the world as mirrors do: writing in it runs backwards.
 bool isMirrored(const CameraModel& camera);
-
-/// What images at these radii of the ideal image plane.
-struct Annulus {
-  double min_radius = 0.0;
-  double max_radius = std::numeric_limits<double>::infinity();
-};
-
-/// What images in these directions from the centre of the ideal image plane.
-struct Sector {
-  /// rad, of its middle and from there to either side.
-  double azimuth = 0.0;
-  double half_width = kPi;
-};
 
 /// What a glance is to find: by default every marker that it can.
 struct GlanceAim {
