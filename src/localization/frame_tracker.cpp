@@ -102,33 +102,22 @@ void FrameTracker::findOthers() {
   constexpr int kRounds = 2;
   for (int round = 0; round < kRounds && solution_; ++round) {
     const PoseEstimate belief = solution_->map_from_base;
-    std::vector<std::size_t> targets = missing();
-    // Of a small marker, the decoder may have read the corners pixels off.
-    for (std::size_t k = 0; k < observed_.size(); ++k) {
-      const bool is_doubtful = !solution_->used[k] && sightings_[observed_[k]].was_decoded;
-      if (is_doubtful) targets.push_back(observed_[k]);
-    }
-    if (!recognizeAll(targets, belief)) return;
+    if (!recognizeAll(belief)) return;
     solve();
     if (!isVague(belief)) return;
   }
 }
 
-bool FrameTracker::recognizeAll(const std::vector<std::size_t>& targets,
-                                const PoseEstimate& belief) {
+bool FrameTracker::recognizeAll(const PoseEstimate& belief) {
   Stopwatch step;
-  std::vector<std::optional<MarkerObservation>> observations(targets.size());
+  const std::size_t before = found();
+  const std::vector<std::size_t> targets = missing();
   constexpr std::size_t kWorthAThread = 2;
-  forEachIndex(targets.size(), tools_.config.threads, kWorthAThread,
-               [&](std::size_t i) { observations[i] = recognizeOne(targets[i], belief); });
-  bool has_found = false;
-  for (std::size_t i = 0; i < targets.size(); ++i) {
-    if (!observations[i]) continue;
-    sightings_[targets[i]].observation = std::move(observations[i]);
-    has_found = true;
-  }
+  forEachIndex(targets.size(), tools_.config.threads, kWorthAThread, [&](std::size_t i) {
+    sightings_[targets[i]].observation = recognizeOne(targets[i], belief);
+  });
   result_->timings.recognize += step.lap();
-  return has_found;
+  return found() > before;
 }
 
 std::optional<MarkerObservation> FrameTracker::recognizeOne(std::size_t target,

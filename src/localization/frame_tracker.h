@@ -38,11 +38,11 @@ class FrameTracker {
   /// Looks for the patterns of the markers that were not found, the largest first, until so many
   /// are found.
   void recognize(const PoseEstimate& belief, std::size_t enough);
-  /// Looks for the patterns of all others, and of what was decoded beside where the solution has
-  /// it, and solves again: once more where the solution told too little of where they are.
+  /// Looks for the patterns of all others and solves again: once more where the solution told too
+  /// little of where they are.
   void findOthers();
-  /// Looks for the patterns of these markers; whether it found one.
-  bool recognizeAll(const std::vector<std::size_t>& targets, const PoseEstimate& belief);
+  /// Looks for the patterns of all that were not found; whether it found one.
+  bool recognizeAll(const PoseEstimate& belief);
   std::optional<MarkerObservation> recognizeOne(std::size_t target,
                                                 const PoseEstimate& belief) const;
   /// Decodes views of these markers that have no more than so many pixels.

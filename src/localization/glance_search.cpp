@@ -85,6 +85,9 @@ std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& fram
       if (around && isBeyondDoubt(*around, config.estimation)) break;
     }
     if (!around) continue;
+    // Markers that a glance cannot read may be with those that are outvoted.
+    const bool is_disputed = contradictions(*around, tools.map) > 0;
+    if (is_disputed && !isBeyondDoubt(*around, config.estimation)) continue;
     around->timings = result->timings;
     *result = std::move(*around);
     return result->map_from_base;
