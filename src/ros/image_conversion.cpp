@@ -24,19 +24,21 @@ std::size_t bytesPerPixel(const std::string& encoding) {
 }
 
 void checkSizes(const sensor_msgs::Image& image) {
-  const std::string shape = std::to_string(image.width) + " x " + std::to_string(image.height) +
-                            " " + image.encoding + " image";
+  const auto shape = [&image] {
+    return std::to_string(image.width) + " x " + std::to_string(image.height) + " " +
+           image.encoding + " image";
+  };
   if (image.width == 0 || image.height == 0) {
-    throw InputError(shape + ": expected at least one pixel");
+    throw InputError(shape() + ": expected at least one pixel");
   }
   const std::size_t row = image.width * bytesPerPixel(image.encoding);
   if (image.step < row) {
-    throw InputError(shape + ": expected a step of at least " + std::to_string(row) +
+    throw InputError(shape() + ": expected a step of at least " + std::to_string(row) +
                      " bytes per row, found " + std::to_string(image.step));
   }
   const std::size_t size = std::size_t{image.step} * image.height;
   if (image.data.size() != size) {
-    throw InputError(shape + ": expected " + std::to_string(size) + " bytes of data, found " +
+    throw InputError(shape() + ": expected " + std::to_string(size) + " bytes of data, found " +
                      std::to_string(image.data.size()));
   }
 }

@@ -25,8 +25,8 @@ constexpr double kTransformsWait = 0.1;
 /// By a pointer: subscribers in the same nodelet manager get it without a copy, and without a
 /// thread that ROS would wake to hand it on.
 template <typename Message>
-void publishShared(const ros::Publisher& publisher, const Message& message) {
-  publisher.publish(boost::make_shared<Message>(message));
+void publishShared(const ros::Publisher& publisher, Message message) {
+  publisher.publish(boost::make_shared<Message>(std::move(message)));
 }
 
 /// A covariance of (x, y, yaw) in the axes of the map.
@@ -178,10 +178,10 @@ void LocalizerServer::publish(const LocalizedImage& localized) {
   sendTransform(messages.transform, localized.result.map_from_base.has_value());
   if (messages.pose) {
     publishShared(pose_publisher_, *messages.pose);
-    publishShared(pose_with_covariance_publisher_, *messages.pose_with_covariance);
+    publishShared(pose_with_covariance_publisher_, std::move(*messages.pose_with_covariance));
     if (path_.add(*messages.pose)) path_publisher_.publish(path_.path());
   }
-  publishShared(detections_publisher_, messages.detections);
+  publishShared(detections_publisher_, std::move(messages.detections));
   publishShared(status_publisher_, messages.status);
   if (markers_publisher_.getNumSubscribers() > 0) {
     markers_publisher_.publish(frame_markers_.draw(localized, localizer_.map()));
@@ -224,7 +224,7 @@ void LocalizerServer::repeatTransform() {
 void LocalizerServer::broadcast(const geometry_msgs::TransformStamped& transform) {
   tf2_msgs::TFMessage message;
   message.transforms.push_back(transform);
-  publishShared(transform_publisher_, message);
+  publishShared(transform_publisher_, std::move(message));
 }
 
 void LocalizerServer::onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message) {
