@@ -1,5 +1,7 @@
 #include "omnitag/marker/marker_index.h"
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "omnitag/common/angle.h"
@@ -21,15 +23,27 @@ MarkerHeights heightsOf(const MarkerMap& map) {
 }
 
 MarkerIndex::MarkerIndex(const MarkerMap& map) : heights_(heightsOf(map)) {
-  centers_.reserve(map.markers.size());
-  for (const Marker& marker : map.markers) centers_.push_back(marker.center());
+  Eigen::AlignedBox3d extent;
+  places_.reserve(map.markers.size());
+  for (const Marker& marker : map.markers) {
+    places_.push_back({marker.center(), places_.size()});
+    extent.extend(marker.center());
+  }
+  if (!extent.isEmpty()) extent.sizes().maxCoeff(&axis_);
+  std::sort(places_.begin(), places_.end(), [this](const Place& a, const Place& b) {
+    return a.center[axis_] < b.center[axis_];
+  });
 }
 
 std::vector<std::size_t> MarkerIndex::within(double range, const Eigen::Vector3d& point) const {
   std::vector<std::size_t> entries;
-  for (std::size_t i = 0; i < centers_.size(); ++i) {
-    if ((centers_[i] - point).squaredNorm() <= range * range) entries.push_back(i);
+  const auto first = std::lower_bound(
+      places_.begin(), places_.end(), point[axis_] - range,
+      [this](const Place& place, double position) { return place.center[axis_] < position; });
+  for (auto it = first; it != places_.end() && it->center[axis_] <= point[axis_] + range; ++it) {
+    if ((it->center - point).squaredNorm() <= range * range) entries.push_back(it->entry);
   }
+  std::sort(entries.begin(), entries.end());
   return entries;
 }
 

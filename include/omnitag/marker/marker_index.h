@@ -31,8 +31,14 @@ class MarkerIndex {
   const MarkerHeights& heights() const { return heights_; }
 
  private:
-  /// Side by side, unlike in the map, where there is much between them.
-  std::vector<Eigen::Vector3d> centers_;
+  struct Place {
+    Eigen::Vector3d center;
+    std::size_t entry;
+  };
+
+  /// Sorted along the axis of the map along which they spread the most.
+  std::vector<Place> places_;
+  int axis_ = 0;
   MarkerHeights heights_;
 };
 
