@@ -1,6 +1,7 @@
 #include "frame_tracker.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <limits>
 #include <numeric>
@@ -37,10 +38,13 @@ PoseEstimate vague(const Pose2& pose) {
   return {pose, kDeviation * kDeviation * Eigen::Matrix3d::Identity()};
 }
 
-bool isVague(const PoseEstimate& pose) {
-  constexpr double kVague = 0.05;  // m
-  return pose.covariance.topLeftCorner<2, 2>().trace() > kVague * kVague;
+/// m, standard deviation.
+double positionDeviation(const PoseEstimate& pose) {
+  return std::sqrt(pose.covariance.topLeftCorner<2, 2>().trace());
 }
+
+/// m, of a pose from which markers may be farther off in the image than they are looked for.
+constexpr double kVague = 0.01;
 
 }  // namespace
 
@@ -76,10 +80,11 @@ std::optional<PoseEstimate> FrameTracker::track() {
   if (recognizes && !glance_) rest.clear();
   if (glance_ && found() >= kEnough && !rest.empty()) rest = {rest[*glance_ % rest.size()]};
   if (!rest.empty()) {
-    const bool was_vague = !solution_ || isVague(solution_->map_from_base);
+    const std::size_t before = found();
+    const bool was_vague = !solution_ || positionDeviation(solution_->map_from_base) > kVague;
     decode(rest, kAnySize);
     solve();
-    if (recognizes && was_vague) findOthers();
+    if (recognizes && was_vague && found() > before) findOthers();
   }
   Stopwatch step;
   if (solution_) align();
@@ -104,7 +109,7 @@ void FrameTracker::findOthers() {
     const PoseEstimate belief = solution_->map_from_base;
     if (!recognizeAll(belief)) return;
     solve();
-    if (!isVague(belief)) return;
+    if (positionDeviation(belief) <= kVague) return;
   }
 }
 
@@ -159,8 +164,9 @@ bool FrameTracker::isDoubtful() const {
   if (isLargeMajority(agreeing, observed_.size())) {
     // Those that were not found may be hidden. But where the pose is a surprise, or the prediction
     // too vague for any to be one, they may as well be where another pose has them.
-    const bool may_be_elsewhere =
-        glance_ && (isVague(predicted_) || !agree(solution_->map_from_base, predicted_));
+    constexpr double kHardlyKnown = 0.05;  // m
+    const bool may_be_elsewhere = glance_ && (positionDeviation(predicted_) > kHardlyKnown ||
+                                              !agree(solution_->map_from_base, predicted_));
     return may_be_elsewhere && !isLargeMajority(agreeing, sightings_.size());
   }
   constexpr double kFar = 0.02;  // m and rad
@@ -173,6 +179,7 @@ bool FrameTracker::isDoubtful() const {
 void FrameTracker::lookAgain(const Pose2& pose) {
   Stopwatch step;
   const std::vector<Sighting> before = sightings_;
+  const std::size_t found_before = found();
   const PoseEstimate belief{pose, Eigen::Matrix3d::Zero()};
   constexpr std::size_t kWorthAThread = 2;
   forEachIndex(sightings_.size(), tools_.config.threads, kWorthAThread, [&](std::size_t i) {
@@ -187,10 +194,8 @@ void FrameTracker::lookAgain(const Pose2& pose) {
   });
   result_->timings.recognize += step.lap();
   solve();
-  if (solution_) {
-    findOthers();
-    return;
-  }
+  if (found() > found_before) findOthers();
+  if (solution_) return;
   sightings_ = before;
   solve();
 }

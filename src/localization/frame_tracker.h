@@ -57,7 +57,8 @@ class FrameTracker {
   bool isDoubtful() const;
   /// Looks for the patterns of all from a pose, as far around as is possible and for however much
   /// they are slanted, and solves again: what was recognized from a pose that is wrong is drawn a
-  /// little toward that pose. Keeps what was where no pose agrees then.
+  /// little toward that pose. Where that finds more, the others are looked for again as well. Keeps
+  /// what was where no pose agrees then.
   void lookAgain(const Pose2& pose);
   void solve();
   /// Aligns the solution with the pixels of its markers, but for those that are then off; leaves it

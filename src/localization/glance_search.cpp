@@ -37,15 +37,6 @@ bool isEnough(const FrameResult& seen) {
   return accepted > 2 || (accepted == 2 && seen.predicted.size() == 2);
 }
 
-/// Whether nothing that is still unseen could speak against it: what was moved as one is fewer.
-bool isBeyondDoubt(const FrameResult& seen, const EstimatorConfig& config) {
-  std::vector<double> residuals;
-  for (const MarkerDetection& detection : seen.detections) {
-    if (detection.accepted) residuals.push_back(detection.residual);
-  }
-  return 2 * sharplyAgreeing(residuals, config) > seen.predicted.size();
-}
-
 /// Whether all markers of the map that were read are where a pose has them.
 bool areInPlace(const std::vector<MarkerReading>& readings, const TrackingTools& tools,
                 const MountedCamera& camera, const Pose2& map_from_base) {
@@ -85,9 +76,6 @@ std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& fram
       if (around && isBeyondDoubt(*around, config.estimation)) break;
     }
     if (!around) continue;
-    // Markers that a glance cannot read may be with those that are outvoted.
-    const bool is_disputed = contradictions(*around, tools.map) > 0;
-    if (is_disputed && !isBeyondDoubt(*around, config.estimation)) continue;
     around->timings = result->timings;
     *result = std::move(*around);
     return result->map_from_base;

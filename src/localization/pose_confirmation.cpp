@@ -94,7 +94,21 @@ std::optional<FrameResult> lookFrom(const Relocalization& found, const Glance& s
   return around;
 }
 
+/// Whether a marker that was found speaks against a pose, while others that are not found may be
+/// with it.
+bool isDisputed(const FrameResult& seen, const TrackingTools& tools) {
+  return contradictions(seen, tools.map) > 0 && !isBeyondDoubt(seen, tools.config.estimation);
+}
+
 }  // namespace
+
+bool isBeyondDoubt(const FrameResult& seen, const EstimatorConfig& config) {
+  std::vector<double> residuals;
+  for (const MarkerDetection& detection : seen.detections) {
+    if (detection.accepted) residuals.push_back(detection.residual);
+  }
+  return 2 * sharplyAgreeing(residuals, config) > seen.predicted.size();
+}
 
 std::optional<FrameResult> confirm(const Glance& seen, bool (*isEnough)(const FrameResult&),
                                    const TrackingTools& tools, const Frame& frame,
@@ -105,7 +119,7 @@ std::optional<FrameResult> confirm(const Glance& seen, bool (*isEnough)(const Fr
   std::optional<FrameResult> confirmed;
   for (const Relocalization& start : starts) {
     auto around = lookFrom(start, seen, tools, frame, camera, timings);
-    if (!around || !isEnough(*around)) continue;
+    if (!around || !isEnough(*around) || isDisputed(*around, tools)) continue;
     if (!standsOnReusedIds(*around, tools.map)) return around;
     if (confirmed && !agree(*confirmed->map_from_base, *around->map_from_base)) return std::nullopt;
     if (!confirmed) confirmed = std::move(around);

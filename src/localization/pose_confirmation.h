@@ -7,10 +7,15 @@
 
 namespace omnitag {
 
+/// Whether nothing that is still unseen could speak against what was seen from a pose: so many
+/// agree with it sharply that those that were moved as one would be the more.
+bool isBeyondDoubt(const FrameResult& seen, const EstimatorConfig& config);
+
 /// The pose that a few readings lead to, however uncertain or ambiguous by themselves, with what is
 /// seen from there as in tracking, where that is enough to be sure. Nothing where it is not, where
-/// a reading contradicts, or where more than one pose is confirmed. `seen`: the readings and where
-/// they were read. Adds to `timings` what it took.
+/// a reading contradicts or, unless the pose is beyond doubt, a marker that is found from there, or
+/// where more than one pose is confirmed. `seen`: the readings and where they were read. Adds to
+/// `timings` what it took.
 std::optional<FrameResult> confirm(const Glance& seen, bool (*isEnough)(const FrameResult&),
                                    const TrackingTools& tools, const Frame& frame,
                                    const MountedCamera& camera, Timings* timings);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 
@@ -19,8 +20,8 @@ constexpr double kWidth = 2.0 * kPi / kSectors;
 double azimuthOf(std::size_t sector) { return kWidth * static_cast<double>(sector); }
 
 /// How much the panorama changes from one sample of a grid to the next, summed over each sector: in
-/// fourth powers, so that little contrast, however much there is of it, counts for little. The
-/// distortion of the lens moves samples by too little to matter.
+/// fourth powers, so that little contrast, however much there is of it, counts for little, and the
+/// least for nothing. The distortion of the lens moves samples by too little to matter.
 std::array<double, kSectors> changeBySector(const cv::Mat& panorama, const Annulus& annulus,
                                             const ImagePlane& plane) {
   constexpr int kSamplesPerSide = 128;

@@ -175,7 +175,12 @@ TEST_P(FrameTrackerTest, FindsAllSmallMarkersFromAVaguePrediction) {
     predicted.pose.yaw += radians(i % 2 == 0 ? 10.0 : -10.0);
     const FrameResult result = track(map, map, predicted);
     ASSERT_TRUE(result.map_from_base) << i;
-    EXPECT_EQ(result.detections.size(), 7U) << i;
+    EXPECT_LT(test::positionError(result.map_from_base->pose, truth()), 2e-3) << i;
+    std::set<std::size_t> entries;
+    for (const MarkerDetection& detection : result.detections) {
+      if (detection.map_entry) entries.insert(*detection.map_entry);
+    }
+    EXPECT_EQ(entries.size(), 7U) << i;
     // Of one this small, the decoder may have read the corners pixels off.
     EXPECT_GE(result.acceptedMarkers(), 6) << i;
   }
