@@ -43,11 +43,14 @@ std::array<double, kSectors> changeBySector(const cv::Mat& panorama, const Annul
           ideal_from_offset * (Eigen::Vector2d(x, y) - plane.principalPoint());
       const double radius = ideal.norm();
       if (radius < annulus.min_radius || radius > annulus.max_radius) continue;
-      const auto nearest = std::max_element(
-          middles.begin(), middles.end(),
-          [&ideal](const auto& a, const auto& b) { return a.dot(ideal) < b.dot(ideal); });
+      const auto nearest =
+          static_cast<std::size_t>(std::max_element(middles.begin(), middles.end(),
+                                                    [&ideal](const auto& a, const auto& b) {
+                                                      return a.dot(ideal) < b.dot(ideal);
+                                                    }) -
+                                   middles.begin());
       const double squared = static_cast<double>(change) * change;
-      changes[static_cast<std::size_t>(nearest - middles.begin())] += squared * squared;
+      changes[nearest] += squared * squared;
     }
   }
   return changes;
