@@ -57,8 +57,10 @@ std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& fram
   const std::optional<Annulus> annulus = annulusOfMarkers(
       tools.index.heights(), camera, config.visibility.max_range, config.look_around);
   if (!annulus) return std::nullopt;
+  Stopwatch choice;
   const std::vector<Sector> sectors = sectorsToGlanceAt(
       frame.image, *annulus, camera.model().imagePlane(), config.look_around.overlap);
+  result->timings.predict += choice.lap();
   for (std::size_t i = 0; i < reader.count(); ++i) {
     Glance seen;
     std::optional<FrameResult> around;

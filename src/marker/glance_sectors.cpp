@@ -5,34 +5,36 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <numeric>
 
 #include "omnitag/common/angle.h"
 
 namespace omnitag {
 namespace {
 
-constexpr std::size_t kSectors = 4;
+constexpr int kSectors = 4;
 constexpr double kWidth = 2.0 * kPi / kSectors;
 
-double azimuthOf(std::size_t sector) { return kWidth * static_cast<double>(sector); }
+/// One number for each sector.
+using Changes = Eigen::Matrix<double, kSectors, 1>;
+
+double azimuthOf(int sector) { return kWidth * sector; }
 
 /// How much the panorama changes from one sample of a grid to the next, summed over each sector: in
 /// fourth powers, so that little contrast, however much there is of it, counts for little, and the
 /// least for nothing. The distortion of the lens moves samples by too little to matter.
-std::array<double, kSectors> changeBySector(const cv::Mat& panorama, const Annulus& annulus,
-                                            const ImagePlane& plane) {
+Changes changeBySector(const cv::Mat& panorama, const Annulus& annulus, const ImagePlane& plane) {
   constexpr int kSamplesPerSide = 128;
   constexpr int kFlat = 32;  // grey levels
   const int step = std::max(1, std::min(panorama.cols, panorama.rows) / kSamplesPerSide);
-  std::array<Eigen::Vector2d, kSectors> middles;
-  for (std::size_t i = 0; i < kSectors; ++i) {
-    middles[i] = {std::cos(azimuthOf(i)), std::sin(azimuthOf(i))};
+  Eigen::Matrix<double, kSectors, 2> middles;
+  for (int i = 0; i < kSectors; ++i) {
+    middles.row(i) << std::cos(azimuthOf(i)), std::sin(azimuthOf(i));
   }
   const Eigen::Matrix2d ideal_from_offset = plane.affine().inverse();
-  std::array<double, kSectors> changes{};
+  Changes changes = Changes::Zero();
   for (int y = 0; y + step < panorama.rows; y += step) {
     const auto* row = panorama.ptr<std::uint8_t>(y);
     const auto* next_row = panorama.ptr<std::uint8_t>(y + step);
@@ -43,12 +45,8 @@ std::array<double, kSectors> changeBySector(const cv::Mat& panorama, const Annul
           ideal_from_offset * (Eigen::Vector2d(x, y) - plane.principalPoint());
       const double radius = ideal.norm();
       if (radius < annulus.min_radius || radius > annulus.max_radius) continue;
-      const auto nearest =
-          static_cast<std::size_t>(std::max_element(middles.begin(), middles.end(),
-                                                    [&ideal](const auto& a, const auto& b) {
-                                                      return a.dot(ideal) < b.dot(ideal);
-                                                    }) -
-                                   middles.begin());
+      Eigen::Index nearest = 0;
+      (middles * ideal).maxCoeff(&nearest);
       const double squared = static_cast<double>(change) * change;
       changes[nearest] += squared * squared;
     }
@@ -62,14 +60,14 @@ std::vector<Sector> sectorsToGlanceAt(const cv::Mat& panorama, const Annulus& an
                                       const ImagePlane& plane, double overlap) {
   // A marker at the axis is in no sector.
   if (!(annulus.min_radius > 0.0)) return {Sector{}};
-  const std::array<double, kSectors> changes = changeBySector(panorama, annulus, plane);
-  std::array<std::size_t, kSectors> order{};
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  const Changes changes = changeBySector(panorama, annulus, plane);
+  std::array<int, kSectors> order{};
+  std::iota(order.begin(), order.end(), 0);
   std::sort(order.begin(), order.end(),
-            [&changes](std::size_t a, std::size_t b) { return changes[a] > changes[b]; });
+            [&changes](int a, int b) { return changes[a] > changes[b]; });
   std::vector<Sector> sectors;
   sectors.reserve(kSectors);
-  for (const std::size_t i : order) sectors.push_back({azimuthOf(i), 0.5 * (kWidth + overlap)});
+  for (const int i : order) sectors.push_back({azimuthOf(i), 0.5 * (kWidth + overlap)});
   return sectors;
 }
 
