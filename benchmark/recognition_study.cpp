@@ -3,7 +3,8 @@
 // angle at which they are seen. Each frame starts from a prediction that is off by 2 cm and 0.5
 // degrees (standard deviations). No marker of the world may be hidden.
 //
-//   recognition_study [BAG CAMERA MAP]     a bag of render_sequence; the shipped one by default
+//   recognition_study [BAG CAMERA MAP]     a bag of render_sequence; the shipped one, of which a
+//                                          partition hides some, by default
 
 #include <algorithm>
 #include <array>
