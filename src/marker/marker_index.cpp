@@ -30,9 +30,8 @@ MarkerIndex::MarkerIndex(const MarkerMap& map) : heights_(heightsOf(map)) {
     extent.extend(marker.center());
   }
   if (!extent.isEmpty()) extent.sizes().maxCoeff(&axis_);
-  std::sort(places_.begin(), places_.end(), [this](const Place& a, const Place& b) {
-    return a.center[axis_] < b.center[axis_];
-  });
+  std::sort(places_.begin(), places_.end(),
+            [this](const Place& a, const Place& b) { return a.center[axis_] < b.center[axis_]; });
 }
 
 std::vector<std::size_t> MarkerIndex::within(double range, const Eigen::Vector3d& point) const {
