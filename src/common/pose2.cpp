@@ -1,6 +1,7 @@
 #include "omnitag/common/pose2.h"
 
 #include <Eigen/Cholesky>
+#include <cmath>
 
 #include "omnitag/common/angle.h"
 
@@ -28,6 +29,10 @@ Pose2 inverse(const Pose2& a_from_b) {
   const double s = std::sin(a_from_b.yaw);
   return {-c * a_from_b.x - s * a_from_b.y, s * a_from_b.x - c * a_from_b.y,
           normalizeAngle(-a_from_b.yaw)};
+}
+
+double positionDeviation(const PoseEstimate& estimate) {
+  return std::sqrt(estimate.covariance.topLeftCorner<2, 2>().trace());
 }
 
 Eigen::Vector3d difference(const Pose2& a, const Pose2& b) {

@@ -1,7 +1,6 @@
 #include "frame_tracker.h"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <limits>
 #include <numeric>
@@ -36,11 +35,6 @@ double largestInDoubt(const cv::Mat& panorama) {
 PoseEstimate vague(const Pose2& pose) {
   constexpr double kDeviation = 1.0;  // m and rad
   return {pose, kDeviation * kDeviation * Eigen::Matrix3d::Identity()};
-}
-
-/// m, standard deviation.
-double positionDeviation(const PoseEstimate& pose) {
-  return std::sqrt(pose.covariance.topLeftCorner<2, 2>().trace());
 }
 
 /// m, of a pose from which markers may be farther off in the image than they are looked for.

@@ -7,8 +7,8 @@
 
 namespace omnitag {
 
-/// Whether nothing that is still unseen could speak against what was seen from a pose: so many
-/// agree with it sharply that those that were moved as one would be the more.
+/// Whether nothing that is still unseen could speak against what was seen from a pose: more than
+/// half of what should be seen agrees with it sharply, and what was moved as one is fewer.
 bool isBeyondDoubt(const FrameResult& seen, const EstimatorConfig& config);
 
 /// The pose that a few readings lead to, however uncertain or ambiguous by themselves, with what is

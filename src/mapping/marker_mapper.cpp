@@ -26,8 +26,7 @@ double distance(const MarkerSighting& a, const MarkerSighting& b) {
 
 /// How much a sighting tells: the smaller, the better.
 double vagueness(const MarkerSighting& sighting) {
-  return std::sqrt(sighting.map_from_base.covariance.topLeftCorner<2, 2>().trace()) +
-         1.0 / edgeOf(sighting);
+  return positionDeviation(sighting.map_from_base) + 1.0 / edgeOf(sighting);
 }
 
 /// Of the two sightings that are nearest to each other takes out the one that is nearer to the

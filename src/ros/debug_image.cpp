@@ -208,11 +208,10 @@ void DebugImagePainter::paintTitle(const FrameResult& result, cv::Mat* canvas) {
     return;
   }
   const Pose2& pose = result.map_from_base->pose;
-  const Eigen::Matrix3d& covariance = result.map_from_base->covariance;
   std::snprintf(words.data(), words.size(),
                 "x %.3f m  y %.3f m  yaw %.2f deg  sigma %.2g mm, %.2g deg", pose.x, pose.y,
-                degrees(pose.yaw), 1e3 * std::sqrt(covariance.topLeftCorner<2, 2>().trace()),
-                degrees(std::sqrt(covariance(2, 2))));
+                degrees(pose.yaw), 1e3 * positionDeviation(*result.map_from_base),
+                degrees(std::sqrt(result.map_from_base->covariance(2, 2))));
   writeText(words.data(), pen, kWhite, kTextSize, canvas);
 }
 

@@ -183,12 +183,11 @@ void HealthMonitor::reportLocalization(Report& report) {
   report.add("markers used", last_status_->markers_used);
   report.add("milliseconds per image", last_status_->total_ms);
   if (last_pose_) {
-    const Eigen::Matrix3d& covariance = last_pose_->covariance;
     report.addf("position", "%.3f m, %.3f m", last_pose_->pose.x, last_pose_->pose.y);
     report.addf("yaw", "%.2f deg", degrees(last_pose_->pose.yaw));
-    report.addf("standard deviation of the position", "%.2g m",
-                std::sqrt(covariance.topLeftCorner<2, 2>().trace()));
-    report.addf("standard deviation of the yaw", "%.2g deg", degrees(std::sqrt(covariance(2, 2))));
+    report.addf("standard deviation of the position", "%.2g m", positionDeviation(*last_pose_));
+    report.addf("standard deviation of the yaw", "%.2g deg",
+                degrees(std::sqrt(last_pose_->covariance(2, 2))));
   }
 }
 

@@ -46,6 +46,16 @@ class FrameTrackerTest : public testing::TestWithParam<Eigen::Isometry3d> {
     return {truth(), deviations.cwiseAbs2().asDiagonal()};
   }
 
+  /// A prediction that is off by as much as it says, toward `direction`, its heading to one side in
+  /// turn.
+  static PoseEstimate offBy(double position, double heading, double direction, int turn) {
+    PoseEstimate predicted = nearby(position, heading);
+    predicted.pose.x += position * std::cos(direction);
+    predicted.pose.y += position * std::sin(direction);
+    predicted.pose.yaw += turn % 2 == 0 ? heading : -heading;
+    return predicted;
+  }
+
   static LocalizerConfig decoding() {
     LocalizerConfig config;
     config.estimation.kind = EstimatorKind::kReprojection;
@@ -150,12 +160,7 @@ TEST_P(FrameTrackerTest, ShowsAViewOfEveryPredictedMarkerToWhoWantsThem) {
 TEST_P(FrameTrackerTest, FindsAllMarkersFromAPoorPrediction) {
   const MarkerMap map = ring();
   for (int i = 0; i < 6; ++i) {
-    const double direction = kPi / 3.0 * i;
-    PoseEstimate predicted = nearby(0.05, radians(2.0));
-    predicted.pose.x += 0.05 * std::cos(direction);
-    predicted.pose.y += 0.05 * std::sin(direction);
-    predicted.pose.yaw += radians(i % 2 == 0 ? 2.0 : -2.0);
-    const FrameResult result = track(map, map, predicted);
+    const FrameResult result = track(map, map, offBy(0.05, radians(2.0), kPi / 3.0 * i, i));
     ASSERT_TRUE(result.map_from_base) << i;
     EXPECT_EQ(result.mode, Mode::kTracking) << i;
     EXPECT_EQ(result.acceptedMarkers(), 7) << i;
@@ -168,12 +173,7 @@ TEST_P(FrameTrackerTest, FindsAllSmallMarkersFromAVaguePrediction) {
   MarkerMap map = ring();
   for (Marker& marker : map.markers) marker.size = 0.4;
   for (int i = 0; i < 12; ++i) {
-    const double direction = kPi / 6.0 * i;
-    PoseEstimate predicted = nearby(0.3, radians(10.0));
-    predicted.pose.x += 0.3 * std::cos(direction);
-    predicted.pose.y += 0.3 * std::sin(direction);
-    predicted.pose.yaw += radians(i % 2 == 0 ? 10.0 : -10.0);
-    const FrameResult result = track(map, map, predicted);
+    const FrameResult result = track(map, map, offBy(0.3, radians(10.0), kPi / 6.0 * i, i));
     ASSERT_TRUE(result.map_from_base) << i;
     EXPECT_LT(test::positionError(result.map_from_base->pose, truth()), 2e-3) << i;
     std::set<std::size_t> entries;

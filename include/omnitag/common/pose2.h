@@ -32,6 +32,9 @@ struct PoseEstimate {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 };
 
+/// m, standard deviation of the position: of both coordinates together.
+double positionDeviation(const PoseEstimate& estimate);
+
 /// a - b, its yaw normalised.
 Eigen::Vector3d difference(const Pose2& a, const Pose2& b);
 
