@@ -3,11 +3,11 @@
 // alone gets the same images, the same odometry and the same pauses. The robot stands for a second
 // where each image was taken, and is then told by odometry how it went on to the next. What ROS
 // itself takes is seen from a node that only receives the same and publishes as many messages. They
-// take turns, since a processor's speed changes from minute to minute; means are printed of all
-// frames and of their middle half, which leaves out what else the machine did. Times are processor
-// time: the nodelet's are of all threads but those that send and listen to it, less what they take
-// while no nodelet is loaded. The core's time within the nodelet, where its caches are cold, is
-// wall time. Needs a ROS master.
+// take turns, since a processor's speed changes from minute to minute; the means over the turns are
+// printed for all frames and for their middle half, which leaves out what else the machine did.
+// Times are processor time: the nodelet's are of all threads but those that send and listen to it,
+// less what they take while no nodelet is loaded. The core's time within the nodelet, where its
+// caches are cold, is wall time. Needs a ROS master.
 //
 //   nodelet_benchmark [BAG CAMERA MAP]     a bag of render_sequence; the shipped one by default
 //   taskset -c 0 rosrun omnitag nodelet_benchmark ...     on one core
@@ -27,6 +27,7 @@
 #include <atomic>
 #include <boost/make_shared.hpp>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <deque>
@@ -255,46 +256,66 @@ void setParameters(const std::string& camera_file, const std::string& map_file) 
   ros::param::set(kNodelet + "/odom_frame", "odom");
 }
 
-/// Appends the processor time (s) of each frame that is measured, until the next is sent, of all
-/// threads but this one, which sends, and the listener's.
-void sendAll(int turn, Sender* sender, const Listener& listener, std::vector<double>* times) {
+/// The processor time (s) of each frame that is measured, until the next is sent, of all threads
+/// but this one, which sends, and the listener's.
+std::vector<double> sendAll(int turn, Sender* sender, const Listener& listener) {
+  std::vector<double> times;
   double before = 0.0;
   atPace([&](int number) {
     const double now = processorTime() - threadTime() - listener.spent();
-    if (number > kWarmUp) times->push_back(now - before);
+    if (number > kWarmUp) times.push_back(now - before);
     before = now;
     sender->send(turn * kFrames + number);
   });
+  return times;
 }
 
-/// The core alone, as the nodelet uses it.
-class Core {
- public:
-  explicit Core(const RecordedSequence& sequence)
-      : sequence_(sequence), localizer_(sequence.camera, sequence.map, {}) {}
+/// Sends one turn to whatever listens to the images.
+std::vector<double> measureListening(int turn, Sender* sender, Answers* answers) {
+  while (!sender->isHeard() && ros::ok()) ros::WallDuration(0.01).sleep();
+  Listener listener;
+  std::vector<double> times = sendAll(turn, sender, listener);
+  ros::WallDuration(0.5).sleep();
+  answers->add(listener.stop());
+  return times;
+}
 
-  /// Appends the processor time (s) of each frame that sendAll() measures.
-  void localizeAll(int turn, std::vector<double>* times) {
-    atPace([&](int number) {
-      Frame frame = frameOf(sequence_, turn * kFrames + number);
-      // In another thread, as from a driver.
-      frame.image = std::async(std::launch::async, [&frame] { return frame.image.clone(); }).get();
-      frame.stamp = stamp_ += kFrameInterval;
-      const double start = processorTime();
-      localizer_.process(frame);
-      const double end = processorTime();
-      if (number >= kWarmUp && number + 1 < kFrames) times->push_back(end - start);
-    });
+std::vector<double> measureNodelet(int turn, Sender* sender, Answers* answers) {
+  nodelet::Loader loader(false);
+  if (!loader.load(kNodelet, "omnitag/LocalizerNodelet", {}, {})) {
+    throw InputError("the nodelet could not be loaded");
   }
+  return measureListening(turn, sender, answers);
+}
 
- private:
-  const RecordedSequence& sequence_;
-  Localizer localizer_;
-  double stamp_ = 0.0;
-};
+std::vector<double> measureIdleNode(int turn, Sender* sender) {
+  const IdleNode node;
+  Answers answers;
+  std::vector<double> times = measureListening(turn, sender, &answers);
+  // Transforms may be missing for the first ones.
+  if (answers.all < kFrames - kWarmUp) throw InputError("the idle node hears no transforms");
+  return times;
+}
 
-/// s of processor time for each frame.
-struct Times {
+/// The core alone, as the nodelet uses it and as newly made as it.
+std::vector<double> measureCore(int turn, const RecordedSequence& sequence) {
+  Localizer localizer(sequence.camera, sequence.map, {});
+  std::vector<double> times;
+  atPace([&](int number) {
+    Frame frame = frameOf(sequence, turn * kFrames + number);
+    // In another thread, as from a driver.
+    frame.image = std::async(std::launch::async, [&frame] { return frame.image.clone(); }).get();
+    frame.stamp = kFrameInterval * number;
+    const double start = processorTime();
+    localizer.process(frame);
+    const double end = processorTime();
+    if (number >= kWarmUp && number + 1 < kFrames) times.push_back(end - start);
+  });
+  return times;
+}
+
+/// s of processor time for each frame of one turn.
+struct Turn {
   std::vector<double> core;
   std::vector<double> nodelet;
   /// A node that only receives and publishes.
@@ -303,42 +324,17 @@ struct Times {
   std::vector<double> process;
 };
 
-/// Sends one turn to whatever listens to the images.
-void measureListening(int turn, Sender* sender, std::vector<double>* times, Answers* answers) {
-  while (!sender->isHeard() && ros::ok()) ros::WallDuration(0.01).sleep();
-  Listener listener;
-  sendAll(turn, sender, listener, times);
-  ros::WallDuration(0.5).sleep();
-  answers->add(listener.stop());
-}
-
-void measureNodelet(int turn, Sender* sender, std::vector<double>* times, Answers* answers) {
-  nodelet::Loader loader(false);
-  if (!loader.load(kNodelet, "omnitag/LocalizerNodelet", {}, {})) {
-    throw InputError("the nodelet could not be loaded");
-  }
-  measureListening(turn, sender, times, answers);
-}
-
-void measureIdleNode(int turn, Sender* sender, std::vector<double>* times) {
-  const IdleNode node;
-  Answers answers;
-  measureListening(turn, sender, times, &answers);
-  // Transforms may be missing for the first ones.
-  if (answers.all < kFrames - kWarmUp) throw InputError("the idle node hears no transforms");
-}
-
-Times measure(const RecordedSequence& sequence, Answers* answers) {
+std::vector<Turn> measure(const RecordedSequence& sequence, Answers* answers) {
   Sender sender(sequence);
-  Core core(sequence);
-  Times times;
+  std::vector<Turn> turns;
   for (int turn = 0; turn < kTurns; ++turn) {
-    sendAll(turn, &sender, Listener(), &times.process);
-    measureNodelet(turn, &sender, &times.nodelet, answers);
-    measureIdleNode(turn, &sender, &times.idle_node);
-    core.localizeAll(turn, &times.core);
+    Turn& times = turns.emplace_back();
+    times.process = sendAll(turn, &sender, Listener());
+    times.nodelet = measureNodelet(turn, &sender, answers);
+    times.idle_node = measureIdleNode(turn, &sender);
+    times.core = measureCore(turn, sequence);
   }
-  return times;
+  return turns;
 }
 
 /// Of the sample without its least and greatest parts, of this share each.
@@ -350,19 +346,43 @@ double trimmedMean(std::vector<double> sample, double share) {
   return sum / static_cast<double>(sample.end() - sample.begin() - 2 * cut);
 }
 
-void print(const Times& times, const Answers& answers, double trimmed, const char* frames) {
-  const auto mean = [trimmed](const std::vector<double>& sample) {
-    return trimmedMean(sample, trimmed);
-  };
-  const double core = mean(times.core);
-  const double nodelet = mean(times.nodelet) - mean(times.process);
-  const double idle_node = mean(times.idle_node) - mean(times.process);
+/// The mean of the turns, each of which took place in its own minute, and its standard error.
+struct Mean {
+  double value = 0.0;
+  double error = 0.0;
+};
+
+Mean meanOf(const std::vector<double>& turns) {
+  const auto count = static_cast<double>(turns.size());
+  const double value = std::accumulate(turns.begin(), turns.end(), 0.0) / count;
+  double squares = 0.0;
+  for (const double turn : turns) squares += (turn - value) * (turn - value);
+  return {value, std::sqrt(squares / (count * (count - 1.0)))};
+}
+
+void print(const std::vector<Turn>& turns, const Answers& answers, double trimmed,
+           const char* frames) {
+  std::vector<double> core;
+  std::vector<double> nodelet;
+  std::vector<double> nodelet_over_core;
+  std::vector<double> idle_over_core;
+  for (const Turn& turn : turns) {
+    const double process = trimmedMean(turn.process, trimmed);
+    core.push_back(trimmedMean(turn.core, trimmed));
+    nodelet.push_back(trimmedMean(turn.nodelet, trimmed) - process);
+    nodelet_over_core.push_back(100.0 * (nodelet.back() / core.back() - 1.0));
+    idle_over_core.push_back(100.0 * (trimmedMean(turn.idle_node, trimmed) - process) /
+                             core.back());
+  }
+  const Mean added = meanOf(nodelet_over_core);
+  const Mean idle = meanOf(idle_over_core);
   std::printf(
       "%s: ms core alone %.2f, core within the nodelet %.2f, nodelet %.2f, which is %.0f %% of a "
-      "core; nodelet over core %+.1f %%, of which a node that only receives and publishes takes "
-      "%.1f %%\n",
-      frames, 1e3 * core, mean(answers.within), 1e3 * nodelet, 100.0 * nodelet / kFrameInterval,
-      100.0 * (nodelet / core - 1.0), 100.0 * idle_node / core);
+      "core; nodelet over core %+.1f %% (standard error %.1f), of which a node that only receives "
+      "and publishes takes %.1f %% (%.1f)\n",
+      frames, 1e3 * meanOf(core).value, trimmedMean(answers.within, trimmed),
+      1e3 * meanOf(nodelet).value, 100.0 * meanOf(nodelet).value / kFrameInterval, added.value,
+      added.error, idle.value, idle.error);
 }
 
 int run(int argc, char** argv) {
@@ -374,13 +394,13 @@ int run(int argc, char** argv) {
   setParameters(argc > 1 ? argv[2] : package + "/config/cameras/paper.yaml",
                 argc > 1 ? argv[3] : package + "/maps/paper.yaml");
   Answers answers;
-  const Times times = measure(sequence, &answers);
+  const std::vector<Turn> turns = measure(sequence, &answers);
   std::printf(
       "%d images of %d x %d pixels, %.0f a second: %d answered, %d with a pose, %llu dropped\n",
       kTurns * kFrames, sequence.frames.front().image.cols, sequence.frames.front().image.rows,
       1.0 / kFrameInterval, answers.all, answers.poses, answers.dropped);
-  print(times, answers, 0.25, "middle half of the frames");
-  print(times, answers, 0.0, "all frames");
+  print(turns, answers, 0.25, "middle half of the frames");
+  print(turns, answers, 0.0, "all frames");
   return 0;
 }
 
