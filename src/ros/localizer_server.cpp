@@ -3,6 +3,7 @@
 #include <cv_bridge/cv_bridge.h>
 #include <sensor_msgs/image_encodings.h>
 #include <tf2_msgs/TFMessage.h>
+#include <visualization_msgs/MarkerArray.h>
 
 #include <algorithm>
 #include <boost/make_shared.hpp>
@@ -13,7 +14,6 @@
 #include "omnitag/common/error.h"
 #include "omnitag/mapping/mapped_entries.h"
 #include "omnitag/ros/conversions.h"
-#include "omnitag/ros/map_markers.h"
 #include "omnitag/ros/result_messages.h"
 
 namespace omnitag {
@@ -38,19 +38,6 @@ Eigen::Matrix3d rotated(const Eigen::Matrix3d& covariance,
   return rotation * covariance * rotation.transpose();
 }
 
-/// Whether people could see that mapping has gone on.
-bool looksDifferent(const std::vector<ProvisionalMarker>& a,
-                    const std::vector<ProvisionalMarker>& b) {
-  constexpr double kVisible = 0.01;  // m
-  return !std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                     [](const ProvisionalMarker& one, const ProvisionalMarker& other) {
-                       const Marker& marker = one.estimate.marker;
-                       return marker.id == other.estimate.marker.id &&
-                              one.is_used == other.is_used &&
-                              (marker.center() - other.estimate.marker.center()).norm() < kVisible;
-                     });
-}
-
 }  // namespace
 
 LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
@@ -62,7 +49,7 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
       localizer_(parameters_, camera),
       input_(node, private_node, parameters_.image_transport, parameters_.queue_size),
       transforms_(node),
-      map_markers_(mapMarkers(localizer_.map(), {}, localizer_.frames().map)),
+      map_drawing_(localizer_.map(), localizer_.frames().map),
       frame_markers_(localizer_.frames().map, parameters_.robot_radius),
       debug_image_painter_(localizer_.camera(), localizer_.map()),
       path_(parameters_.path_min_step, parameters_.path_max_poses),
@@ -80,7 +67,7 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
   markers_publisher_ = node_.advertise<visualization_msgs::MarkerArray>(
       "markers", 10, [this](const ros::SingleSubscriberPublisher& subscriber) {
         const std::lock_guard<std::mutex> lock(map_mutex_);
-        subscriber.publish(map_markers_);
+        subscriber.publish(map_drawing_.markers());
       });
   debug_image_publisher_ = image_transport_.advertise("debug_image", 1);
   initial_pose_subscriber_ =
@@ -167,7 +154,7 @@ void LocalizerServer::publish(const LocalizedImage& localized) {
     ROS_WARN_STREAM(name_ << ": stamps went back, as when a bag is played again: started anew");
     path_.clear();
     const std::lock_guard<std::mutex> lock(map_mutex_);
-    markers_publisher_.publish(map_markers_);
+    markers_publisher_.publish(map_drawing_.markers());
   }
   if (localizer_.isMapping()) publishMap(localized.map_changed);
   ResultMessages messages =
@@ -270,12 +257,10 @@ void LocalizerServer::publishMap(bool is_changed) {
   std::vector<ProvisionalMarker> provisional = localizer_.provisional();
   if (is_changed) debug_image_painter_.setMap(localizer_.map());
   const std::lock_guard<std::mutex> lock(map_mutex_);
-  const bool is_to_draw = looksDifferent(provisional, provisional_);
   provisional_ = std::move(provisional);
-  if (!is_to_draw) return;
+  if (!map_drawing_.update(localizer_.map(), provisional_)) return;
   health_.mapChanged(localizer_.map(), provisional_);
-  map_markers_ = mapMarkers(localizer_.map(), provisional_, localizer_.frames().map);
-  markers_publisher_.publish(map_markers_);
+  markers_publisher_.publish(map_drawing_.markers());
 }
 
 void LocalizerServer::onSaveMap(std_srvs::Trigger::Response* response) {

@@ -116,6 +116,19 @@ void addMappedFrame(const Marker& marker, const std_msgs::ColorRGBA& color,
 
 bool isSame(const Marker& a, const Marker& b) { return a.id == b.id && a.family == b.family; }
 
+/// Whether people could see that mapping has gone on.
+bool looksDifferent(const std::vector<ProvisionalMarker>& a,
+                    const std::vector<ProvisionalMarker>& b) {
+  constexpr double kVisible = 0.01;  // m
+  return !std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                     [](const ProvisionalMarker& one, const ProvisionalMarker& other) {
+                       const Marker& marker = one.estimate.marker;
+                       return marker.id == other.estimate.marker.id &&
+                              one.is_used == other.is_used &&
+                              (marker.center() - other.estimate.marker.center()).norm() < kVisible;
+                     });
+}
+
 }  // namespace
 
 visualization_msgs::MarkerArray mapMarkers(const MarkerMap& map,
@@ -155,6 +168,17 @@ visualization_msgs::MarkerArray mapMarkers(const MarkerMap& map,
   array.markers.push_back(tags);
   array.markers.push_back(normals);
   return array;
+}
+
+MapDrawing::MapDrawing(const MarkerMap& map, const std::string& map_frame)
+    : map_frame_(map_frame), markers_(mapMarkers(map, {}, map_frame)) {}
+
+// Compared with what was drawn, not with the frame before: small moves add up.
+bool MapDrawing::update(const MarkerMap& map, const std::vector<ProvisionalMarker>& provisional) {
+  if (!looksDifferent(provisional, drawn_)) return false;
+  markers_ = mapMarkers(map, provisional, map_frame_);
+  drawn_ = provisional;
+  return true;
 }
 
 }  // namespace omnitag

@@ -164,6 +164,31 @@ TEST(MapMarkers, WhatMappingHasFoundHasItsOwnColours) {
   EXPECT_GT(of_unsure.r, of_unsure.g + 0.3);
 }
 
+TEST(MapDrawing, SmallMovesAddUp) {
+  const MarkerMap map = twoMarkers();
+  MapDrawing drawing(map, "map");
+  ProvisionalMarker found;
+  found.estimate.marker = map.markers[0];
+  found.estimate.marker.id = 40;
+  EXPECT_TRUE(drawing.update(map, {found}));
+  EXPECT_FALSE(drawing.update(map, {found}));
+
+  const double start = found.estimate.marker.center().x();
+  double drawn = start;
+  for (int i = 0; i < 10; ++i) {
+    found.estimate.marker.map_from_marker.translation().x() += 0.004;
+    if (drawing.update(map, {found})) drawn = found.estimate.marker.center().x();
+    EXPECT_LT(found.estimate.marker.center().x() - drawn, 0.01);
+  }
+  EXPECT_GT(drawn, start + 0.03);
+  const geometry_msgs::Point tip = byNamespace(drawing.markers()).at("normals").points.back();
+  EXPECT_NEAR(tip.x, drawn - found.estimate.marker.size / 2.0, 1e-9) << "out of the face";
+
+  found.is_used = true;
+  EXPECT_TRUE(drawing.update(map, {found}));
+  EXPECT_TRUE(drawing.update(map, {}));
+}
+
 TEST(DebugImageLayout, CellsAreDistinctAndInOrder) {
   for (const int count : {1, 2, 7, 16, debug_layout::kSlots}) {
     for (const double spread : {2.0 * kPi, 0.5}) {

@@ -6,7 +6,6 @@
 #include <ros/ros.h>
 #include <std_srvs/Empty.h>
 #include <std_srvs/Trigger.h>
-#include <visualization_msgs/MarkerArray.h>
 
 #include <functional>
 #include <mutex>
@@ -20,6 +19,7 @@
 #include "omnitag/ros/health_monitor.h"
 #include "omnitag/ros/image_input.h"
 #include "omnitag/ros/image_localizer.h"
+#include "omnitag/ros/map_markers.h"
 #include "omnitag/ros/parameters.h"
 #include "omnitag/ros/path_recorder.h"
 #include "omnitag/ros/transform_input.h"
@@ -74,7 +74,7 @@ class LocalizerServer {
 
   /// The map as RViz shows it, and what mapping has added to it so far.
   std::mutex map_mutex_;
-  visualization_msgs::MarkerArray map_markers_;
+  MapDrawing map_drawing_;
   std::vector<ProvisionalMarker> provisional_;
   FrameMarkers frame_markers_;
   DebugImagePainter debug_image_painter_;

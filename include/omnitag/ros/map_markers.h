@@ -19,4 +19,22 @@ visualization_msgs::MarkerArray mapMarkers(const MarkerMap& map,
                                            const std::vector<ProvisionalMarker>& provisional,
                                            const std::string& map_frame);
 
+/// The map as RViz shows it, drawn anew where people could see that mapping has gone on.
+class MapDrawing {
+ public:
+  MapDrawing(const MarkerMap& map, const std::string& map_frame);
+
+  /// Whether it was drawn anew: where markers came or went, are used now, or are 1 cm from where
+  /// they were last drawn.
+  bool update(const MarkerMap& map, const std::vector<ProvisionalMarker>& provisional);
+
+  const visualization_msgs::MarkerArray& markers() const { return markers_; }
+
+ private:
+  std::string map_frame_;
+  visualization_msgs::MarkerArray markers_;
+  /// What `markers_` shows of mapping.
+  std::vector<ProvisionalMarker> drawn_;
+};
+
 }  // namespace omnitag
