@@ -61,6 +61,11 @@ void HealthMonitor::mapChanged(const MarkerMap& map,
   waiting_ = provisional.size() - mapped_;
 }
 
+void HealthMonitor::startedAnew() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  displacements_.clear();
+}
+
 void HealthMonitor::imageRefused(const std::string& why) {
   const std::lock_guard<std::mutex> lock(mutex_);
   last_image_ = Clock::now();

@@ -153,6 +153,7 @@ void LocalizerServer::publish(const LocalizedImage& localized) {
   if (localized.started_anew) {
     ROS_WARN_STREAM(name_ << ": stamps went back, as when a bag is played again: started anew");
     path_.clear();
+    health_.startedAnew();
     const std::lock_guard<std::mutex> lock(map_mutex_);
     markers_publisher_.publish(map_drawing_.markers());
   }

@@ -34,6 +34,9 @@ class HealthMonitor {
   /// Mapping has added markers behind those that the map had, or moved some of its own.
   void mapChanged(const MarkerMap& map, const std::vector<ProvisionalMarker>& provisional);
 
+  /// The localizer has started anew: what the images before told of the map counts no longer.
+  void startedAnew();
+
   /// The message was no image of this camera.
   void imageRefused(const std::string& why);
   /// The image was older than the one before it.
