@@ -30,23 +30,23 @@ LocalizerStarter::~LocalizerStarter() {
 }
 
 void LocalizerStarter::waitForInfo() {
-  const std::string topic = image_transport::getCameraInfoTopic(node_.resolveName("image"));
-  problem_ = "waiting for the first camera_info on " + topic + ", as there is no camera_file";
+  topic_ = image_transport::getCameraInfoTopic(node_.resolveName("image"));
+  problem_ = "waiting for the first camera_info on " + topic_ + ", as there is no camera_file";
   ROS_INFO_STREAM(name_ << ": " << problem_);
   last_line_ = ros::WallTime::now();
   updater_ = std::make_unique<diagnostic_updater::Updater>(node_, private_node_, name_);
   updater_->setHardwareID("none");
   updater_->add("camera", this, &LocalizerStarter::report);
+  info_subscriber_ = node_.subscribe(topic_, 1, &LocalizerStarter::onInfo, this);
   timer_ = node_.createWallTimer(ros::WallDuration(1.0),
-                                 [this](const ros::WallTimerEvent&) { updater_->force_update(); });
-  info_subscriber_ = node_.subscribe(topic, 1, &LocalizerStarter::onInfo, this);
+                                 [this](const ros::WallTimerEvent&) { onTimer(); });
 }
 
 void LocalizerStarter::onInfo(const sensor_msgs::CameraInfo& info) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (server_) return;
   try {
-    const DescribedCamera camera = cameraFromInfo(info, info_subscriber_.getTopic());
+    const DescribedCamera camera = cameraFromInfo(info, topic_);
     server_ = std::make_unique<LocalizerServer>(node_, private_node_, parameters_, camera);
     problem_.clear();
   } catch (const std::exception& error) {
@@ -54,14 +54,26 @@ void LocalizerStarter::onInfo(const sensor_msgs::CameraInfo& info) {
   }
 }
 
+// More messages would only wake a thread. Not in their own callback: the destructor could then not
+// wait for that, nor while the mutex is held, for which a callback may be waiting.
+void LocalizerStarter::onTimer() {
+  updater_->force_update();
+  if (!isWaiting()) info_subscriber_.shutdown();
+}
+
+bool LocalizerStarter::isWaiting() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return server_ == nullptr;
+}
+
 void LocalizerStarter::report(diagnostic_updater::DiagnosticStatusWrapper& report) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  report.add("topic", info_subscriber_.getTopic());
-  report.add("publishers", info_subscriber_.getNumPublishers());
+  report.add("topic", topic_);
   if (server_) {
     report.summary(diagnostic_updater::DiagnosticStatusWrapper::OK, "described by camera_info");
     return;
   }
+  report.add("publishers", info_subscriber_.getNumPublishers());
   report.summary(diagnostic_updater::DiagnosticStatusWrapper::ERROR, problem_);
   complain(problem_);
 }

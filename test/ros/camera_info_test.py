@@ -7,7 +7,7 @@ import unittest
 import rospy
 import rosservice
 import rostest
-from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from harness import Diagnostics, Topic, is_connected, wait_until
 from omnitag.msg import LocalizationStatus
 from sensor_msgs.msg import CameraInfo, Image
@@ -57,6 +57,13 @@ class CameraInfoTest(unittest.TestCase):
         self.wait_for_camera(DiagnosticStatus.OK, "described by camera_info")
         self.assertTrue(wait_until(lambda: "/save_map" in rosservice.get_service_list()))
         self.assertTrue(wait_until(lambda: is_connected(self.images, self.status.subscriber)))
+
+        # It needs no more of them, and still says where its camera is from.
+        self.assertTrue(wait_until(lambda: self.infos.get_num_connections() == 0))
+        start = len(self.diagnostics.messages)
+        self.assertTrue(wait_until(lambda: any(
+            status.name.endswith(": camera") and KeyValue("topic", INFO_TOPIC) in status.values
+            for message in self.diagnostics.messages[start:] for status in message.status)))
 
         mounting = TransformStamped()
         mounting.header.frame_id, mounting.child_frame_id = "base_link", "eye"

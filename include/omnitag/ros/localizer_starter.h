@@ -27,6 +27,8 @@ class LocalizerStarter {
  private:
   void waitForInfo();
   void onInfo(const sensor_msgs::CameraInfo& info);
+  void onTimer();
+  bool isWaiting();
   void report(diagnostic_updater::DiagnosticStatusWrapper& report);
   void complain(const std::string& problem);
 
@@ -34,6 +36,8 @@ class LocalizerStarter {
   ros::NodeHandle private_node_;
   std::string name_;
   LocalizerParameters parameters_;
+  /// Of camera_info.
+  std::string topic_;
 
   /// Why there is no camera yet; empty once there is.
   std::string problem_;
