@@ -4,6 +4,21 @@
 #include "omnitag/marker/marker_map_file.h"
 
 namespace omnitag {
+namespace {
+
+/// None where mapping is off.
+std::optional<MarkerMapper> makeMapper(const LocalizerParameters& parameters,
+                                       const std::shared_ptr<const CameraModel>& camera,
+                                       const MarkerMap& map) {
+  if (!parameters.mapping) return std::nullopt;
+  try {
+    return MarkerMapper(camera, map, parameters.mapper);
+  } catch (const InputError& error) {
+    throw InputError(parameters.map_file + ": " + error.what());
+  }
+}
+
+}  // namespace
 
 ImageLocalizer::ImageLocalizer(const LocalizerParameters& parameters, const DescribedCamera& camera)
     : parameters_(parameters),
@@ -11,14 +26,13 @@ ImageLocalizer::ImageLocalizer(const LocalizerParameters& parameters, const Desc
       map_(loadMarkerMap(parameters.map_file)),
       assembler_(camera.origin, camera_->imageSize(), parameters.frames) {
   if (parameters_.frames.map.empty()) parameters_.frames.map = map_.frame_id;
-  if (parameters_.mapping) {
-    try {
-      mapper_.emplace(camera_, map_, parameters_.mapper);
-    } catch (const InputError& error) {
-      throw InputError(parameters_.map_file + ": " + error.what());
-    }
-  }
+  mapper_ = makeMapper(parameters_, camera_, map_);
   start();
+}
+
+void ImageLocalizer::checkMap(const LocalizerParameters& parameters) {
+  // A mapper asks for its camera when an image comes.
+  makeMapper(parameters, nullptr, loadMarkerMap(parameters.map_file));
 }
 
 void ImageLocalizer::start() {

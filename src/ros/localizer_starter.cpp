@@ -2,9 +2,11 @@
 
 #include <image_transport/camera_common.h>
 
-#include "omnitag/common/error.h"
-#include "omnitag/marker/marker_map_file.h"
+#include <optional>
+
 #include "omnitag/ros/camera_info.h"
+#include "omnitag/ros/image_input.h"
+#include "omnitag/ros/image_localizer.h"
 
 namespace omnitag {
 
@@ -14,8 +16,10 @@ LocalizerStarter::LocalizerStarter(const ros::NodeHandle& node, const ros::NodeH
       name_(private_node.getNamespace()),
       parameters_(readParameters(name_)) {
   if (parameters_.camera_file.empty()) {
-    // What is wrong with the map is to be said now, not when the camera speaks.
-    loadMarkerMap(parameters_.map_file);
+    // What is wrong with these is to be said now, not when the camera speaks. Whether a transport
+    // can be loaded shows when it is.
+    ImageLocalizer::checkMap(parameters_);
+    ImageInput(node_, private_node_, parameters_.image_transport, parameters_.queue_size).close();
     waitForInfo();
   } else {
     server_ = std::make_unique<LocalizerServer>(node_, private_node_, parameters_,
@@ -44,13 +48,23 @@ void LocalizerStarter::waitForInfo() {
 
 void LocalizerStarter::onInfo(const sensor_msgs::CameraInfo& info) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (server_) return;
+  if (!is_waiting_) return;
+  std::optional<DescribedCamera> camera;
   try {
-    const DescribedCamera camera = cameraFromInfo(info, topic_);
-    server_ = std::make_unique<LocalizerServer>(node_, private_node_, parameters_, camera);
-    problem_.clear();
+    camera = cameraFromInfo(info, topic_);
   } catch (const std::exception& error) {
     complain(error.what());
+    return;
+  }
+  // What is wrong beside the camera, the next message would not mend.
+  is_waiting_ = false;
+  try {
+    server_ = std::make_unique<LocalizerServer>(node_, private_node_, parameters_, *camera);
+    problem_.clear();
+  } catch (const std::exception& error) {
+    problem_ = error.what();
+    last_line_ = ros::WallTime::now();
+    ROS_FATAL_STREAM(problem_);
   }
 }
 
@@ -63,7 +77,7 @@ void LocalizerStarter::onTimer() {
 
 bool LocalizerStarter::isWaiting() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return server_ == nullptr;
+  return is_waiting_;
 }
 
 void LocalizerStarter::report(diagnostic_updater::DiagnosticStatusWrapper& report) {
@@ -73,7 +87,7 @@ void LocalizerStarter::report(diagnostic_updater::DiagnosticStatusWrapper& repor
     report.summary(diagnostic_updater::DiagnosticStatusWrapper::OK, "described by camera_info");
     return;
   }
-  report.add("publishers", info_subscriber_.getNumPublishers());
+  if (is_waiting_) report.add("publishers", info_subscriber_.getNumPublishers());
   report.summary(diagnostic_updater::DiagnosticStatusWrapper::ERROR, problem_);
   complain(problem_);
 }

@@ -41,6 +41,9 @@ class BadParametersTest(unittest.TestCase):
         with open(CAMERA, encoding="utf-8") as file:
             good_camera = file.read()
         bad_map = self.write("map.yaml", re.sub("(?m)^size: .*$", "size: -1", good_map))
+        sizeless_map = self.write("sizeless.yaml",
+                                  "frame_id: map\nfamily: tag36h11\nmarkers:\n"
+                                  "  - {id: 3, position: [1, 2, 3], yaw: 0, size: 0.3}\n")
         bad_camera = self.write("camera.yaml", good_camera.replace("spherical", "conical"))
         return [
             ({}, "/bad: map_file: expected the path of a file, found nothing"),
@@ -54,6 +57,10 @@ class BadParametersTest(unittest.TestCase):
             ({**GOOD, "initial_pose": "[1.0, .nan, 0]"}, "/bad: initial_pose: expected"),
             ({**GOOD, "queue_size": "many"}, "/bad: queue_size: expected an integer"),
             ({**GOOD, "image_transport": "pigeon"}, "/bad: image_transport: expected one of"),
+            ({"map_file": MAP, "image_transport": "pigeon"},
+             "/bad: image_transport: expected one of"),
+            ({"map_file": sizeless_map, "mapping": True},
+             sizeless_map + ": mapping needs the size"),
             ({**GOOD, "motion": {"max_speed": 1.0}}, "/bad: motion.max_speed: unknown key"),
         ]
 

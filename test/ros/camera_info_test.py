@@ -1,15 +1,20 @@
 #!/usr/bin/env python3
 """The localizer without a camera file: it waits for camera_info, checks it, and says so."""
 
+import os
+import shutil
+import subprocess
 import sys
+import tempfile
 import unittest
 
 import rospy
 import rosservice
 import rostest
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
-from harness import Diagnostics, Topic, is_connected, wait_until
+from harness import PACKAGE, Diagnostics, LogTopic, Topic, is_connected, wait_until
 from omnitag.msg import LocalizationStatus
+from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import CameraInfo, Image
 from tf2_msgs.msg import TFMessage
 from geometry_msgs.msg import TransformStamped
@@ -80,6 +85,29 @@ class CameraInfoTest(unittest.TestCase):
             return self.status.wait_for(lambda status: not status.has_pose, 0.5) is not None
 
         self.assertTrue(wait_until(is_answered))
+
+    def test_what_is_wrong_beside_the_camera_is_said_once(self):
+        directory = tempfile.TemporaryDirectory()
+        self.addCleanup(directory.cleanup)
+        map_file = os.path.join(directory.name, "map.yaml")
+        shutil.copy(os.path.join(PACKAGE, "maps", "fisheye.yaml"), map_file)
+        rospy.set_param("/rear/map_file", map_file)
+        infos = rospy.Publisher("/rear_camera/camera_info", CameraInfo, queue_size=10)
+        log = LogTopic()
+        node = subprocess.Popen(["rosrun", "omnitag", "localizer_node", "__name:=rear",
+                                 "image:=/rear_camera/image"])
+        self.addCleanup(node.wait)
+        self.addCleanup(node.terminate)
+        self.assertTrue(wait_until(lambda: is_connected(infos, log.subscriber)))
+
+        os.remove(map_file)
+        for _ in range(3):
+            infos.publish(fisheye_info())
+        self.diagnostics.wait_for_report("rear: camera", DiagnosticStatus.ERROR, map_file)
+        self.assertTrue(wait_until(lambda: infos.get_num_connections() == 0))
+        self.assertTrue(log.wait_for_line(Log.FATAL, map_file, 0))
+        lines = [line.msg for line in log.messages if line.level == Log.FATAL]
+        self.assertEqual(len(lines), 1, lines)
 
 
 if __name__ == "__main__":

@@ -33,6 +33,9 @@ class ImageLocalizer {
   /// Loads the map. Throws InputError where that or a parameter is wrong.
   ImageLocalizer(const LocalizerParameters& parameters, const DescribedCamera& camera);
 
+  /// Throws what the constructor throws of the map, before the camera is known.
+  static void checkMap(const LocalizerParameters& parameters);
+
   /// Nothing for an image that is not newer than the one before; it is counted as late. Throws what
   /// FrameAssembler throws, and keeps its state then.
   ///

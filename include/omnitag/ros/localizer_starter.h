@@ -15,7 +15,7 @@ namespace omnitag {
 
 /// Starts the localizer as soon as its camera is known: at once where there is a camera file, else
 /// when `camera_info`, beside the images, describes one. While it waits it says so, in the log and
-/// in /diagnostics.
+/// in /diagnostics. A wrong parameter or map is refused at once in both cases.
 class LocalizerStarter {
  public:
   /// Throws InputError with one line where a parameter or a file is wrong.
@@ -39,7 +39,9 @@ class LocalizerStarter {
   /// Of camera_info.
   std::string topic_;
 
-  /// Why there is no camera yet; empty once there is.
+  /// For a camera_info that describes a camera.
+  bool is_waiting_ = true;
+  /// Why there is no localizer yet; empty once there is.
   std::string problem_;
   ros::WallTime last_line_;
   std::mutex mutex_;
