@@ -89,6 +89,17 @@ class ShippedFilesTest(unittest.TestCase):
         for name, value in expected.items():
             self.assertEqual(parameters["/localizer/" + name], value)
 
+    def test_localize_launch_takes_what_is_not_given_from_the_file(self):
+        path = shipped("launch", "localize.launch")[0]
+        with tempfile.NamedTemporaryFile("w", suffix=".yaml") as file:
+            yaml.safe_dump({"camera_file": "c.yaml", "odom_frame": "wheels"}, file)
+            file.flush()
+            for arguments, expected in (([], "c.yaml"), (["camera_file:=d.yaml"], "d.yaml")):
+                _, parameters = load_launch_file(
+                    path, ["map_file:=m.yaml", "params:=" + file.name] + arguments)
+                self.assertEqual(parameters["/localizer/camera_file"], expected)
+                self.assertEqual(parameters["/localizer/odom_frame"], "wheels")
+
     def test_rviz_shows_what_is_published(self):
         for path in shipped("config", "rviz", "*.rviz"):
             with open(path, encoding="utf-8") as file:
