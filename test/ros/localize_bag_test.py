@@ -149,6 +149,22 @@ class LocalizeBagTest(unittest.TestCase):
         self.assert_runs(params=self.path("params.yaml"))
         self.assertNotEqual(with_manual, read_text(self.path("out.tum")))
 
+    def test_options_override_params_where_they_are_given(self):
+        wrong = self.path("no_such_file.yaml")
+        params = self.path("params.yaml")
+
+        def first_mode(camera_file, pose, **options):
+            with open(params, "w", encoding="utf-8") as file:
+                file.write(f"camera_file: {camera_file}\nmap_file: {wrong}\n"
+                           f"initial_pose: [{pose}]\n")
+            self.assert_runs(params=params, poses=self.path("poses.csv"), **options)
+            rows = csv.DictReader(read_text(self.path("poses.csv")).splitlines())
+            return next(iter(rows))["mode"]
+
+        self.assertEqual(first_mode(CAMERA, first_pose(), camera=None, initial_pose=None),
+                         "tracking")
+        self.assertEqual(first_mode(wrong, "100, 100, 0"), "tracking")
+
     def test_without_initial_pose_every_frame_has_a_row(self):
         self.assert_runs(initial_pose=None, poses=self.path("poses.csv"))
         rows = list(csv.DictReader(read_text(self.path("poses.csv")).splitlines()))

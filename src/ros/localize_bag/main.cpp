@@ -71,8 +71,9 @@ std::string stampText(const ros::Time& stamp) {
   return std::to_string(stamp.sec) + "." + std::to_string(stamp.nsec + 1000000000U).substr(1);
 }
 
-DescribedCamera cameraOf(const BagOptions& options, const BagInput& input) {
-  return options.camera.empty() ? input.describedCamera() : cameraFromFile(options.camera);
+DescribedCamera cameraOf(const LocalizerParameters& parameters, const BagInput& input) {
+  return parameters.camera_file.empty() ? input.describedCamera()
+                                        : cameraFromFile(parameters.camera_file);
 }
 
 /// Where it is asked for: the map file's text with the markers that mapping has added.
@@ -95,7 +96,7 @@ void run(const BagOptions& options) {
   const LocalizerParameters parameters = parametersOf(options);
   BagInput input(options.bag, options.image_topic);
   mountCamera(options, parameters, &input);
-  ImageLocalizer localizer(parameters, cameraOf(options, input));
+  ImageLocalizer localizer(parameters, cameraOf(parameters, input));
   ResultFiles files(options.trajectory, options.poses, options.detections);
   std::optional<ResultBag> output;
   if (!options.output.empty()) {

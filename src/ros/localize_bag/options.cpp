@@ -42,7 +42,7 @@ std::optional<BagOptions> parseOptions(int argc, char** argv) {
   po::options_description description("options");
   description.add_options()("help,h", "print this")(
       "camera", textOption(&options.camera, "C.yaml"),
-      "camera file; default: the bag's camera_info beside the images, of a fisheye")(
+      "camera file; default: that of --params, else the bag's camera_info of a fisheye")(
       "map", textOption(&options.map, "M.yaml")->required(), "marker map")(
       "bag", textOption(&options.bag, "IN.bag")->required(), "bag with images and transforms")(
       "trajectory", textOption(&options.trajectory, "OUT.tum")->required(),
@@ -52,7 +52,7 @@ std::optional<BagOptions> parseOptions(int argc, char** argv) {
       "initial-pose",
       po::value<std::string>()->value_name("X,Y,YAW")->notifier(
           [&options](const std::string& text) { options.initial_pose = parsePose(text); }),
-      "base_link in the map at the first image (m, rad); default: search")(
+      "base_link in the map at the first image (m, rad); default: that of --params, else search")(
       "odom-frame",
       po::value<std::string>()->value_name("F")->notifier(
           [&options](const std::string& frame) { options.odom_frame = frame; }),
@@ -86,9 +86,9 @@ LocalizerParameters parametersOf(const BagOptions& options) {
   if (!options.params.empty()) {
     parameters = readParameters(YamlReader::fromFile(options.params));
   }
-  parameters.camera_file = options.camera;
+  if (!options.camera.empty()) parameters.camera_file = options.camera;
   parameters.map_file = options.map;
-  parameters.initial_pose = options.initial_pose;
+  if (options.initial_pose) parameters.initial_pose = options.initial_pose;
   if (options.odom_frame) parameters.frames.odom = *options.odom_frame;
   if (!options.mapped.empty()) {
     parameters.mapping = true;
