@@ -1,5 +1,6 @@
 """localize_bag: its results, their formats, and what it says about bad input."""
 
+import copy
 import csv
 import os
 import subprocess
@@ -20,6 +21,7 @@ from harness import (BAG, PACKAGE, angle_between, raw_image, read_truth,  # noqa
 CAMERA = os.path.join(PACKAGE, "config", "cameras", "paper.yaml")
 MAP = os.path.join(PACKAGE, "maps", "paper.yaml")
 MANUAL = os.path.join(PACKAGE, "config", "localizer.yaml")
+MOUNTING = "0.1,0.02,1.1,3.14159265,0,0.52359878"  # as in the bag
 POSES_HEADER = ("stamp,x,y,yaw,cov_xx,cov_xy,cov_xyaw,cov_yy,cov_yyaw,cov_yawyaw,mode,"
                 "markers_used")
 DETECTIONS_HEADER = ("stamp,id,family,name,map_entry,accepted,reason,bearing,range,residual,"
@@ -222,6 +224,23 @@ class LocalizeBagTest(unittest.TestCase):
         self.assertIn("cannot be decoded", result.stderr)
         self.assertIn("unusable frames:   1", result.stdout)
         self.assertEqual(len(read_text(self.path("poses.csv")).splitlines()), 67)
+
+    def test_mounting_replaces_what_the_bag_says(self):
+        self.assert_runs(mounting=MOUNTING)
+        expected = read_text(self.path("out.tum"))
+        messages = read_bag(BAG)
+        mounting = next(message for topic, message, _ in messages if topic == "/tf_static")
+        mounting.transforms[0].transform.translation.x += 0.5
+        for parent in ("base_link", "mast"):
+            moving = [each for each in messages if each[0] != "/tf_static"]
+            for _, message, time in [each for each in moving if "image" in each[0]]:
+                transform = copy.deepcopy(mounting.transforms[0])
+                transform.header.stamp = message.header.stamp
+                transform.header.frame_id = parent
+                moving.append(("/tf", TFMessage([transform]), time))
+            self.assert_runs(bag=self.write_bag("moving.bag", moving), mounting=MOUNTING,
+                             image_topic="/camera/image")
+            self.assertEqual(read_text(self.path("out.tum")), expected)
 
     def test_missing_odometry_is_reported(self):
         result = self.assert_runs(odom_frame="odom")

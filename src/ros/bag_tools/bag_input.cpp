@@ -28,8 +28,8 @@ bool endsWith(const std::string& text, const std::string& ending) {
          text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
 }
 
-std::string withoutSlash(const std::string& topic) {
-  return topic.empty() || topic.front() != '/' ? topic : topic.substr(1);
+std::string withoutSlash(const std::string& name) {
+  return name.empty() || name.front() != '/' ? name : name.substr(1);
 }
 
 void open(const std::string& path, rosbag::Bag* bag) {
@@ -104,13 +104,13 @@ BagInput::BagInput(const std::string& path, const std::string& image_topic) : pa
   open(path, &bag_);
   image_topic_ = chooseImageTopic(path, bag_, image_topic);
   try {
-    loadTransforms();
+    loadTransforms("");
   } catch (const std::exception& error) {
     throw InputError(path + ": " + error.what());
   }
 }
 
-void BagInput::loadTransforms() {
+void BagInput::loadTransforms(const std::string& without_child) {
   const std::vector<std::string> topics = {"/tf", "/tf_static", "tf", "tf_static"};
   rosbag::View view(bag_, rosbag::TopicQuery(topics));
   // Nothing is forgotten, however far the stamps are apart.
@@ -120,6 +120,7 @@ void BagInput::loadTransforms() {
     const tf2_msgs::TFMessageConstPtr transforms = message.instantiate<tf2_msgs::TFMessage>();
     if (!transforms) continue;
     for (const geometry_msgs::TransformStamped& transform : transforms->transforms) {
+      if (withoutSlash(transform.child_frame_id) == without_child) continue;
       transforms_->setTransform(transform, "bag", endsWith(message.getTopic(), "tf_static"));
     }
   }
@@ -132,6 +133,8 @@ void BagInput::replaceMounting(const std::string& base_frame,
   transform.header.frame_id = base_frame;
   transform.child_frame_id = grayImageOf(*view.begin())->header.frame_id;
   transform.transform = toMessage(base_from_camera);
+  // tf2 would go on with what the bag's /tf says of the frame.
+  loadTransforms(withoutSlash(transform.child_frame_id));
   if (!transforms_->setTransform(transform, "option", true)) {
     throw InputError(path_ + ": cannot replace the mounting of '" + transform.child_frame_id +
                      "' on '" + base_frame + "'");

@@ -37,7 +37,8 @@ class BagInput {
   static cv_bridge::CvImageConstPtr grayImageOf(const rosbag::MessageInstance& message);
 
  private:
-  void loadTransforms();
+  /// All but those to one frame, if it is named.
+  void loadTransforms(const std::string& without_child);
 
   std::string path_;
   rosbag::Bag bag_;
