@@ -217,13 +217,17 @@ class LocalizeBagTest(unittest.TestCase):
 
     def test_skips_images_that_are_no_images(self):
         messages = read_bag(BAG)
-        torn = [i for i, (topic, _, _) in enumerate(messages) if "image" in topic][10]
+        first, torn = [i for i, (topic, _, _) in enumerate(messages) if "image" in topic][:11:10]
         messages[torn][1].data = messages[torn][1].data[:40]
         result = self.assert_runs(bag=self.write_bag("torn.bag", messages),
                                   poses=self.path("poses.csv"))
         self.assertIn("cannot be decoded", result.stderr)
         self.assertIn("unusable frames:   1", result.stdout)
         self.assertEqual(len(read_text(self.path("poses.csv")).splitlines()), 67)
+
+        messages[first][1].data = b"123"
+        result = self.assert_runs(bag=self.write_bag("torn.bag", messages), mounting=MOUNTING)
+        self.assertIn("unusable frames:   2", result.stdout)
 
     def test_mounting_replaces_what_the_bag_says(self):
         self.assert_runs(mounting=MOUNTING)

@@ -6,6 +6,7 @@
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/CompressedImage.h>
 #include <sensor_msgs/Image.h>
+#include <std_msgs/Header.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include <algorithm>
@@ -98,6 +99,15 @@ std::string chooseImageTopic(const std::string& path, const rosbag::Bag& bag,
                    wanted + "'");
 }
 
+/// Of an image message.
+std_msgs::Header headerOf(const rosbag::MessageInstance& message) {
+  if (const auto raw = message.instantiate<sensor_msgs::Image>()) return raw->header;
+  if (const auto compressed = message.instantiate<sensor_msgs::CompressedImage>()) {
+    return compressed->header;
+  }
+  return {};
+}
+
 }  // namespace
 
 BagInput::BagInput(const std::string& path, const std::string& image_topic) : path_(path) {
@@ -128,10 +138,9 @@ void BagInput::loadTransforms(const std::string& without_child) {
 
 void BagInput::replaceMounting(const std::string& base_frame,
                                const Eigen::Isometry3d& base_from_camera) {
-  rosbag::View view(bag_, rosbag::TopicQuery(image_topic_));
   geometry_msgs::TransformStamped transform;
   transform.header.frame_id = base_frame;
-  transform.child_frame_id = grayImageOf(*view.begin())->header.frame_id;
+  transform.child_frame_id = cameraFrame();
   transform.transform = toMessage(base_from_camera);
   // tf2 would go on with what the bag's /tf says of the frame.
   loadTransforms(withoutSlash(transform.child_frame_id));
@@ -139,6 +148,17 @@ void BagInput::replaceMounting(const std::string& base_frame,
     throw InputError(path_ + ": cannot replace the mounting of '" + transform.child_frame_id +
                      "' on '" + base_frame + "'");
   }
+}
+
+// Of the headers alone: an image that cannot be decoded is told of when it is its turn.
+std::string BagInput::cameraFrame() const {
+  rosbag::View view(bag_, rosbag::TopicQuery(image_topic_));
+  for (const rosbag::MessageInstance& message : view) {
+    const std_msgs::Header header = headerOf(message);
+    if (!header.frame_id.empty()) return header.frame_id;
+  }
+  throw InputError(path_ + ": " + image_topic_ +
+                   ": expected images with a header.frame_id, found none");
 }
 
 DescribedCamera BagInput::describedCamera() const {

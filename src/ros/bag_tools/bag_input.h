@@ -37,6 +37,8 @@ class BagInput {
   static cv_bridge::CvImageConstPtr grayImageOf(const rosbag::MessageInstance& message);
 
  private:
+  /// The first that an image names. Throws InputError where none does.
+  std::string cameraFrame() const;
   /// All but those to one frame, if it is named.
   void loadTransforms(const std::string& without_child);
 
