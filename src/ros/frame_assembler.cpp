@@ -31,6 +31,18 @@ FrameAssembler::FrameAssembler(std::string camera_origin, const ImageSize& image
       image_size_(image_size),
       frames_(std::move(frames)) {}
 
+void FrameAssembler::check(const cv_bridge::CvImage& image) const {
+  if (image.header.stamp.isZero()) throw InputError("the image's header.stamp is zero");
+  if (image.header.frame_id.empty()) {
+    throw InputError("the image's header.frame_id is empty; expected the camera's optical frame");
+  }
+  const ImageSize size{image.image.cols, image.image.rows};
+  if (size.width != image_size_.width || size.height != image_size_.height) {
+    throw InputError("the image has " + describe(size) + ", expected " + describe(image_size_) +
+                     " as " + camera_origin_ + " says");
+  }
+}
+
 bool FrameAssembler::hasTransforms(const std_msgs::Header& header,
                                    const tf2::BufferCore& transforms) const {
   return transforms.canTransform(frames_.base, header.frame_id, header.stamp) &&
@@ -40,20 +52,10 @@ bool FrameAssembler::hasTransforms(const std_msgs::Header& header,
 
 AssembledFrame FrameAssembler::assemble(const cv_bridge::CvImageConstPtr& image,
                                         const tf2::BufferCore& transforms) const {
+  check(*image);
   AssembledFrame assembled;
   assembled.header = image->header;
   assembled.image = image;
-
-  if (image->header.stamp.isZero()) throw InputError("the image's header.stamp is zero");
-  if (image->header.frame_id.empty()) {
-    throw InputError("the image's header.frame_id is empty; expected the camera's optical frame");
-  }
-  const ImageSize size{image->image.cols, image->image.rows};
-  if (size.width != image_size_.width || size.height != image_size_.height) {
-    throw InputError("the image has " + describe(size) + ", expected " + describe(image_size_) +
-                     " as " + camera_origin_ + " says");
-  }
-
   assembled.frame.stamp = image->header.stamp.toSec();
   assembled.frame.image = image->image;
   assembled.frame.base_from_camera =

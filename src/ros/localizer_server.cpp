@@ -124,7 +124,9 @@ void LocalizerServer::onImage(const ReceivedImage& received) {
     for (const Request& request : std::exchange(requests_, {})) request(&localizer_);
   }
   const cv_bridge::CvImageConstPtr image = received.decode();
-  waitForTransforms(received.header);
+  // Of an image without a frame or of another size, tf need not be asked.
+  localizer_.assembler().check(*image);
+  waitForTransforms(image->header);
   const std::optional<LocalizedImage> localized = localizer_.localize(
       image, transforms_.buffer(), debug_image_publisher_.getNumSubscribers() > 0);
   if (localized) {

@@ -3,6 +3,7 @@
 
 import copy
 import sys
+import time
 import unittest
 from xmlrpc.client import ServerProxy
 
@@ -169,6 +170,16 @@ class FaultsTest(unittest.TestCase):
             self.harness.publish_any(image)
             self.expect_tracking()
             self.expect_no_pose_at(image.header.stamp)
+
+        # Nobody waits for the transform of what is refused anyway.
+        unnamed = self.between_images()
+        unnamed.header.frame_id = ""
+        start = time.monotonic()
+        self.harness.publish_any(unnamed)
+        self.expect_tracking()
+        self.assertLess(time.monotonic() - start,
+                        rospy.get_param("/first/localizer/transform_timeout"))
+        self.expect_no_pose_at(unnamed.header.stamp)
 
     def test_05_padded_rows(self):
         for padding in (1, 12, 500):

@@ -101,5 +101,15 @@ TEST_F(FrameAssemblerTest, RefusesImagesThatAreNotOfThisCamera) {
   EXPECT_NE(refusal(unstamped).find("header.stamp is zero"), std::string::npos);
 }
 
+TEST_F(FrameAssemblerTest, ChecksAnImageWithoutTransforms) {
+  transforms_.clear();
+  const FrameAssembler assembler("camera.yaml", {40, 30}, frames_);
+  const auto input = image(40, 30);
+  EXPECT_NO_THROW(assembler.check(*input));
+  EXPECT_THROW(assembler.check(*image(30, 40)), InputError);
+  input->header.frame_id = "";
+  EXPECT_THROW(assembler.check(*input), InputError);
+}
+
 }  // namespace
 }  // namespace omnitag

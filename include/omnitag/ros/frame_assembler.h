@@ -39,12 +39,14 @@ class FrameAssembler {
   /// Images must be as large as the camera file says.
   FrameAssembler(std::string camera_origin, const ImageSize& image_size, FrameNames frames);
 
+  /// Throws InputError for an image of another size or without a stamp or frame_id.
+  void check(const cv_bridge::CvImage& image) const;
+
   /// Whether tf has all that `assemble` looks up for such an image.
   bool hasTransforms(const std_msgs::Header& header, const tf2::BufferCore& transforms) const;
 
-  /// Throws InputError for an image of another size or without a stamp or frame_id, and
-  /// TransformError where the camera's mounting is not known at the stamp. A frame without its
-  /// odometry is still a frame.
+  /// Throws what `check` throws, and TransformError where the camera's mounting is not known at the
+  /// stamp. A frame without its odometry is still a frame.
   AssembledFrame assemble(const cv_bridge::CvImageConstPtr& image,
                           const tf2::BufferCore& transforms) const;
 
