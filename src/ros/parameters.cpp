@@ -48,8 +48,8 @@ LocalizerParameters readParameters(const YamlReader& reader) {
                     "path_max_poses", "robot_radius", "visibility", "view", "detector",
                     "association", "recognition", "estimation", "look_around", "relocalization",
                     "motion", "threads", "estimator", "mapping", "mapper",
-                    // Read by others in the same namespace: diagnostic_updater and nodelet.
-                    "diagnostic_period", "num_worker_threads"});
+                    // Read by nodelet in the same namespace.
+                    "num_worker_threads"});
   LocalizerParameters parameters;
   reader.read("camera_file", &parameters.camera_file);
   reader.read("map_file", &parameters.map_file);

@@ -45,7 +45,7 @@ std::set<std::string> keysOf(const YAML::Node& mapping) {
 TEST(Parameters, ManualNamesEveryParameter) {
   const YAML::Node manual = YAML::LoadFile(kManual);
   std::set<std::string> expected = knownKeys("no_such_key: 1");
-  for (const char* key : {"camera_file", "map_file", "diagnostic_period", "num_worker_threads"}) {
+  for (const char* key : {"camera_file", "map_file", "num_worker_threads"}) {
     expected.erase(key);
   }
   EXPECT_EQ(keysOf(manual), expected);
