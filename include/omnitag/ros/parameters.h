@@ -38,7 +38,7 @@ struct LocalizerParameters {
   double transform_timeout = 0.1;
   /// s by which map -> odom is stamped later than the image, so that it is valid until the next.
   double transform_tolerance = 0.1;
-  /// s of wall time between repetitions of map -> odom where images give none.
+  /// s of ROS's clock between repetitions of map -> odom where images give none.
   double transform_period = 0.05;
   /// s by which stamps may step back before time counts as set back and the localizer starts anew;
   /// images that are late by less are dropped.
