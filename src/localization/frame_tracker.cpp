@@ -1,9 +1,7 @@
 #include "frame_tracker.h"
 
 #include <algorithm>
-#include <iterator>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 #include "omnitag/common/parallel.h"
@@ -44,13 +42,13 @@ constexpr double kVague = 0.01;
 
 FrameTracker::FrameTracker(const TrackingTools& tools, const Frame& frame,
                            const MountedCamera& camera, const PoseEstimate& predicted,
-                           std::optional<std::size_t> glance, FrameResult* result)
+                           std::optional<std::size_t> turn, FrameResult* result)
     : tools_(tools),
       frame_(frame),
       camera_(camera),
       predicted_(predicted),
-      glance_(glance),
-      prior_(glance ? predicted : vague(predicted.pose)),
+      turn_(turn),
+      prior_(turn ? predicted : vague(predicted.pose)),
       result_(result),
       sightings_(result->predicted.size()) {}
 
@@ -62,17 +60,17 @@ std::optional<PoseEstimate> FrameTracker::track() {
     if (found() < kFirst) {
       std::vector<std::size_t> anchors = undecoded();
       anchors.resize(std::min(anchors.size(), kAnchors));
-      decode(anchors, glance_ ? kAnySize : largestInDoubt(frame_.image));
+      decode(anchors, turn_ ? kAnySize : largestInDoubt(frame_.image));
     }
     solve();
     findOthers();
     // What was found first may have been moved as one, and has drawn what was found after it.
-    if (glance_ && isDoubtful()) lookAgain(predicted_.pose);
+    if (turn_ && isDoubtful()) lookAgain(predicted_.pose);
     if (isDoubtful()) lookAgain(solution_->map_from_base.pose);
   }
   std::vector<std::size_t> rest = undecoded();
-  if (recognizes && !glance_) rest.clear();
-  if (glance_ && found() >= kEnough && !rest.empty()) rest = {rest[*glance_ % rest.size()]};
+  if (recognizes && !turn_) rest.clear();
+  if (turn_ && found() >= kEnough && !rest.empty()) rest = {rest[*turn_ % rest.size()]};
   if (!rest.empty()) {
     const std::size_t before = found();
     const bool was_vague = !solution_ || positionDeviation(solution_->map_from_base) > kVague;
@@ -159,8 +157,8 @@ bool FrameTracker::isDoubtful() const {
     // Those that were not found may be hidden. But where the pose is a surprise, or the prediction
     // too vague for any to be one, they may as well be where another pose has them.
     constexpr double kHardlyKnown = 0.05;  // m
-    const bool may_be_elsewhere = glance_ && (positionDeviation(predicted_) > kHardlyKnown ||
-                                              !agree(solution_->map_from_base, predicted_));
+    const bool may_be_elsewhere = turn_ && (positionDeviation(predicted_) > kHardlyKnown ||
+                                            !agree(solution_->map_from_base, predicted_));
     return may_be_elsewhere && !isLargeMajority(agreeing, sightings_.size());
   }
   constexpr double kFar = 0.02;  // m and rad
@@ -205,19 +203,18 @@ void FrameTracker::decode(const std::vector<std::size_t>& targets, double max_pi
     for (const std::size_t target : view.targets) sightings_[target].was_decoded = true;
   }
   result_->timings.predict += step.lap();
-  // Views overlap: what one of them shows may have been expected in another.
-  std::vector<std::size_t> all(result_->predicted.size());
-  std::iota(all.begin(), all.end(), 0U);
+  // Views overlap: what one of them shows may have been expected in another, or be seen there, too.
   for (const MarkerReading& reading : readViews(tools_, frame_.image, std::move(views), result_)) {
     const Association association =
-        associate(reading, result_->predicted, all, tools_.map, tools_.config.association);
+        associate(reading, result_->predicted, tools_.map, tools_.config.association);
     if (association.prediction) {
       Sighting& sighting = sightings_[*association.prediction];
       const std::size_t entry = result_->predicted[*association.prediction].map_entry;
       if (!sighting.observation) sighting.observation = {entry, reading.corners, reading.center};
-    } else {
-      strangers_.push_back(toDetection(reading));
-      strangers_.back().reason = association.reason;
+    } else if (std::none_of(strangers_.begin(), strangers_.end(), [&](const Stranger& other) {
+                 return areOfOneMarker(other.reading, reading);
+               })) {
+      strangers_.push_back({reading, association.reason});
     }
   }
 }
@@ -280,7 +277,10 @@ void FrameTracker::report() {
     }
     result_->detections.push_back(std::move(detection));
   }
-  std::move(strangers_.begin(), strangers_.end(), std::back_inserter(result_->detections));
+  for (Stranger& stranger : strangers_) {
+    result_->detections.push_back(toDetection(stranger.reading));
+    result_->detections.back().reason = std::move(stranger.reason);
+  }
 }
 
 void FrameTracker::addViews() {

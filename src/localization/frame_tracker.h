@@ -16,14 +16,13 @@ namespace omnitag {
 /// to the frame's result.
 class FrameTracker {
  public:
-  /// All must outlive the tracker. `result->predicted` holds what is to be found. `glance` is
+  /// All must outlive the tracker. `result->predicted` holds what is to be found. `turn` is
   /// counted up from frame to frame: of the markers that were not found though the pose is certain,
   /// it says which one is looked at with the decoder, to see what is there instead. Without it, as
   /// for a prediction that readings of the same frame gave, the pose is that of the markers alone,
   /// and few are decoded where they can be recognized.
   FrameTracker(const TrackingTools& tools, const Frame& frame, const MountedCamera& camera,
-               const PoseEstimate& predicted, std::optional<std::size_t> glance,
-               FrameResult* result);
+               const PoseEstimate& predicted, std::optional<std::size_t> turn, FrameResult* result);
 
   /// The pose; nothing where no marker agrees with any.
   std::optional<PoseEstimate> track();
@@ -33,6 +32,11 @@ class FrameTracker {
   struct Sighting {
     std::optional<MarkerObservation> observation;
     bool was_decoded = false;
+  };
+  /// What was decoded and is none of the predicted markers, and why.
+  struct Stranger {
+    MarkerReading reading;
+    std::string reason;
   };
 
   /// Looks for the patterns of the markers that were not found, the largest first, until so many
@@ -73,13 +77,13 @@ class FrameTracker {
   const Frame& frame_;
   const MountedCamera& camera_;
   const PoseEstimate& predicted_;
-  std::optional<std::size_t> glance_;
+  std::optional<std::size_t> turn_;
   /// What is known of the pose beside what is found.
   PoseEstimate prior_;
   FrameResult* result_;
   std::vector<Sighting> sightings_;
-  /// What was decoded and is none of the predicted markers.
-  std::vector<MarkerDetection> strangers_;
+  /// Each once.
+  std::vector<Stranger> strangers_;
   std::optional<PoseSolution> solution_;
   /// Indices of the sightings that the solution is based on, in the order of its residuals.
   std::vector<std::size_t> observed_;

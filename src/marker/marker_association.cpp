@@ -48,12 +48,11 @@ AssociationConfig readAssociationConfig(const YamlReader& reader) {
 }
 
 Association associate(const MarkerReading& reading, const std::vector<PredictedMarker>& predictions,
-                      const std::vector<std::size_t>& candidates, const MarkerMap& map,
-                      const AssociationConfig& config) {
+                      const MarkerMap& map, const AssociationConfig& config) {
   Association association;
   association.reason = "not expected here";
   double nearest = std::numeric_limits<double>::infinity();
-  for (const std::size_t index : candidates) {
+  for (std::size_t index = 0; index < predictions.size(); ++index) {
     const PredictedMarker& prediction = predictions[index];
     const Marker& marker = map.markers[prediction.map_entry];
     if (marker.id != reading.id || marker.family != reading.family) continue;
@@ -72,7 +71,7 @@ Association associate(const MarkerReading& reading, const std::vector<PredictedM
     } else if (scale > config.max_scale || scale * config.max_scale < 1.0) {
       reason = format("%.2f times the expected size", scale);
     }
-    // A candidate that fits beats all that do not.
+    // A prediction that fits beats all that do not.
     const bool fits = reason.empty();
     if (association.prediction ? fits && offset < nearest : fits || offset < nearest) {
       nearest = offset;

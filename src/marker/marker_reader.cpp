@@ -88,6 +88,12 @@ std::optional<MarkerReading> inPanorama(const TagDetection& tag, const View& vie
   return reading;
 }
 
+bool areOfOneMarker(const MarkerReading& a, const MarkerReading& b) {
+  constexpr double kShareOfEdge = 0.25;
+  return a.id == b.id && a.family == b.family &&
+         (a.center - b.center).norm() < kShareOfEdge * meanEdge(a.corners);
+}
+
 std::vector<MarkerReading> withoutRepetitions(const std::vector<MarkerReading>& readings,
                                               const std::vector<View>& views,
                                               const ViewWarper& warper) {
@@ -97,15 +103,10 @@ std::vector<MarkerReading> withoutRepetitions(const std::vector<MarkerReading>& 
     return position ? std::abs(position->x() - 0.5 * view.size.width)
                     : std::numeric_limits<double>::infinity();
   };
-  const auto isSame = [](const MarkerReading& a, const MarkerReading& b) {
-    constexpr double kShareOfEdge = 0.25;
-    return a.id == b.id && a.family == b.family &&
-           (a.center - b.center).norm() < kShareOfEdge * meanEdge(a.corners);
-  };
   std::vector<MarkerReading> kept;
   for (const MarkerReading& reading : readings) {
     const auto twin = std::find_if(kept.begin(), kept.end(), [&](const MarkerReading& other) {
-      return isSame(other, reading);
+      return areOfOneMarker(other, reading);
     });
     if (twin == kept.end()) {
       kept.push_back(reading);

@@ -132,6 +132,23 @@ TEST_P(FrameTrackerTest, AMarkerThatHangsALittleElsewhereIsNotAccepted) {
   EXPECT_LT(test::positionError(result.map_from_base->pose, truth()), 2e-3);
 }
 
+TEST_P(FrameTrackerTest, ATurnedMarkerThatTwoViewsShowIsReportedOnce) {
+  MarkerMap map = ring();
+  const double beside = 0.35;
+  map.markers.push_back(
+      test::wallMarker(50, {3.5 * std::cos(beside), 3.5 * std::sin(beside), 1.0}, beside + kPi));
+  MarkerMap seen = map;
+  seen.markers[0].map_from_marker.rotate(Eigen::AngleAxisd(kPi / 2.0, Eigen::Vector3d::UnitZ()));
+  LocalizerConfig config = decoding();
+  config.view.max_merged_half_width = 0.0;
+  const FrameResult result = track(seen, map, nearby(0.1, radians(9.0)), config);
+  ASSERT_EQ(result.mode, Mode::kTracking);
+  const auto reported = std::count_if(
+      result.detections.begin(), result.detections.end(),
+      [](const MarkerDetection& detection) { return detection.id == 0 && !detection.accepted; });
+  EXPECT_EQ(reported, 1);
+}
+
 TEST_P(FrameTrackerTest, ShowsAViewOfEveryPredictedMarkerToWhoWantsThem) {
   MarkerMap map = ring();
   map.markers[2].size = 0.26;

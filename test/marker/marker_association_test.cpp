@@ -37,8 +37,8 @@ class AssociationTest : public testing::Test {
 
   Association match(int id, const Eigen::Vector2d& center, double edge = 40.0, double roll = 0.0,
                     const std::string& family = "tag36h11") const {
-    return associate({family, id, 0, square(center, edge, roll), center, 0}, predictions_,
-                     {0, 1, 2}, map_, {});
+    return associate({family, id, 0, square(center, edge, roll), center, 0}, predictions_, map_,
+                     {});
   }
 
   MarkerMap map_;
@@ -77,12 +77,6 @@ TEST_F(AssociationTest, RefusesAnotherRoll) {
   EXPECT_FALSE(turned.prediction);
   EXPECT_NE(turned.reason.find("90 degrees"), std::string::npos) << turned.reason;
   EXPECT_FALSE(match(6, {100, 100}, 40.0, kPi).prediction);
-}
-
-TEST_F(AssociationTest, OnlyCandidatesCount) {
-  const Association association = associate(
-      {"tag36h11", 5, 0, square({100, 100}, 40), {100, 100}, 0}, predictions_, {1, 2}, map_, {});
-  EXPECT_EQ(association.prediction, std::nullopt);
 }
 
 }  // namespace

@@ -32,10 +32,9 @@ struct Association {
   std::string reason;
 };
 
-/// Compares a reading with the predictions at `candidates`: the same family and id, near where it
-/// was expected, at the size and the roll expected. Of several that fit, the nearest.
+/// Compares a reading with predictions: the same family and id, near where it was expected, at the
+/// size and the roll expected. Of several that fit, the nearest.
 Association associate(const MarkerReading& reading, const std::vector<PredictedMarker>& predictions,
-                      const std::vector<std::size_t>& candidates, const MarkerMap& map,
-                      const AssociationConfig& config);
+                      const MarkerMap& map, const AssociationConfig& config);
 
 }  // namespace omnitag

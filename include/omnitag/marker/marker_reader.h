@@ -64,6 +64,10 @@ class MarkerReader {
   std::vector<TagDetector> detectors_;
 };
 
+/// Whether two readings are of one marker that two views show: the same family and id, nearly at
+/// the same place of the panorama.
+bool areOfOneMarker(const MarkerReading& a, const MarkerReading& b);
+
 /// Readings of overlapping views without repetitions: of the same marker read twice, the one that
 /// is nearer to the middle of its view stays.
 std::vector<MarkerReading> withoutRepetitions(const std::vector<MarkerReading>& readings,
