@@ -44,14 +44,14 @@ void MotionModel::reset(const PoseEstimate& map_from_base, double stamp,
   covariance_.diagonal().tail<3>() << speed * speed, speed * speed, turn_rate * turn_rate;
   stamp_ = stamp;
   corrected_stamp_ = stamp;
-  moved_by_odometry_ = false;
+  known_stamp_ = stamp;
   odom_from_base_ = odom_from_base;
 }
 
 PoseEstimate MotionModel::predict(double stamp, const std::optional<Pose2>& odom_from_base) {
-  moved_by_odometry_ = odom_from_base_.has_value() && odom_from_base.has_value();
-  if (moved_by_odometry_) {
+  if (odom_from_base_ && odom_from_base) {
     moveByOdometry(inverse(*odom_from_base_) * *odom_from_base);
+    known_stamp_ = stamp;
   } else {
     moveByVelocity(stamp - stamp_);
   }
@@ -77,6 +77,7 @@ void MotionModel::correct(const PoseEstimate& map_from_base) {
   covariance_.bottomRightCorner<3, 3>() =
       0.5 * (velocity_covariance + velocity_covariance.transpose());
   corrected_stamp_ = stamp_;
+  known_stamp_ = stamp_;
 }
 
 bool MotionModel::isTrustworthy() const {
@@ -85,7 +86,7 @@ bool MotionModel::isTrustworthy() const {
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(position_covariance).eigenvalues()(1);
   const bool is_certain = std::sqrt(position_variance) <= config_.max_position_deviation &&
                           std::sqrt(covariance_(2, 2)) <= config_.max_heading_deviation;
-  const bool is_fresh = moved_by_odometry_ || uncorrectedTime() <= config_.max_dead_reckoning_time;
+  const bool is_fresh = stamp_ - known_stamp_ <= config_.max_dead_reckoning_time;
   return is_certain && is_fresh;
 }
 
@@ -109,7 +110,6 @@ void MotionModel::moveByOdometry(const Pose2& motion) {
   const double corrected_stamp = corrected_stamp_;
   reset({moved, pose_covariance}, stamp_, odom_from_base_);
   corrected_stamp_ = corrected_stamp;
-  moved_by_odometry_ = true;
 }
 
 void MotionModel::moveByVelocity(double interval) {

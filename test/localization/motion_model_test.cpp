@@ -87,5 +87,18 @@ TEST(MotionModelTest, WithoutOdometryItIsTrustedForASecond) {
   EXPECT_FALSE(motion.isTrustworthy());
 }
 
+TEST(MotionModelTest, OdometryThatIsMissingOnceDoesNotEndAPose) {
+  MotionModel motion{{}};
+  motion.reset(certain({}), 0.0, Pose2{});
+  for (int i = 1; i <= 50; ++i) motion.predict(0.1 * i, Pose2{});
+  motion.predict(5.1, std::nullopt);
+  EXPECT_TRUE(motion.isTrustworthy());
+  motion.predict(5.2, Pose2{});
+  motion.predict(5.3, Pose2{});
+  EXPECT_TRUE(motion.isTrustworthy());
+  for (int i = 1; i <= 11; ++i) motion.predict(5.3 + 0.1 * i, std::nullopt);
+  EXPECT_FALSE(motion.isTrustworthy());
+}
+
 }  // namespace
 }  // namespace omnitag

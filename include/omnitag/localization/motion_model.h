@@ -26,7 +26,7 @@ struct MotionModelConfig {
   /// m and rad: of a pose that is given without a covariance.
   double initial_position_deviation = 0.1;
   double initial_heading_deviation = radians(5.0);
-  /// s: without odometry, how long a pose is carried on without a marker.
+  /// s, how long a pose is carried on with neither a marker nor odometry.
   double max_dead_reckoning_time = 1.0;
   /// m and rad: a pose that is less certain than this is given up.
   double max_position_deviation = 0.5;
@@ -73,7 +73,8 @@ class MotionModel {
   Covariance covariance_ = Covariance::Zero();
   double stamp_ = 0.0;
   double corrected_stamp_ = 0.0;
-  bool moved_by_odometry_ = false;
+  /// When a correction, a start or odometry last told where the robot is.
+  double known_stamp_ = 0.0;
   std::optional<Pose2> odom_from_base_;
 };
 
