@@ -1,6 +1,7 @@
 #include "frame_search.h"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -8,6 +9,56 @@
 #include "omnitag/localization/look_around.h"
 
 namespace omnitag {
+namespace {
+
+/// The markers in sight of a pose that were not decoded, as far as they are recognized.
+std::vector<MarkerObservation> recognizeUndecoded(const TrackingTools& tools, const Frame& frame,
+                                                  const MountedCamera& camera,
+                                                  const PoseEstimate& found,
+                                                  const std::vector<std::size_t>& decoded,
+                                                  const FrameResult& result) {
+  // What was read beside its place is not to be recognized there after all.
+  const auto wasRejected = [&result](const Marker& marker) {
+    return std::any_of(result.detections.begin(), result.detections.end(),
+                       [&marker](const MarkerDetection& detection) {
+                         return !detection.accepted && detection.id == marker.id &&
+                                detection.family == marker.family;
+                       });
+  };
+  std::vector<MarkerObservation> recognized;
+  for (const PredictedMarker& marker :
+       predictMarkers(tools.map, tools.index, camera, found, tools.config.visibility)) {
+    if (std::find(decoded.begin(), decoded.end(), marker.map_entry) != decoded.end() ||
+        wasRejected(tools.map.markers[marker.map_entry])) {
+      continue;
+    }
+    const auto observation = recognizeMarker(tools, frame.image, camera, marker.map_entry, found);
+    if (observation) recognized.push_back(*observation);
+  }
+  return recognized;
+}
+
+/// A pose aligned with the pixels of all; nothing where it is not that of the decoded ones, or one
+/// that was recognized is off it.
+std::optional<PoseEstimate> alignWithAll(const TrackingTools& tools, const Frame& frame,
+                                         const MountedCamera& camera, const PoseEstimate& found,
+                                         const std::vector<std::size_t>& decoded,
+                                         const std::vector<MarkerObservation>& recognized,
+                                         const std::optional<PoseEstimate>& prior) {
+  if (recognized.empty()) return std::nullopt;
+  std::vector<std::size_t> entries = decoded;
+  for (const MarkerObservation& observation : recognized) entries.push_back(observation.map_entry);
+  const auto aligned = alignWithPixels(tools, frame.image, camera, entries, found.pose, prior);
+  if (!aligned || !agree(*aligned, found)) return std::nullopt;
+  const std::vector<double> residuals =
+      reprojectionResiduals(tools.map, camera, recognized, aligned->pose);
+  for (std::size_t k = 0; k < recognized.size(); ++k) {
+    if (residuals[k] > residualLimit(recognized[k], tools.config)) return std::nullopt;
+  }
+  return aligned;
+}
+
+}  // namespace
 
 std::vector<View> viewsToSearch(const TrackingTools& tools, const MountedCamera& camera) {
   const LocalizerConfig& config = tools.config;
@@ -43,7 +94,6 @@ std::vector<std::size_t> addDetections(const TrackingTools& tools,
   for (std::size_t i = 0; i < readings.size(); ++i) {
     MarkerDetection detection = toDetection(readings[i]);
     detection.map_entry = found.entries[i];
-    detection.residual = found.residuals[i];
     detection.accepted = found.entries[i].has_value();
     if (entriesOf(tools.map, detection.family, detection.id).empty()) {
       detection.reason = whyUnknown(tools.config);
@@ -75,47 +125,33 @@ int contradictions(const FrameResult& result, const MarkerMap& map) {
       }));
 }
 
+void setResiduals(const MarkerMap& map, const MountedCamera& camera, FrameResult* result) {
+  for (MarkerDetection& detection : result->detections) {
+    if (!detection.map_entry || !result->map_from_base) {
+      detection.residual = std::numeric_limits<double>::quiet_NaN();
+      continue;
+    }
+    const MarkerObservation observation{*detection.map_entry, detection.corners, detection.center};
+    detection.residual =
+        reprojectionResiduals(map, camera, {observation}, result->map_from_base->pose).front();
+  }
+}
+
 PoseEstimate withUndecoded(const TrackingTools& tools, const Frame& frame,
                            const MountedCamera& camera, const PoseEstimate& found,
                            const std::vector<std::size_t>& decoded,
                            const std::optional<PoseEstimate>& prior, FrameResult* result) {
   if (tools.config.estimation.kind != EstimatorKind::kPhotometric) return found;
   Stopwatch step;
-  std::vector<std::size_t> entries = decoded;
-  std::vector<MarkerObservation> recognized;
-  // What was read beside its place is not to be recognized there after all.
-  const auto wasRejected = [result](const Marker& marker) {
-    return std::any_of(result->detections.begin(), result->detections.end(),
-                       [&marker](const MarkerDetection& detection) {
-                         return !detection.accepted && detection.id == marker.id &&
-                                detection.family == marker.family;
-                       });
-  };
-  for (const PredictedMarker& marker :
-       predictMarkers(tools.map, tools.index, camera, found, tools.config.visibility)) {
-    if (std::find(decoded.begin(), decoded.end(), marker.map_entry) != decoded.end() ||
-        wasRejected(tools.map.markers[marker.map_entry])) {
-      continue;
-    }
-    const auto observation = recognizeMarker(tools, frame.image, camera, marker.map_entry, found);
-    if (!observation) continue;
-    recognized.push_back(*observation);
-    entries.push_back(marker.map_entry);
-  }
+  const std::vector<MarkerObservation> recognized =
+      recognizeUndecoded(tools, frame, camera, found, decoded, *result);
   result->timings.recognize += step.lap();
-  if (recognized.empty()) return found;
-  const auto aligned = alignWithPixels(tools, frame.image, camera, entries, found.pose, prior);
-  if (!aligned || !agree(*aligned, found)) return found;
-  const std::vector<double> residuals =
-      reprojectionResiduals(tools.map, camera, recognized, aligned->pose);
-  for (std::size_t k = 0; k < recognized.size(); ++k) {
-    if (residuals[k] > residualLimit(recognized[k], tools.config)) return found;
-  }
-  for (std::size_t k = 0; k < recognized.size(); ++k) {
-    MarkerDetection detection =
-        toDetection(recognized[k], tools.map.markers[recognized[k].map_entry]);
+  const auto aligned = alignWithAll(tools, frame, camera, found, decoded, recognized, prior);
+  result->timings.solve += step.lap();
+  if (!aligned) return found;
+  for (const MarkerObservation& observation : recognized) {
+    MarkerDetection detection = toDetection(observation, tools.map.markers[observation.map_entry]);
     detection.accepted = true;
-    detection.residual = residuals[k];
     result->detections.push_back(std::move(detection));
   }
   return *aligned;

@@ -32,6 +32,9 @@ bool isInPlace(const MarkerReading& reading, const TrackingTools& tools,
 /// How many detections are of the map's markers and yet not accepted.
 int contradictions(const FrameResult& result, const MarkerMap& map);
 
+/// Sets how far the markers are from where the frame's pose has them; NaN without one.
+void setResiduals(const MarkerMap& map, const MountedCamera& camera, FrameResult* result);
+
 /// A pose that a search found by the markers at the entries `decoded`, made more exact by those
 /// that no view around was right to decode: they are recognized where it has them.
 PoseEstimate withUndecoded(const TrackingTools& tools, const Frame& frame,

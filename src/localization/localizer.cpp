@@ -208,9 +208,13 @@ bool Localizer::isElsewhere(const Frame& frame, const MountedCamera& camera,
   if (!is_weak || frame.stamp < next_doubt_) return false;
   next_doubt_ = frame.stamp + config_.recognition.period;
   FrameResult around;
-  const Relocalization found = relocalize(
-      map_, camera, lookAround(trackingTools(), frame, camera, &around),
-      config_.estimation.reprojection, config_.estimation.max_residual, config_.relocalization);
+  around.timings = result->timings;
+  const std::vector<MarkerReading> readings = lookAround(trackingTools(), frame, camera, &around);
+  Stopwatch step;
+  const Relocalization found = relocalize(map_, camera, readings, config_.estimation.reprojection,
+                                          config_.estimation.max_residual, config_.relocalization);
+  result->timings = around.timings;
+  result->timings.solve += step.lap();
   result->explored = std::move(around.explored);
   const auto explained = std::count_if(found.entries.begin(), found.entries.end(),
                                        [](const auto& entry) { return entry.has_value(); });
@@ -313,7 +317,9 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
       // enough to align pixels with: corners bear more.
       pose = aligned && agree(*aligned, pose) ? *aligned
                                               : standingOnCorners(pose, explaining.size(), config_);
+      result->timings.solve += step.lap();
       pose = withUndecoded(trackingTools(), frame, camera, pose, explaining, prior, result);
+      step.lap();
       if (!is_expected) pose = modest(pose, *result);
     }
     settle(pose, frame, predicted, is_expected, result);
@@ -322,6 +328,7 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
   } else {
     result->remark = found.reason;
   }
+  setResiduals(map_, camera, result);
   result->timings.solve += step.lap();
 }
 

@@ -59,7 +59,6 @@ class Localizer {
 
   const MarkerMap& map() const { return map_; }
   const CameraModel& camera() const { return *camera_; }
-  const LocalizerConfig& config() const { return config_; }
 
  private:
   void check(const Frame& frame) const;
@@ -77,8 +76,8 @@ class Localizer {
   bool isElsewhere(const Frame& frame, const MountedCamera& camera, const PoseEstimate& tracked,
                    FrameResult* result);
   /// Looks for what is not expected from a pose: with one of the views all around from time to
-  /// time, or in every frame as exploring asks for, unless a doubt has just looked at all of the
-  /// panorama.
+  /// time, or in every frame as exploring asks for, unless a doubt has just read something
+  /// all around.
   void patrol(const Frame& frame, const MountedCamera& camera, const Pose2& map_from_base,
               FrameResult* result);
   std::vector<MarkerReading> readNextView(const Frame& frame, const MountedCamera& camera,
