@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <limits>
 #include <utility>
 
-#include "omnitag/common/angle.h"
 #include "omnitag/localization/triangulation.h"
 
 namespace omnitag {
@@ -198,23 +198,33 @@ std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera&
   }
   if (!best) return std::nullopt;
 
-  PoseSolution solution;
-  solution.used = agreeing(best->residuals, config);
-  const auto used = std::count(solution.used.begin(), solution.used.end(), true);
-  if (used == 0) return std::nullopt;
-  const bool do_all_agree = used == static_cast<std::ptrdiff_t>(observations.size());
-  if (!do_all_agree) {
-    // What disagrees is left out altogether, which may bring others back into agreement.
-    best = refineByReprojection(map, camera, chosen(observations, solution.used),
-                                best->map_from_base.pose, prior, config.reprojection);
-    if (!best) return std::nullopt;
+  const auto solutionOf = [](const ReprojectionFit& fit, std::vector<double> residuals,
+                             std::vector<bool> used) {
+    PoseSolution solution{fit.map_from_base, std::move(residuals), std::move(used)};
+    solution.map_from_base.covariance *= varianceFactor(fit);
+    return solution;
+  };
+  const auto standingOn = [&](const std::vector<bool>& used,
+                              const Pose2& start) -> std::optional<PoseSolution> {
+    const auto fit = refineByReprojection(map, camera, chosen(observations, used), start, prior,
+                                          config.reprojection);
+    if (!fit) return std::nullopt;
+    const Pose2& pose = fit->map_from_base.pose;
+    return solutionOf(*fit, reprojectionResiduals(map, camera, observations, pose), used);
+  };
+  const std::vector<bool> used = agreeing(best->residuals, config);
+  if (std::count(used.begin(), used.end(), true) == 0) return std::nullopt;
+  if (std::count(used.begin(), used.end(), false) == 0) {
+    return solutionOf(*best, best->residuals, used);
   }
-  solution.map_from_base = best->map_from_base;
-  solution.map_from_base.covariance *= varianceFactor(*best);
-  solution.residuals =
-      do_all_agree ? std::move(best->residuals)
-                   : reprojectionResiduals(map, camera, observations, best->map_from_base.pose);
-  return solution;
+  // What disagrees is left out altogether, which may bring others back into agreement.
+  auto solution = standingOn(used, best->map_from_base.pose);
+  if (!solution) return std::nullopt;
+  std::vector<bool> more = agreeing(solution->residuals, config);
+  std::transform(used.begin(), used.end(), more.begin(), more.begin(), std::logical_or<>());
+  if (more == used) return solution;
+  auto fuller = standingOn(more, solution->map_from_base.pose);
+  return fuller ? fuller : solution;
 }
 
 }  // namespace
