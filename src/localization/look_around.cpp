@@ -64,11 +64,19 @@ Bounds radiiOf(const MarkerHeights& heights, const MountedCamera& camera, double
   return radii;
 }
 
-/// Whether the camera sees what is right above it, or right below.
+/// m, from where it hardly matters that a mirror has no single viewpoint.
+constexpr double kFar = 10.0;
+
+/// Whether the camera sees what is near the upper or the lower end of its axis. What is right on
+/// it, the camera's own housing may hide; at the rim of a mirror, what is near the other end is
+/// squeezed too much to be read.
 bool seesEnd(bool up, const MountedCamera& camera) {
-  constexpr double kFar = 10.0;  // m
+  const CameraModel& model = camera.model();
   const double along_axis = camera.axisUp() == up ? kFar : -kFar;
-  return camera.model().imageFromPoint(0.0, along_axis).has_value();
+  if (model.imageFromPoint(0.0, along_axis)) return true;
+  const auto edge =
+      model.imageFromPoint(kFar * std::sin(kNearAxis), along_axis * std::cos(kNearAxis));
+  return edge && edge->radius < 0.5 * (model.minRadius() + model.maxRadius());
 }
 
 /// Whether lying markers can be near the upper or the lower end of the axis.
@@ -80,7 +88,6 @@ bool canBeAtEnd(bool up, const MarkerHeights& heights, const MountedCamera& came
 
 /// Radii at which the camera sees what is not near the axis.
 Bounds radiiOffAxis(const CameraModel& camera) {
-  constexpr double kFar = 10.0;  // m
   Bounds radii;
   for (const double side : {-1.0, 1.0}) {
     radii.include(

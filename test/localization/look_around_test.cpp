@@ -199,12 +199,13 @@ TEST_P(LookAroundTest, ViewsStepAndOverlapAsConfigured) {
   }
 }
 
-TEST(LookAroundFisheye, HoldsEveryMarkerUnderTheCeilingHoweverNear) {
-  const auto model = test::equidistantCamera();
+/// Lying markers at a height (m), however near, as far as the camera sees them.
+void expectNearMarkersAreWhole(const std::shared_ptr<const CameraModel>& model, double height,
+                               bool face_up) {
   const MountedCamera camera(model, test::lookingUp());
   const ViewWarper warper(model, kWorkingDistance);
   const Eigen::Vector2d viewpoint = camera.baseFromCamera().translation().head<2>();
-  const MarkerMap map{"map", {test::lyingMarker(0, {50.0, 0.0, 2.8}, false, 0.0, 0.4)}};
+  const MarkerMap map{"map", {test::lyingMarker(0, {50.0, 0.0, height}, face_up, 0.0, 0.4)}};
   const std::vector<View> expected =
       viewsAllAround(heightsOf(map), camera, warper.table(), 12.0, {});
   const std::vector<View> everything = viewsOfEverything(camera, warper.table(), {});
@@ -225,15 +226,30 @@ TEST(LookAroundFisheye, HoldsEveryMarkerUnderTheCeilingHoweverNear) {
       const Eigen::Vector2d place =
           viewpoint + range * Eigen::Vector2d(std::cos(azimuth), std::sin(azimuth));
       const Marker marker =
-          test::lyingMarker(0, {place.x(), place.y(), 2.8}, false, 1.7 * azimuth, 0.4);
+          test::lyingMarker(0, {place.x(), place.y(), height}, face_up, 1.7 * azimuth, 0.4);
       const auto reading = test::exactReading(marker, camera, {});
-      ASSERT_TRUE(reading);
+      if (!reading) continue;
       ++seen;
       EXPECT_TRUE(isWholeIn(expected, *reading)) << "range " << range << ", azimuth " << azimuth;
       EXPECT_TRUE(isWholeIn(everything, *reading)) << "range " << range << ", azimuth " << azimuth;
     }
   }
   EXPECT_GT(seen, 100);
+}
+
+TEST(LookAroundFisheye, HoldsEveryMarkerUnderTheCeilingHoweverNear) {
+  expectNearMarkersAreWhole(test::equidistantCamera(), 2.8, false);
+}
+
+TEST(LookAroundMirror, HoldsTheMarkersOnTheFloorThatTheHousingLeavesInSight) {
+  expectNearMarkersAreWhole(parseCamera(R"(
+model: catadioptric
+image: {width: 500, height: 500}
+lens: {fx: 1234, fy: 1234, cx: 249.5, cy: 249.5, housing_radius: 0.03}
+mirror: {profile: spherical, radius_of_curvature: 0.04, apex_distance: 0.21, rim_radius: 0.0395}
+)",
+                                        "camera that sees its housing"),
+                            0.0, true);
 }
 
 TEST_P(LookAroundTest, WithoutAMarkerOrWhereNoneCanBeSeenThereIsNothingToLookAt) {

@@ -7,7 +7,7 @@
 #include "omnitag/camera/mounted_camera.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/common/yaml_reader.h"
-#include "omnitag/marker/glance_reader.h"
+#include "omnitag/marker/glance_sectors.h"
 #include "omnitag/marker/marker_index.h"
 #include "omnitag/marker/marker_reader.h"
 #include "omnitag/view/contour_table.h"
