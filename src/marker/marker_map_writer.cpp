@@ -14,7 +14,6 @@
 #include <filesystem>
 #include <system_error>
 
-#include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
 #include "omnitag/marker/marker_map_file.h"
 
@@ -71,6 +70,20 @@ std::string remarkText(const MapEntry& entry) {
   return entry.remark.empty() ? "" : "  # " + entry.remark;
 }
 
+/// The quote that ends a scalar that begins with one; in single quotes, two stand for one.
+std::size_t endOfQuoted(const std::string& text, std::size_t begin) {
+  const char quote = text[begin];
+  for (std::size_t i = begin + 1; i < text.size(); ++i) {
+    const bool is_escaped = quote == '"' ? text[i] == '\\' : text.compare(i, 2, "''") == 0;
+    if (is_escaped) {
+      ++i;
+    } else if (text[i] == quote) {
+      return i;
+    }
+  }
+  return text.size();
+}
+
 /// Where a flow sequence that begins at `begin` has its last significant character, and where it
 /// ends.
 struct FlowEnd {
@@ -88,9 +101,9 @@ FlowEnd endOfFlow(const std::string& text, std::size_t begin) {
       if (i == std::string::npos) return {};
       continue;
     }
-    if (c == '"' || c == '\'') {
-      for (++i; i < text.size() && text[i] != c; ++i) i += c == '"' && text[i] == '\\' ? 1 : 0;
-    }
+    const bool begins_scalar =
+        end.last != std::string::npos && std::strchr("[{,:", text[end.last]) != nullptr;
+    if (begins_scalar && (c == '"' || c == '\'')) i = endOfQuoted(text, i);
     if (c == '[' || c == '{') ++depth;
     if ((c == ']' || c == '}') && --depth == 0) return end;
     if (std::isspace(static_cast<unsigned char>(c)) == 0) end = {i, c == ','};
@@ -241,7 +254,8 @@ void replaceFile(const std::string& path, const std::string& text) {
   namespace fs = std::filesystem;
   std::error_code error;
   // A link stays one.
-  const fs::path target = fs::exists(path) ? fs::canonical(path, error) : fs::path(path);
+  const bool exists = fs::exists(path, error);
+  const fs::path target = exists ? fs::canonical(path, error) : fs::path(path);
   if (error) refuseFile(path, "cannot be replaced: " + error.message());
   const std::string written = target.string() + ".new";
   writeThrough(written, text);
@@ -249,8 +263,9 @@ void replaceFile(const std::string& path, const std::string& text) {
     std::remove(written.c_str());
     refuseFile(path, what + ": " + error.message());
   };
-  if (fs::exists(target)) {
-    fs::permissions(written, fs::status(target).permissions(), error);
+  if (exists) {
+    const fs::file_status status = fs::status(target, error);
+    if (!error) fs::permissions(written, status.permissions(), error);
     if (error) giveUp("cannot keep its permissions");
     fs::copy_file(target, target.string() + "~", fs::copy_options::overwrite_existing, error);
     if (error) giveUp("cannot be backed up");

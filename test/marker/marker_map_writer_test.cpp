@@ -39,6 +39,9 @@ const std::vector<std::string> kFiles = {
     "family: tag36h11\nsize: 0.3\nmarkers: [{id: 3, position: [1, 2, 3], yaw: 0}]  # one\n",
     "family: tag36h11\nsize: 0.3\nmarkers: [\n  {id: 3, name: 'it''s [', position: [1, 2, 3], "
     "yaw: 0},  # ] first\n  {id: 5, position: [1, 2, 3], yaw: 0},\n]\n",
+    "size: 0.3\nmarkers: [{family: tag36h11, id: 3, name: Bob's door, position: [1, 2, 3], yaw: "
+    "0}, {family: tag36h11, id: 5, name: \"a \\\"]\", position: [1, 2, 3], yaw: 0}]\nfamily: "
+    "tag36h11\n",
     // From another system.
     "family: tag36h11\r\nsize: 0.3\r\nmarkers:\r\n  - {id: 3, position: [1, 2, 3], yaw: 0}\r\n"};
 
