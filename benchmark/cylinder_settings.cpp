@@ -50,6 +50,8 @@ std::vector<CylinderSettings> alternatives(const CylinderSettings& current) {
   add(angles, [](Settings s, double value) { s->detector.critical_angle = radians(value); });
   const std::vector<double> sharpenings{0.0, 0.25, 0.5, 1.0};
   add(sharpenings, [](Settings s, double value) { s->detector.decode_sharpening = value; });
+  const std::vector<double> margins{0.0, 10.0};
+  add(margins, [](Settings s, double value) { s->detector.min_decision_margin = value; });
   return all;
 }
 
@@ -105,6 +107,7 @@ std::string describe(const CylinderSettings& settings) {
        std::round(degrees(was.critical_angle)));
   tell("max_line_fit_mse", is.max_line_fit_mse, was.max_line_fit_mse);
   tell("min_white_black_diff", is.min_white_black_diff, was.min_white_black_diff);
+  tell("min_decision_margin", is.min_decision_margin, was.min_decision_margin);
   return text.tellp() > 0 ? text.str() : "the same";
 }
 

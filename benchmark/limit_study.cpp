@@ -1,15 +1,15 @@
 // How near the estimators come to the limit that the noise of the pixels sets. Beside the errors of
 // each estimator:
 //
-//   limit    the Cramer-Rao bound of all mapped markers in sight, whose edges are at least 12
-//   pixels
-//            long: the pose from their pixels, the light on each being unknown. Markers that
-//            something hides, so that their pixels do not correlate with the pattern, do not count.
+//   limit    the Cramer-Rao bound of all mapped markers in sight that the tracker would look for
+//            (VisibilityConfig): the pose from their pixels, the light on each being unknown.
+//            Markers that something hides, so that their pixels do not correlate with the pattern,
+//            do not count.
 //   of used  the same of the markers that the estimator used
 //   sampled  the limit with the noise that the renderer puts on edges, as it takes the mean of
 //            SAMPLES x SAMPLES rays for a pixel on an edge (see render_sequence --samples)
-//   Eqn 15   the paper's, for corners that are off by a pixel: sqrt(2) / horizon radius * mean
-//   range
+//   Eqn 15   the paper's, for corners that are off by a pixel: sqrt(2) / horizon radius *
+//            mean range
 //
 // `from the truth` is what knows the truth and takes one step from there to the pose that the exact
 // model of the pixels makes most likely; it leaves out markers whose pixels contradict the truth.
