@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
@@ -192,6 +193,7 @@ GlanceReader::GlanceReader(std::shared_ptr<const CameraModel> camera,
                            int threads)
     : camera_(std::move(camera)), is_mirrored_(isMirrored(*camera_)), threads_(threads) {
   const ImageSize& size = camera_->imageSize();
+  double coarser = std::numeric_limits<double>::infinity();
   for (int reduction = std::max(1, std::min(size.width, size.height) / kFirstSize); reduction >= 1;
        reduction /= 2) {
     TagDetectorConfig reduced = config;
@@ -199,7 +201,9 @@ GlanceReader::GlanceReader(std::shared_ptr<const CameraModel> camera,
     if (reduction > 1) {
       reduced.quad_decimate = std::min(8.0, std::round(config.quad_decimate * reduction));
     }
-    detectors_.emplace_back(reduced, detector);
+    // A panorama that is reduced as far as the library can is not to be looked at alike twice.
+    if (reduced.quad_decimate < coarser) detectors_.emplace_back(reduced, detector);
+    coarser = reduced.quad_decimate;
   }
 }
 

@@ -9,14 +9,14 @@
 namespace omnitag {
 
 MarkerHeights heightsOf(const MarkerMap& map) {
-  constexpr double kWithBorder = 1.2;
+  constexpr double kWithSomeWhite = 1.2;
   const double lying = std::sin(radians(45.0));
   MarkerHeights heights;
   for (const Marker& marker : map.markers) {
     const double center = marker.center().z();
     Bounds& range = std::abs(marker.normal().z()) > lying ? heights.lying : heights.upright;
     for (const Eigen::Vector3d& corner : marker.corners()) {
-      range.include(center + kWithBorder * (corner.z() - center));
+      range.include(center + kWithSomeWhite * (corner.z() - center));
     }
   }
   return heights;

@@ -5,7 +5,6 @@
 #include <set>
 
 #include "omnitag/common/yaml_reader.h"
-#include "omnitag/marker/tag_detector.h"
 #include "omnitag/marker/tag_family.h"
 
 namespace omnitag {

@@ -8,8 +8,8 @@
 namespace omnitag {
 namespace {
 
-/// Widest white border of the library's families, one module on each side of the few modules that
-/// tag16h5 has between its corners, as a share of the size.
+/// Widest white border of the library's families, one module on each side of the five modules that
+/// tagCircle21h7 has between its corners, as a share of the size.
 constexpr double kQuietZone = 0.2;
 
 std::optional<PredictedMarker> predict(const Marker& marker, const MountedCamera& camera,

@@ -1,7 +1,6 @@
 #include "omnitag/marker/tag_pattern.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <memory>

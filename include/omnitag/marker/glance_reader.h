@@ -47,8 +47,8 @@ class GlanceReader {
   GlanceReader(std::shared_ptr<const CameraModel> camera, const TagDetectorConfig& config,
                const TagDetector& detector, int threads = 1);
 
-  /// How many glances there are, each at twice the resolution of the one before, the last at that
-  /// of the detector's settings.
+  /// How many glances there are, each at about twice the resolution of the one before, the last
+  /// at that of the detector's settings.
   std::size_t count() const { return detectors_.size(); }
 
   /// `panorama`: CV_8UC1, as large as the camera's image. `glance`: less than count(). `warper`:

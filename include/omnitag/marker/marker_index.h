@@ -9,7 +9,8 @@
 
 namespace omnitag {
 
-/// Where the markers of a map, with their white borders, are above its origin.
+/// Where the markers of a map, each with a strip of the white around it that makes it readable, are
+/// above its origin.
 struct MarkerHeights {
   Bounds upright;
   /// Of those on the floor or under the ceiling, which can be right below or above a camera, where

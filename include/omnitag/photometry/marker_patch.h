@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Geometry>
+#include <Eigen/Core>
 #include <cstddef>
 #include <limits>
 #include <opencv2/core/mat.hpp>

@@ -39,8 +39,6 @@ class ContourTable {
   /// F: R_main over R_i and d theta. NaN where the camera does not see the line's nearest point.
   double radiusMain(double radius, double azimuth_offset) const;
 
-  double minRadius() const { return min_radius_; }
-  double maxRadius() const { return max_radius_; }
   double distance() const { return distance_; }
 
   /// A radius R_main as a place between two columns of the table; none (index -1) off the table.

@@ -34,7 +34,7 @@ struct ViewTarget {
   /// Of the ideal image plane.
   double min_radius = 0.0;
   double max_radius = 0.0;
-  /// m, from the optical axis to what is looked at.
+  /// m, from the camera to what is looked at; of a ring, taken for the distance from the axis.
   double distance = 0.0;
   /// The target instead, where it is near the axis: of no ring a small piece.
   std::optional<ViewCone> cone = std::nullopt;
