@@ -5,7 +5,6 @@
 
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -13,6 +12,7 @@
 #include "omnitag/localization/localizer.h"
 #include "omnitag/marker/marker_map_file.h"
 #include "recorded_sequence.h"
+#include "statistics.h"
 
 namespace omnitag {
 namespace {
@@ -40,18 +40,14 @@ void localizeSequence(benchmark::State& state, EstimatorKind kind) {
       markers += result.acceptedMarkers();
     }
   }
-  std::sort(totals.begin(), totals.end());
   const auto count = static_cast<double>(totals.size());
-  const auto quantile = [&totals, count](double share) {
-    return 1e3 * totals[static_cast<std::size_t>(share * (count - 1.0))];
-  };
   state.counters["predict_ms"] = 1e3 * sum.predict / count;
   state.counters["recognize_ms"] = 1e3 * sum.recognize / count;
   state.counters["warp_ms"] = 1e3 * sum.warp / count;
   state.counters["decode_ms"] = 1e3 * sum.decode / count;
   state.counters["solve_ms"] = 1e3 * sum.solve / count;
-  state.counters["total_ms_median"] = quantile(0.5);
-  state.counters["total_ms_99th"] = quantile(0.99);
+  state.counters["total_ms_median"] = 1e3 * quantile(totals, 0.5);
+  state.counters["total_ms_99th"] = 1e3 * quantile(totals, 0.99);
   state.counters["markers"] = markers / count;
 }
 

@@ -93,7 +93,8 @@ struct FrameResult {
   std::vector<MarkerDetection> detections;
   std::vector<DisplacedMarker> displaced;
   /// All that was decoded where unknown markers are looked for (LocalizerConfig::exploring_views),
-  /// whether the map has it or not.
+  /// whether the map has it or not. A marker that both a glance and a view read is there twice, and
+  /// the view of a glance's reading is none of `views`.
   std::vector<MarkerReading> explored;
   Timings timings;
 
