@@ -21,8 +21,8 @@ struct RecognitionConfig {
   double false_accept_rate = 1e-5;
   /// Grey levels between black and white, the least that counts.
   double min_contrast = 8.0;
-  /// s: this often, one of the views all around is looked at with the decoder for what is not
-  /// expected there.
+  /// s: this often, with any estimator, a view all around is looked at with the decoder for what is
+  /// not expected there.
   double period = 0.25;
 };
 
