@@ -48,7 +48,7 @@ std::optional<PoseEstimate> alignWithAll(const TrackingTools& tools, const Frame
   if (recognized.empty()) return std::nullopt;
   std::vector<std::size_t> entries = decoded;
   for (const MarkerObservation& observation : recognized) entries.push_back(observation.map_entry);
-  const auto aligned = alignWithPixels(tools, frame.image, camera, entries, found.pose, prior);
+  auto aligned = alignWithPixels(tools, frame.image, camera, entries, found.pose, prior);
   if (!aligned || !agree(*aligned, found)) return std::nullopt;
   const std::vector<double> residuals =
       reprojectionResiduals(tools.map, camera, recognized, aligned->pose);
