@@ -79,5 +79,12 @@ TEST_F(AssociationTest, RefusesAnotherRoll) {
   EXPECT_FALSE(match(6, {100, 100}, 40.0, kPi).prediction);
 }
 
+TEST_F(AssociationTest, OnlyWhatIsPredictedCounts) {
+  const Association association =
+      associate({"tag36h11", 5, 0, square({100, 100}, 40), {100, 100}, 0},
+                {predictions_[1], predictions_[2]}, map_, {});
+  EXPECT_EQ(association.prediction, std::nullopt);
+}
+
 }  // namespace
 }  // namespace omnitag
