@@ -9,6 +9,8 @@ import yaml
 from omnitag.command_line import InputError
 
 _INTEGER = re.compile(r"[-+]?(0|[1-9][0-9]*)")
+# A zero before other digits: octal to YAML 1.1, decimal to YAML 1.2.
+_AMBIGUOUS = re.compile(r"[-+]?0[0-9]+")
 
 
 class Value:
@@ -51,8 +53,9 @@ class Value:
 
     def real(self) -> float:
         """A finite number; an integer will do."""
+        text = self._node.value if self._is_plain() else ""
         try:
-            number = float(self._node.value) if self._is_plain() else math.nan
+            number = math.nan if "_" in text or _AMBIGUOUS.fullmatch(text) else float(text)
         except ValueError:
             number = math.nan
         if not math.isfinite(number):

@@ -36,9 +36,28 @@ std::string found(const YAML::Node& node) {
   return "'" + (text.size() > kLongest ? text.substr(0, kLongest) + "..." : text) + "'";
 }
 
-template <typename T>
-bool parse(const YAML::Node& node, T* value) {
-  return node.IsScalar() && YAML::convert<T>::decode(node, *value);
+/// Whether a text is a zero before other digits, after a sign perhaps: octal to YAML 1.1, decimal
+/// to YAML 1.2.
+bool isAmbiguous(const std::string& text) {
+  const std::size_t first = text.find_first_not_of("+-");
+  return first != std::string::npos && text.size() > first + 1 && text[first] == '0' &&
+         text.find_first_not_of("0123456789", first) == std::string::npos;
+}
+
+bool parse(const YAML::Node& node, bool* value) {
+  return node.IsScalar() && YAML::convert<bool>::decode(node, *value);
+}
+
+bool parse(const YAML::Node& node, double* value) {
+  return node.IsScalar() && !isAmbiguous(node.Scalar()) &&
+         YAML::convert<double>::decode(node, *value);
+}
+
+/// Decimal ones alone: of others, the versions of YAML differ on what they are.
+bool parse(const YAML::Node& node, int* value) {
+  return node.IsScalar() && !isAmbiguous(node.Scalar()) &&
+         node.Scalar().find_first_not_of("+-0123456789") == std::string::npos &&
+         YAML::convert<int>::decode(node, *value);
 }
 
 std::string format(double value) {

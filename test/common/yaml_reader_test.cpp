@@ -45,6 +45,21 @@ items: [{a: 1}, {a: 2}]
   EXPECT_FALSE(r.has("unreal"));
 }
 
+TEST(YamlReader, RefusesNumbersThatVersionsOfYamlReadDifferently) {
+  const std::string texts[] = {"010", "-010", "08", "00", "0x10", "0o10", "1_000"};
+  for (const std::string& text : texts) {
+    const YamlReader r = reader("value: " + text);
+    EXPECT_EQ(refusal([&] { r.integer("value"); }),
+              "file.yaml:1: value: expected an integer, found '" + text + "'");
+    EXPECT_EQ(refusal([&] { r.number("value"); }),
+              "file.yaml:1: value: expected a number, found '" + text + "'");
+  }
+  EXPECT_EQ(reader("value: 0").integer("value"), 0);
+  EXPECT_EQ(reader("value: -10").integer("value"), -10);
+  EXPECT_EQ(reader("value: 0.5").number("value"), 0.5);
+  EXPECT_EQ(reader("value: 05.5").number("value"), 5.5);
+}
+
 TEST(YamlReader, OptionalKeysKeepTheirDefault) {
   const YamlReader r = reader("{number: 2, integer: 3, flag: false, text: new}");
   double number = 1.0, other_number = 1.0;
