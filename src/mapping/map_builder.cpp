@@ -94,14 +94,20 @@ class MapBuilder {
   }
 
  private:
-  /// Of each marker that many readings contradict, where it hung when.
+  /// Of each marker that many readings contradict, its size or where it hung when.
   void lookForMoved() {
     for (std::size_t m = 0; m < recording_->markers.size(); ++m) {
       const std::vector<ReadingPlace> readings = readingsOfId(m);
       if (!isSuspect(m, readings)) continue;
+      RecordedMarker& marker = recording_->markers[m];
+      // One of another size seems to hang elsewhere from wherever it is seen.
+      if (const auto sized = sizeContradicting(m, readings)) {
+        remarks_.push_back(describeSize(marker, *sized));
+        if (!marker.is_seed) leaveOut(m);
+        continue;
+      }
       const auto places = placesOf(*recording_, m, readings, config_);
       if (places.size() < 2) continue;
-      RecordedMarker& marker = recording_->markers[m];
       constexpr std::size_t kMoves = 3;
       if (changesBetween(places) > kMoves) {
         throw DegenerateRecording(format(
@@ -113,11 +119,30 @@ class MapBuilder {
       remarks_.push_back(describeMove(*recording_, places) +
                          (marker.is_seed ? ": its entry in the seed map is kept"
                                          : ": left out, record again while it stays"));
-      if (!marker.is_seed) {
-        marker.is_placed = false;
-        has_moved_.push_back(m);
-      }
+      if (!marker.is_seed) leaveOut(m);
     }
+  }
+
+  /// None where sizes are estimated anyway.
+  std::optional<Marker> sizeContradicting(std::size_t index,
+                                          const std::vector<ReadingPlace>& readings) const {
+    if (config_.estimates_sizes && !recording_->markers[index].is_seed) return std::nullopt;
+    return atAnotherSize(*recording_, index, readings, config_);
+  }
+
+  static std::string describeSize(const RecordedMarker& marker, const Marker& sized) {
+    const std::string sizes =
+        format("its readings tell a size of %.3f m, not %.3f m: ", sized.size, marker.marker.size);
+    if (marker.is_seed)
+      return nameOf(marker.marker) + ": " + sizes + "its entry in the seed map is kept";
+    return nameOf(marker.marker) + " left out: " + sizes +
+           "have sizes estimated (--estimate-sizes)";
+  }
+
+  /// A marker that is explained by then.
+  void leaveOut(std::size_t index) {
+    recording_->markers[index].is_placed = false;
+    explained_.push_back(index);
   }
 
   /// With those of a seed's readings that hang elsewhere than the seed says.
@@ -315,7 +340,7 @@ class MapBuilder {
     const auto isIn = [index](const std::vector<std::size_t>& list) {
       return std::find(list.begin(), list.end(), index) != list.end();
     };
-    if (isIn(dropped_) || isIn(has_moved_)) return;
+    if (isIn(dropped_) || isIn(explained_)) return;
     const std::size_t with_pose = recording_->readingsOf(index).size();
     const std::size_t all = recording_->readingsOf(index, false).size();
     const auto sightings = recording_->sightings(recording_->readingsOf(index));
@@ -340,7 +365,7 @@ class MapBuilder {
   IndexedBundle indexed_;
   std::optional<BundleCovariances> covariances_;
   std::vector<std::string> remarks_;
-  std::vector<std::size_t> has_moved_;
+  std::vector<std::size_t> explained_;
   std::vector<std::size_t> dropped_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <optional>
 
@@ -77,6 +78,25 @@ std::vector<MarkerHangsAt> placesOf(const Recording& recording, std::size_t mark
     return isEarlier(a.readings.front(), b.readings.front());
   });
   return places;
+}
+
+std::optional<Marker> atAnotherSize(const Recording& recording, std::size_t marker,
+                                    const std::vector<ReadingPlace>& readings,
+                                    const MapBuilderConfig& config) {
+  constexpr double kNearlyAll = 0.9;
+  constexpr double kLeastDifference = 0.02;  // of the size: less moves no corner by pixels
+  const Marker& taken = recording.markers[marker].marker;
+  const auto estimate =
+      estimateMarker(taken, recording.camera, recording.sightings(readings), std::nullopt,
+                     MarkerEstimateConfig{config.corner_noise, true});
+  if (!estimate) return std::nullopt;
+  const double difference = std::abs(estimate->marker.size - taken.size);
+  const std::size_t count =
+      agreeing(recording, estimate->marker, readings, config.max_residual).size();
+  const bool is_told =
+      difference > kLeastDifference * taken.size &&
+      static_cast<double>(count) >= kNearlyAll * static_cast<double>(readings.size());
+  return is_told ? std::optional(estimate->marker) : std::nullopt;
 }
 
 std::size_t changesBetween(const std::vector<MarkerHangsAt>& places) {

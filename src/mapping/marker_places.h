@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,13 @@ struct MarkerHangsAt {
 /// The places at which a marker hung while the recording was made, in the order in which they were
 /// first seen; one for a marker that stayed. Readings that agree with too few others count nowhere.
 std::vector<MarkerHangsAt> placesOf(const Recording& recording, std::size_t marker,
+                                    const std::vector<ReadingPlace>& readings,
+                                    const MapBuilderConfig& config);
+
+/// The place and the size at which nearly all readings of a marker agree, where its size may be
+/// another one than is taken for it; nothing where no size does. Of a marker that was moved, none
+/// does.
+std::optional<Marker> atAnotherSize(const Recording& recording, std::size_t marker,
                                     const std::vector<ReadingPlace>& readings,
                                     const MapBuilderConfig& config);
 

@@ -138,6 +138,39 @@ TEST(MapBuilderChecksTest, NamesAMarkerThatMoved) {
   }
 }
 
+TEST(MapBuilderChecksTest, NamesAMarkerOfAnotherSize) {
+  std::vector<Marker> markers = test::roomMarkers();
+  markers[6].size = 0.5;
+  const std::vector<FrameReadings> frames = test::record(markers, test::roundTrip(48), kNoise);
+  const BuiltMap map = buildMap(test::sphericalCamera(), frames, seed(3), config());
+  EXPECT_EQ(find(map, 6), nullptr);
+  ASSERT_EQ(map.remarks.size(), 1U);
+  EXPECT_EQ(map.remarks[0].find("marker 6 left out: its readings tell a size of 0.50"), 0U)
+      << map.remarks[0];
+  EXPECT_TRUE(has(map.remarks[0], "--estimate-sizes")) << map.remarks[0];
+  for (const Marker& marker : test::roomMarkers()) {
+    if (marker.id == 6) continue;
+    EXPECT_LT((find(map, marker.id)->marker.center() - marker.center()).norm(), 0.005);
+  }
+
+  MapBuilderConfig with_sizes = config();
+  with_sizes.estimates_sizes = true;
+  const BuiltMap sized = buildMap(test::sphericalCamera(), frames, seed(3), with_sizes);
+  ASSERT_NE(find(sized, 6), nullptr);
+  EXPECT_NEAR(find(sized, 6)->marker.size, 0.5, 0.005);
+}
+
+TEST(MapBuilderChecksTest, NamesASeedsMarkerOfAnotherSize) {
+  std::vector<Marker> markers = test::roomMarkers();
+  markers[2].size = 0.5;
+  const BuiltMap map =
+      buildMap(test::sphericalCamera(), test::record(markers, test::roundTrip(48), kNoise), seed(4),
+               config());
+  ASSERT_EQ(map.remarks.size(), 1U);
+  EXPECT_EQ(map.remarks[0].find("marker 2: its readings tell a size of 0.50"), 0U)
+      << map.remarks[0];
+}
+
 TEST(MapBuilderChecksTest, SaysWhatIsMissing) {
   const std::vector<Marker> all = test::roomMarkers();
   const std::vector<Pose2> poses = test::roundTrip(30);
