@@ -12,6 +12,8 @@ const char* toString(Mode mode) {
       return "tracking";
     case Mode::kDeadReckoning:
       return "dead_reckoning";
+    case Mode::kFound:
+      return "found";
   }
   return "";
 }

@@ -96,13 +96,16 @@ void Localizer::setMap(MarkerMap map) {
 
 void Localizer::seek(std::vector<Marker> markers) { exploration_.seek(std::move(markers)); }
 
-void Localizer::setPose(const PoseEstimate& map_from_base) { given_pose_ = map_from_base; }
+void Localizer::setPose(const PoseEstimate& map_from_base,
+                        const std::optional<Pose2>& odom_from_base) {
+  given_pose_ = {map_from_base, odom_from_base};
+}
 
-void Localizer::setPose(const Pose2& map_from_base) {
+void Localizer::setPose(const Pose2& map_from_base, const std::optional<Pose2>& odom_from_base) {
   const double position = config_.motion.initial_position_deviation;
   const double heading = config_.motion.initial_heading_deviation;
   const Eigen::Vector3d deviations(position, position, heading);
-  setPose({map_from_base, deviations.cwiseAbs2().asDiagonal()});
+  setPose({map_from_base, deviations.cwiseAbs2().asDiagonal()}, odom_from_base);
 }
 
 void Localizer::forgetPose() {
@@ -143,10 +146,11 @@ void Localizer::check(const Frame& frame) const {
 
 std::optional<PoseEstimate> Localizer::predict(const Frame& frame) {
   if (given_pose_) {
-    const PoseEstimate given = *std::exchange(given_pose_, std::nullopt);
-    motion_.reset(given, frame.stamp, frame.odom_from_base);
+    const GivenPose given = *std::exchange(given_pose_, std::nullopt);
+    motion_.resetToGiven(given.map_from_base, frame.stamp,
+                         given.odom_from_base ? given.odom_from_base : frame.odom_from_base);
     has_pose_ = true;
-    return given;
+    return motion_.predict(frame.stamp, frame.odom_from_base);
   }
   if (!has_pose_) return std::nullopt;
   const PoseEstimate predicted = motion_.predict(frame.stamp, frame.odom_from_base);
@@ -354,6 +358,7 @@ void Localizer::settle(const PoseEstimate& pose, const Frame& frame,
     result->mode = Mode::kTracking;
   } else {
     motion_.reset(pose, frame.stamp, frame.odom_from_base);
+    result->mode = Mode::kFound;
     if (predicted) result->remark = howFarOff(pose.pose, predicted->pose);
   }
   result->map_from_base = pose;

@@ -12,7 +12,9 @@ MotionModelConfig readMotionModelConfig(const YamlReader& reader) {
                     "odometry_rotation_per_rotation", "odometry_rotation_per_metre",
                     "odometry_translation_per_metre", "odometry_translation_per_rotation",
                     "initial_position_deviation", "initial_heading_deviation",
-                    "max_dead_reckoning_time", "max_position_deviation", "max_heading_deviation"});
+                    "max_dead_reckoning_time", "max_position_deviation", "max_heading_deviation",
+                    "max_initial_time", "max_initial_position_deviation",
+                    "max_initial_heading_deviation"});
   MotionModelConfig config;
   reader.read("acceleration_deviation", &config.acceleration_deviation, kPositive);
   reader.read("angular_acceleration_deviation", &config.angular_acceleration_deviation, kPositive);
@@ -30,11 +32,29 @@ MotionModelConfig readMotionModelConfig(const YamlReader& reader) {
   reader.read("max_dead_reckoning_time", &config.max_dead_reckoning_time, kNonNegative);
   reader.read("max_position_deviation", &config.max_position_deviation, kPositive);
   reader.read("max_heading_deviation", &config.max_heading_deviation, kPositive);
+  reader.read("max_initial_time", &config.max_initial_time, kNonNegative);
+  reader.read("max_initial_position_deviation", &config.max_initial_position_deviation, kPositive);
+  reader.read("max_initial_heading_deviation", &config.max_initial_heading_deviation, kPositive);
   return config;
 }
 
 void MotionModel::reset(const PoseEstimate& map_from_base, double stamp,
                         const std::optional<Pose2>& odom_from_base) {
+  restart(map_from_base);
+  stamp_ = stamp;
+  corrected_stamp_ = stamp;
+  known_stamp_ = stamp;
+  odom_from_base_ = odom_from_base;
+  is_given_ = false;
+}
+
+void MotionModel::resetToGiven(const PoseEstimate& map_from_base, double stamp,
+                               const std::optional<Pose2>& odom_from_base) {
+  reset(map_from_base, stamp, odom_from_base);
+  is_given_ = true;
+}
+
+void MotionModel::restart(const PoseEstimate& map_from_base) {
   pose_ = map_from_base.pose;
   velocity_.setZero();
   const double speed = config_.initial_speed_deviation;
@@ -42,10 +62,6 @@ void MotionModel::reset(const PoseEstimate& map_from_base, double stamp,
   covariance_.setZero();
   covariance_.topLeftCorner<3, 3>() = map_from_base.covariance;
   covariance_.diagonal().tail<3>() << speed * speed, speed * speed, turn_rate * turn_rate;
-  stamp_ = stamp;
-  corrected_stamp_ = stamp;
-  known_stamp_ = stamp;
-  odom_from_base_ = odom_from_base;
 }
 
 PoseEstimate MotionModel::predict(double stamp, const std::optional<Pose2>& odom_from_base) {
@@ -78,16 +94,22 @@ void MotionModel::correct(const PoseEstimate& map_from_base) {
       0.5 * (velocity_covariance + velocity_covariance.transpose());
   corrected_stamp_ = stamp_;
   known_stamp_ = stamp_;
+  is_given_ = false;
 }
 
 bool MotionModel::isTrustworthy() const {
   const Eigen::Matrix2d position_covariance = covariance_.topLeftCorner<2, 2>();
   const double position_variance =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(position_covariance).eigenvalues()(1);
-  const bool is_certain = std::sqrt(position_variance) <= config_.max_position_deviation &&
-                          std::sqrt(covariance_(2, 2)) <= config_.max_heading_deviation;
-  const bool is_fresh = stamp_ - known_stamp_ <= config_.max_dead_reckoning_time;
-  return is_certain && is_fresh;
+  const double without_knowledge = stamp_ - known_stamp_;
+  if (is_given_ && without_knowledge > 0.0) return without_knowledge <= config_.max_initial_time;
+  const double max_position =
+      is_given_ ? config_.max_initial_position_deviation : config_.max_position_deviation;
+  const double max_heading =
+      is_given_ ? config_.max_initial_heading_deviation : config_.max_heading_deviation;
+  const bool is_certain =
+      std::sqrt(position_variance) <= max_position && std::sqrt(covariance_(2, 2)) <= max_heading;
+  return is_certain && without_knowledge <= config_.max_dead_reckoning_time;
 }
 
 void MotionModel::moveByOdometry(const Pose2& motion) {
@@ -107,9 +129,7 @@ void MotionModel::moveByOdometry(const Pose2& motion) {
   pose_covariance.diagonal() +=
       Eigen::Vector3d(translation_variance, translation_variance, rotation_variance);
   // Odometry tells the motion whatever the velocity; should it fail, the velocity starts unknown.
-  const double corrected_stamp = corrected_stamp_;
-  reset({moved, pose_covariance}, stamp_, odom_from_base_);
-  corrected_stamp_ = corrected_stamp;
+  restart({moved, pose_covariance});
 }
 
 void MotionModel::moveByVelocity(double interval) {

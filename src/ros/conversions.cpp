@@ -25,6 +25,8 @@ std::uint8_t toMessage(Mode mode) {
       return LocalizationStatus::TRACKING;
     case Mode::kDeadReckoning:
       return LocalizationStatus::DEAD_RECKONING;
+    case Mode::kFound:
+      return LocalizationStatus::FOUND;
     case Mode::kSearching:
       break;
   }

@@ -100,7 +100,7 @@ TEST_P(LocalizerTest, ASearchThatPeopleWatchShowsEachMarkerInOneView) {
   Frame frame = frameAt(0);
   frame.wants_views = true;
   const FrameResult result = localizer.process(frame);
-  ASSERT_EQ(result.mode, Mode::kSearching);
+  ASSERT_EQ(result.mode, Mode::kFound);
   ASSERT_GE(result.acceptedMarkers(), 5);
   ASSERT_EQ(result.view_images.size(), result.views.size());
   constexpr double kWorkingDistance = 3.0;  // m
@@ -220,7 +220,7 @@ TEST_F(LocalizerFaultTest, ABlackImageWithoutAPoseGivesNoneAndSaysWhy) {
 TEST_F(LocalizerFaultTest, FindsItsPoseInTheFirstFrameAndFollowsOn) {
   const FrameResult first = localizer_.process(frame(0.0, good_));
   expectAt(routeAt(0), first);
-  EXPECT_EQ(first.mode, Mode::kSearching);
+  EXPECT_EQ(first.mode, Mode::kFound);
   EXPECT_EQ(first.remark, "");
   EXPECT_EQ(first.view_images.size(), first.views.size());
   const FrameResult second = localizer_.process(frame(0.1, good_));
@@ -236,7 +236,7 @@ TEST_F(LocalizerFaultTest, AGlanceIsEnoughWhereTwoMarkersAreAllThatShouldBeSeen)
   const FrameResult result =
       localizer.process(frame(0.0, test::renderPanorama(two, camera, routeAt(0))));
   expectAt(routeAt(0), result);
-  EXPECT_EQ(result.mode, Mode::kSearching);
+  EXPECT_EQ(result.mode, Mode::kFound);
   EXPECT_EQ(result.acceptedMarkers(), 2);
   // All around there are eight.
   EXPECT_LE(result.views.size(), 2U);
@@ -258,7 +258,7 @@ TEST_F(LocalizerFaultTest, ASearchUsesMarkersThatItsViewsDoNotShowWhole) {
   Localizer localizer(camera_, map, {});
   const FrameResult result = localizer.process(frame(0.0, image));
   expectAt(routeAt(0), result);
-  EXPECT_EQ(result.mode, Mode::kSearching);
+  EXPECT_EQ(result.mode, Mode::kFound);
   const auto near = std::find_if(result.detections.begin(), result.detections.end(),
                                  [](const MarkerDetection& d) { return d.id == 30; });
   ASSERT_NE(near, result.detections.end());
@@ -311,7 +311,7 @@ TEST_F(LocalizerFaultTest, ARobotThatWasCarriedAwayIsFoundInTheSameFrame) {
   const cv::Mat image = test::renderPanorama(map_, {camera_, test::lookingDown()}, elsewhere);
   const FrameResult carried = localizer_.process(frame(0.1, image));
   expectAt(elsewhere, carried);
-  EXPECT_EQ(carried.mode, Mode::kSearching);
+  EXPECT_EQ(carried.mode, Mode::kFound);
   EXPECT_NE(carried.remark, "");
   EXPECT_GE(carried.acceptedMarkers(), 2);
   const FrameResult next = localizer_.process(frame(0.2, image));
@@ -339,6 +339,34 @@ TEST_F(LocalizerFaultTest, CarriesOnWithoutMarkersForAWhileAndThenSaysSo) {
   EXPECT_FALSE(later.map_from_base);
 }
 
+TEST_F(LocalizerFaultTest, APoseFromOutsideOutlivesImagesWithoutMarkers) {
+  // As RViz's "2D Pose Estimate" sends it by default, 0.4 m off.
+  const Pose2 start = routeAt(0);
+  const Pose2 pointed{start.x - 0.3, start.y + 0.25, start.yaw + 0.1};
+  localizer_.setPose(
+      {pointed, Eigen::Vector3d(0.25, 0.25, radians(15.0) * radians(15.0)).asDiagonal()});
+  for (int i = 0; i < 20; ++i) {
+    const FrameResult blind = localizer_.process(frame(0.45 * i, black_));
+    EXPECT_EQ(blind.mode, Mode::kDeadReckoning) << i;
+    ASSERT_TRUE(blind.map_from_base) << i;
+    EXPECT_LT(positionError(blind.map_from_base->pose, pointed), 1e-9);
+  }
+  const FrameResult late = localizer_.process(frame(10.1, black_));
+  EXPECT_EQ(late.mode, Mode::kSearching);
+  EXPECT_FALSE(late.map_from_base);
+}
+
+TEST_F(LocalizerFaultTest, OdometryCarriesAPoseFromOutsideFromWhereItWasGiven) {
+  const Pose2 map_from_odom{3.0, -1.0, 2.0};
+  const Pose2 before{-1.0, 0.4, 1.2};
+  localizer_.setPose(before, inverse(map_from_odom) * before);
+  Frame later = frame(0.0, good_);
+  later.odom_from_base = inverse(map_from_odom) * routeAt(0);
+  const FrameResult result = localizer_.process(later);
+  EXPECT_EQ(result.mode, Mode::kTracking);
+  expectAt(routeAt(0), result);
+}
+
 TEST_F(LocalizerFaultTest, ForgetsItsPoseWhenTold) {
   localizer_.setPose(routeAt(0));
   ASSERT_TRUE(localizer_.process(frame(0.0, good_)).map_from_base);
@@ -347,7 +375,7 @@ TEST_F(LocalizerFaultTest, ForgetsItsPoseWhenTold) {
   EXPECT_EQ(blind.mode, Mode::kSearching);
   EXPECT_FALSE(blind.map_from_base);
   const FrameResult found = localizer_.process(frame(0.2, good_));
-  EXPECT_EQ(found.mode, Mode::kSearching);
+  EXPECT_EQ(found.mode, Mode::kFound);
   expectAt(routeAt(0), found);
 }
 
@@ -360,7 +388,7 @@ TEST_F(LocalizerFaultTest, ReusedIdsAreToldApart) {
   for (int i = 0; i < 2; ++i) {
     const FrameResult result = localizer.process(frame(0.1 * i, image));
     expectAt(routeAt(0), result);
-    EXPECT_EQ(result.mode, i == 0 ? Mode::kSearching : Mode::kTracking);
+    EXPECT_EQ(result.mode, i == 0 ? Mode::kFound : Mode::kTracking);
     EXPECT_GE(result.acceptedMarkers(), 5);
   }
 }

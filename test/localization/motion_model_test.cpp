@@ -87,6 +87,44 @@ TEST(MotionModelTest, WithoutOdometryItIsTrustedForASecond) {
   EXPECT_FALSE(motion.isTrustworthy());
 }
 
+/// As RViz's "2D Pose Estimate" sends it by default.
+PoseEstimate pointedAt(const Pose2& pose) {
+  return {pose, Eigen::Vector3d(0.25, 0.25, radians(15.0) * radians(15.0)).asDiagonal()};
+}
+
+TEST(MotionModelTest, APoseFromOutsideIsKeptForTenSecondsWithoutOdometry) {
+  MotionModel motion{{}};
+  motion.resetToGiven(pointedAt({1, 2, 3}), 0.0, std::nullopt);
+  for (int i = 0; i <= 100; ++i) {
+    motion.predict(0.1 * i, std::nullopt);
+    ASSERT_TRUE(motion.isTrustworthy()) << i;
+  }
+  motion.predict(10.2, std::nullopt);
+  EXPECT_FALSE(motion.isTrustworthy());
+}
+
+TEST(MotionModelTest, OdometryCarriesAPoseFromOutsideUntilItIsTwoMetresOff) {
+  MotionModel motion{{}};
+  motion.resetToGiven(pointedAt({1, 2, 0}), 0.0, Pose2{});
+  double deviation = 0.0;
+  for (int i = 1; deviation <= 2.0; ++i) {
+    const PoseEstimate predicted = motion.predict(i, Pose2{0.5 * i, 0, 0});
+    // The robot drives along x: the heading's error moves it along y.
+    deviation = std::sqrt(predicted.covariance(1, 1));
+    ASSERT_EQ(motion.isTrustworthy(), deviation <= 2.0) << i << ": " << deviation;
+    ASSERT_LT(i, 100);
+  }
+}
+
+TEST(MotionModelTest, APoseThatAMarkerConfirmedIsNoLongerFromOutside) {
+  MotionModel motion{{}};
+  motion.resetToGiven(pointedAt({1, 2, 3}), 0.0, std::nullopt);
+  motion.predict(0.1, std::nullopt);
+  motion.correct(certain({1, 2, 3}));
+  motion.predict(1.5, std::nullopt);
+  EXPECT_FALSE(motion.isTrustworthy());
+}
+
 TEST(MotionModelTest, OdometryThatIsMissingOnceDoesNotEndAPose) {
   MotionModel motion{{}};
   motion.reset(certain({}), 0.0, Pose2{});

@@ -16,17 +16,18 @@ namespace omnitag {
 
 /// How a frame's pose came about.
 enum class Mode {
-  kSearching,      ///< no prediction: found by search in this frame, or no pose at all
+  kSearching,      ///< no pose
   kTracking,       ///< prediction and markers
   kDeadReckoning,  ///< prediction alone
+  kFound,  ///< found by search in this frame, elsewhere than predicted or without prediction
 };
 
-/// "searching", "tracking" or "dead_reckoning".
+/// "searching", "tracking", "dead_reckoning" or "found".
 const char* toString(Mode mode);
 
 /// One image and what is known of the robot at its stamp.
 struct Frame {
-  /// s.
+  /// s, on a timeline that runs forward.
   double stamp = 0.0;
   /// CV_8UC1, as large as the camera file says.
   cv::Mat image;

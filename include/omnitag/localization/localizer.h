@@ -35,11 +35,15 @@ class Localizer {
   Localizer(std::shared_ptr<const CameraModel> camera, MarkerMap map,
             const LocalizerConfig& config);
 
-  /// Takes base_link's pose in the map from outside, at the stamp of the next frame.
-  void setPose(const PoseEstimate& map_from_base);
+  /// Takes base_link's pose in the map from outside, as a hypothesis
+  /// (MotionModelConfig::max_initial_…). `odom_from_base`: odometry when the robot was there, from
+  /// which frames with odometry carry it on; none: it is there at the stamp of the next frame.
+  void setPose(const PoseEstimate& map_from_base,
+               const std::optional<Pose2>& odom_from_base = std::nullopt);
 
   /// The same without a covariance: the configured initial deviations are taken.
-  void setPose(const Pose2& map_from_base);
+  void setPose(const Pose2& map_from_base,
+               const std::optional<Pose2>& odom_from_base = std::nullopt);
 
   /// Forgets the pose; the next frames search.
   void forgetPose();
@@ -112,7 +116,11 @@ class Localizer {
   TagPatterns patterns_;
   MotionModel motion_;
   /// A pose that was set and waits for the next frame.
-  std::optional<PoseEstimate> given_pose_;
+  struct GivenPose {
+    PoseEstimate map_from_base;
+    std::optional<Pose2> odom_from_base;
+  };
+  std::optional<GivenPose> given_pose_;
   bool has_pose_ = false;
   std::optional<double> last_stamp_;
   std::size_t frames_ = 0;

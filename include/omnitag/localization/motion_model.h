@@ -31,6 +31,12 @@ struct MotionModelConfig {
   /// m and rad: a pose that is less certain than this is given up.
   double max_position_deviation = 0.5;
   double max_heading_deviation = radians(20.0);
+  /// The same for a pose from outside, until a marker confirms it: a person points at a place to
+  /// half a metre, and the first marker may be some way off. Without odometry the time alone
+  /// counts.
+  double max_initial_time = 10.0;
+  double max_initial_position_deviation = 2.0;
+  double max_initial_heading_deviation = radians(60.0);
 };
 
 /// Reads the keys above; absent ones keep their defaults. Throws InputError.
@@ -43,9 +49,13 @@ class MotionModel {
  public:
   explicit MotionModel(const MotionModelConfig& config) : config_(config) {}
 
-  /// Starts from a pose at a stamp (s), at unknown velocity.
+  /// Starts from a pose that markers told at a stamp (s), at unknown velocity.
   void reset(const PoseEstimate& map_from_base, double stamp,
              const std::optional<Pose2>& odom_from_base);
+
+  /// The same from a pose that comes from outside: a hypothesis until it is corrected.
+  void resetToGiven(const PoseEstimate& map_from_base, double stamp,
+                    const std::optional<Pose2>& odom_from_base);
 
   /// Carries the pose on to a later stamp and returns it.
   PoseEstimate predict(double stamp, const std::optional<Pose2>& odom_from_base);
@@ -63,6 +73,7 @@ class MotionModel {
   using State = Eigen::Matrix<double, 6, 1>;
   using Covariance = Eigen::Matrix<double, 6, 6>;
 
+  void restart(const PoseEstimate& map_from_base);
   void moveByOdometry(const Pose2& motion);
   void moveByVelocity(double interval);
   PoseEstimate estimate() const;
@@ -76,6 +87,8 @@ class MotionModel {
   /// When a correction, a start or odometry last told where the robot is.
   double known_stamp_ = 0.0;
   std::optional<Pose2> odom_from_base_;
+  /// Whether the pose comes from outside and no marker has confirmed it.
+  bool is_given_ = false;
 };
 
 }  // namespace omnitag
