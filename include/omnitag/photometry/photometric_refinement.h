@@ -52,13 +52,15 @@ double photometricMisfit(const cv::Mat& panorama, const MarkerMap& map, const Mo
                          const PhotometricConfig& config);
 
 /// Refines a pose, good to about half a pixel, so that the patterns of the markers at `entries`
-/// explain the panorama's grey levels: every pixel of a marker is predicted as the pattern's
-/// average over what the pixel sees of it, the light's level and slope being free for each marker.
-/// Least squares over all pixels (Gauss-Newton), with pixels that something covers weighed down,
-/// and the prior, where there is one, taking part with its covariance.
+/// explain the panorama's grey levels: every pixel of a marker is predicted as black + white *
+/// contrast, white being the pattern's average over what the pixel sees of it. Black and the
+/// contrast, a polynomial of the second degree over the marker, are free for each marker. Least
+/// squares over pixels at edges (Gauss-Newton), with pixels that something covers weighed down, and
+/// the prior, where there is one, taking part with its covariance.
 ///
-/// The covariance is the Cramer-Rao bound of the pixels at the noise that their residuals show;
-/// markers that disagree with the others by more than that count less. Nothing where the alignment
+/// The covariance is that of an estimate so weighted whose pixels err as their residuals show
+/// (Huber's and White's sandwich), enlarged by the deviations of the configuration; markers that
+/// disagree with the others by more than that count less and raise it. Nothing where the alignment
 /// does not converge or leaves the pose undetermined. `panorama`: CV_8UC1. `threads`: how many
 /// markers are worked on at once; the result is the same.
 std::optional<PhotometricFit> refinePhotometrically(
