@@ -14,9 +14,11 @@ add_library(omnitag_ros SHARED
   src/ros/localizer_starter.cpp
   src/ros/map_markers.cpp
   src/ros/parameters.cpp
+  src/ros/parent_watch.cpp
   src/ros/path_recorder.cpp
   src/ros/result_messages.cpp
   src/ros/rviz_marker.cpp
+  src/ros/stamp_timeline.cpp
   src/ros/transform_input.cpp
   src/ros/xmlrpc_yaml.cpp
 )

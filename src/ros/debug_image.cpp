@@ -193,7 +193,8 @@ void DebugImagePainter::paintView(const FrameResult& result, std::size_t view_in
 void DebugImagePainter::paintTitle(const FrameResult& result, cv::Mat* canvas) {
   constexpr double kTextSize = 0.5;
   const bool has_pose = result.map_from_base.has_value();
-  const cv::Scalar color = result.mode == Mode::kTracking ? kGreen : (has_pose ? kYellow : kOrange);
+  const bool is_measured = result.mode == Mode::kTracking || result.mode == Mode::kFound;
+  const cv::Scalar color = is_measured ? kGreen : (has_pose ? kYellow : kOrange);
   cv::Point pen(kMargin, 29);
   pen.x = writeText(toString(result.mode), pen, color, kTextSize, canvas) + 2 * kMargin;
   std::array<char, 200> words{};

@@ -28,6 +28,8 @@ const char* modeName(const LocalizationStatus& status) {
       return toString(Mode::kTracking);
     case LocalizationStatus::DEAD_RECKONING:
       return toString(Mode::kDeadReckoning);
+    case LocalizationStatus::FOUND:
+      return toString(Mode::kFound);
     default:
       return toString(Mode::kSearching);
   }
@@ -77,6 +79,8 @@ void HealthMonitor::imageLate() {
   const std::lock_guard<std::mutex> lock(mutex_);
   last_image_ = Clock::now();
   ++late_images_;
+  complain(&images_,
+           "image on " + input_.topic() + " left out: its stamp is not after the one before");
 }
 
 void HealthMonitor::transformMissing(const std::string& why) {
@@ -85,6 +89,20 @@ void HealthMonitor::transformMissing(const std::string& why) {
   ++images_without_transform_;
   settle(&images_, "images are coming");
   complain(&transforms_, "waiting for tf: " + why);
+}
+
+void HealthMonitor::transformsFailed(const std::string& why) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  complain(&transforms_, "tf failed: " + why);
+}
+
+void HealthMonitor::parentChecked(const std::string& conflict) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (conflict.empty()) {
+    settle(&parent_, "tf has no other parent of what is sent");
+  } else {
+    complain(&parent_, conflict, ros::console::levels::Error);
+  }
 }
 
 void HealthMonitor::localized(const LocalizationStatus& status, const FrameResult& result,
@@ -160,7 +178,9 @@ void HealthMonitor::reportImages(Report& report) {
 
 void HealthMonitor::reportTransforms(Report& report) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (!transforms_.problem.empty()) {
+  if (!parent_.problem.empty()) {
+    report.summary(Report::ERROR, parent_.problem);
+  } else if (!transforms_.problem.empty()) {
     report.summary(Report::ERROR, transforms_.problem);
   } else if (!last_status_) {
     report.summary(Report::OK, "looked up when an image comes");
@@ -208,12 +228,13 @@ void HealthMonitor::reportMap(Report& report) {
   report.add("provisional, not known well enough", waiting_);
 }
 
-void HealthMonitor::complain(Subject* subject, const std::string& problem) {
+void HealthMonitor::complain(Subject* subject, const std::string& problem,
+                             ros::console::Level level) {
   const Clock::time_point now = Clock::now();
   subject->problem = problem;
   if (subject->last_line && seconds(now - *subject->last_line) < kLinePeriod) return;
   subject->last_line = now;
-  ROS_WARN_STREAM(name_ << ": " << problem);
+  ROS_LOG_STREAM(level, ROSCONSOLE_DEFAULT_NAME, name_ << ": " << problem);
 }
 
 void HealthMonitor::settle(Subject* subject, const std::string& all_is_well) {

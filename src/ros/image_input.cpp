@@ -34,10 +34,15 @@ ImageInput::ImageInput(const ros::NodeHandle& node, const ros::NodeHandle& priva
     : queue_size_(static_cast<std::size_t>(queue_size)),
       node_(withQueue(node, &queue_)),
       image_transport_(node_) {
+  subscribe(private_node, transport);
+  topic_ = subscriber_ ? subscriber_.getTopic() : compressed_subscriber_.getTopic();
+}
+
+void ImageInput::subscribe(const ros::NodeHandle& private_node, const std::string& transport) {
   // What waits is decided here, not in ROS's own queue, which drops without a word: there is room
   // for a second's images.
-  constexpr int kMessagesInRosQueue = 30;
-  const auto ros_queue_size = static_cast<uint32_t>(queue_size + kMessagesInRosQueue);
+  constexpr std::size_t kMessagesInRosQueue = 30;
+  const auto ros_queue_size = static_cast<uint32_t>(queue_size_ + kMessagesInRosQueue);
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   if (transport == "compressed") {
     const auto callback = [this](const sensor_msgs::CompressedImageConstPtr& message) {
@@ -82,15 +87,13 @@ void ImageInput::push(ReceivedImage image) {
 void ImageInput::close() {
   is_closed_ = true;
   queue_.disable();
+  const std::lock_guard<std::mutex> lock(subscriber_mutex_);
   subscriber_.shutdown();
   compressed_subscriber_.shutdown();
 }
 
-std::string ImageInput::topic() const {
-  return subscriber_ ? subscriber_.getTopic() : compressed_subscriber_.getTopic();
-}
-
 std::uint32_t ImageInput::publishers() const {
+  const std::lock_guard<std::mutex> lock(subscriber_mutex_);
   return subscriber_ ? subscriber_.getNumPublishers() : compressed_subscriber_.getNumPublishers();
 }
 

@@ -24,7 +24,8 @@ ImageLocalizer::ImageLocalizer(const LocalizerParameters& parameters, const Desc
     : parameters_(parameters),
       camera_(camera.model),
       map_(loadMarkerMap(parameters.map_file)),
-      assembler_(camera.origin, camera_->imageSize(), parameters.frames) {
+      assembler_(camera.origin, camera_->imageSize(), parameters.frames),
+      timeline_(parameters.restart_time_jump) {
   if (parameters_.frames.map.empty()) parameters_.frames.map = map_.frame_id;
   mapper_ = makeMapper(parameters_, camera_, map_);
   start();
@@ -38,7 +39,6 @@ void ImageLocalizer::checkMap(const LocalizerParameters& parameters) {
 void ImageLocalizer::start() {
   localizer_ = std::make_unique<Localizer>(camera_, map(), parameters_.localizer);
   if (parameters_.initial_pose) localizer_->setPose(*parameters_.initial_pose);
-  last_stamp_ = ros::Time();
 }
 
 std::optional<LocalizedImage> ImageLocalizer::localize(const cv_bridge::CvImageConstPtr& image,
@@ -46,16 +46,20 @@ std::optional<LocalizedImage> ImageLocalizer::localize(const cv_bridge::CvImageC
                                                        bool wants_views) {
   LocalizedImage localized;
   const ros::Time& stamp = image->header.stamp;
-  const bool is_late = !last_stamp_.isZero() && stamp <= last_stamp_;
-  localized.started_anew = is_late && (last_stamp_ - stamp).toSec() > parameters_.restart_time_jump;
-  if (is_late && !localized.started_anew) {
+  const StampPlace place = timeline_.place(stamp);
+  if (place.kind == StampPlace::Kind::kLate) {
     ++late_images_;
     return std::nullopt;
   }
 
   localized.input = assembler_.assemble(image, transforms);
-  if (localized.started_anew) start();
-  last_stamp_ = stamp;
+  timeline_.take(stamp, place);
+  localized.input.frame.stamp = place.time;
+  if (place.kind == StampPlace::Kind::kClockStepped) localized.clock_step = place.step;
+  if (place.kind == StampPlace::Kind::kWentBack) {
+    localized.went_back = -place.step;
+    start();
+  }
   localized.input.frame.wants_views = wants_views;
   localized.result = localizer_->process(localized.input.frame);
   if (mapper_) extendMap(&localized);

@@ -2,6 +2,7 @@
 
 #include <cv_bridge/cv_bridge.h>
 #include <sensor_msgs/image_encodings.h>
+#include <tf2/exceptions.h>
 #include <tf2_msgs/TFMessage.h>
 #include <visualization_msgs/MarkerArray.h>
 
@@ -22,11 +23,24 @@ namespace {
 /// s, the longest that transforms wait where no image comes.
 constexpr double kTransformsWait = 0.1;
 
+/// s, beyond which ros::Time has no stamps and throws.
+constexpr double kTimesEnd = 4294967295.0;
+
 /// By a pointer: subscribers in the same nodelet manager get it without a copy, and without a
 /// thread that ROS would wake to hand it on.
 template <typename Message>
 void publishShared(const ros::Publisher& publisher, Message message) {
   publisher.publish(boost::make_shared<Message>(std::move(message)));
+}
+
+/// Does a step of the thread's work; an exception, which would end the process, is reported.
+template <typename Step, typename Report>
+void attempt(const Step& step, const Report& report) {
+  try {
+    step();
+  } catch (const std::exception& error) {
+    report(error.what());
+  }
 }
 
 /// A covariance of (x, y, yaw) in the axes of the map.
@@ -48,7 +62,7 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
       parameters_(parameters),
       localizer_(parameters_, camera),
       input_(node, private_node, parameters_.image_transport, parameters_.queue_size),
-      transforms_(node),
+      transforms_(node, localizer_.frames()),
       map_drawing_(localizer_.map(), localizer_.frames().map),
       frame_markers_(localizer_.frames().map, parameters_.robot_radius),
       debug_image_painter_(localizer_.camera(), localizer_.map()),
@@ -102,20 +116,23 @@ LocalizerServer::~LocalizerServer() {
 }
 
 void LocalizerServer::run() {
+  const auto refuse = [this](const char* why) { health_.imageRefused(why); };
   while (!input_.isClosed()) {
-    const std::optional<ReceivedImage> received =
-        input_.next(std::min(parameters_.transform_period, kTransformsWait));
-    transforms_.serve(0.0);
-    repeatTransform();
-    if (!received) continue;
-    try {
-      onImage(*received);
-    } catch (const TransformError& error) {
-      health_.transformMissing(error.what());
-    } catch (const std::exception& error) {
-      health_.imageRefused(error.what());
-    }
+    std::optional<ReceivedImage> received;
+    attempt(
+        [&] { received = input_.next(std::min(parameters_.transform_period, kTransformsWait)); },
+        refuse);
+    attempt([this] { keepUp(); }, [this](const char* why) { health_.transformsFailed(why); });
+    if (received) attempt([&] { onImage(*received); }, refuse);
   }
+}
+
+void LocalizerServer::keepUp() {
+  const double clock_step = clock_watch_.step(ros::Time::now().toSec(), steadyTime());
+  // Simulated time is set by whoever plays the images: when it steps, they begin again.
+  if (!ros::Time::isSimTime() && clock_step != 0.0) localizer_.clockStepped(clock_step);
+  transforms_.serve(0.0);
+  repeatTransform();
 }
 
 void LocalizerServer::onImage(const ReceivedImage& received) {
@@ -127,12 +144,16 @@ void LocalizerServer::onImage(const ReceivedImage& received) {
   // Of an image without a frame or of another size, tf need not be asked.
   localizer_.assembler().check(*image);
   waitForTransforms(image->header);
-  const std::optional<LocalizedImage> localized = localizer_.localize(
-      image, transforms_.buffer(), debug_image_publisher_.getNumSubscribers() > 0);
-  if (localized) {
-    publish(*localized);
-  } else {
-    health_.imageLate();
+  try {
+    const std::optional<LocalizedImage> localized = localizer_.localize(
+        image, transforms_.buffer(), debug_image_publisher_.getNumSubscribers() > 0);
+    if (localized) {
+      publish(*localized);
+    } else {
+      health_.imageLate();
+    }
+  } catch (const TransformError& error) {
+    health_.transformMissing(error.what());
   }
 }
 
@@ -152,8 +173,14 @@ void LocalizerServer::waitForTransforms(const std_msgs::Header& header) {
 }
 
 void LocalizerServer::publish(const LocalizedImage& localized) {
-  if (localized.started_anew) {
-    ROS_WARN_STREAM(name_ << ": stamps went back, as when a bag is played again: started anew");
+  if (localized.clock_step != 0.0) {
+    ROS_WARN_STREAM(name_ << ": the clock was set by " << localized.clock_step
+                          << " s, and the images' stamps with it: the pose is kept");
+  }
+  if (localized.went_back > 0.0) {
+    ROS_WARN_STREAM(name_ << ": the images' stamps went back by " << localized.went_back
+                          << " s while this robot's clock did not, as when a bag is played again: "
+                             "started anew");
     path_.clear();
     health_.startedAnew();
     const std::lock_guard<std::mutex> lock(map_mutex_);
@@ -191,7 +218,10 @@ void LocalizerServer::publish(const LocalizedImage& localized) {
 void LocalizerServer::sendTransform(const std::optional<geometry_msgs::TransformStamped>& transform,
                                     bool has_pose) {
   if (!has_pose) correction_.reset();
-  if (!transform) return;
+  const std::optional<std::string> conflict = transforms_.parentConflict();
+  health_.parentChecked(conflict.value_or(""));
+  if (conflict) correction_.reset();
+  if (!transform || conflict) return;
   broadcast(*transform);
   const ros::Time now = ros::Time::now();
   if (!parameters_.frames.odom.empty()) correction_ = Correction{*transform, now, now};
@@ -204,9 +234,16 @@ void LocalizerServer::repeatTransform() {
   // at zero.
   const ros::Time now = ros::Time::now();
   if (correction_->made.isZero()) correction_->made = correction_->sent = now;
-  if (now - correction_->sent < ros::Duration(parameters_.transform_period)) return;
+  const bool is_set_back = now < correction_->sent;
+  if (!is_set_back && now - correction_->sent < ros::Duration(parameters_.transform_period)) return;
   correction_->sent = now;
   geometry_msgs::TransformStamped transform = correction_->transform;
+  const double stamp = transform.header.stamp.toSec() + (now - correction_->made).toSec();
+  // A bag that is played again brings other images, and no stamp is before the first.
+  if ((is_set_back && ros::Time::isSimTime()) || stamp < 0.0 || stamp >= kTimesEnd) {
+    correction_.reset();
+    return;
+  }
   transform.header.stamp += now - correction_->made;
   broadcast(transform);
 }
@@ -229,11 +266,16 @@ void LocalizerServer::takePose(const geometry_msgs::PoseWithCovarianceStamped& m
   const Eigen::Isometry3d map_from_frame = mapFrom(message.header.frame_id);
   const Pose2 pose = Pose2::fromIsometry(map_from_frame * fromMessage(message.pose.pose));
   const std::optional<Eigen::Matrix3d> covariance = planarCovariance(message.pose);
+  const ros::Time stamp = message.header.stamp;
   if (covariance) {
     const PoseEstimate estimate{pose, rotated(*covariance, map_from_frame)};
-    request([estimate](ImageLocalizer* it) { it->localizer().setPose(estimate); });
+    request([this, estimate, stamp](ImageLocalizer* it) {
+      it->localizer().setPose(estimate, odometryAt(stamp));
+    });
   } else {
-    request([pose](ImageLocalizer* it) { it->localizer().setPose(pose); });
+    request([this, pose, stamp](ImageLocalizer* it) {
+      it->localizer().setPose(pose, odometryAt(stamp));
+    });
   }
   ROS_INFO_STREAM(name_ << ": initial pose x " << pose.x << " m, y " << pose.y << " m, yaw "
                         << pose.yaw << " rad, from the next image on");
@@ -248,6 +290,20 @@ Eigen::Isometry3d LocalizerServer::mapFrom(const std::string& frame) const {
         transforms_.buffer().lookupTransform(map_frame, frame, ros::Time()).transform);
   } catch (const tf2::TransformException& error) {
     throw InputError("no transform from '" + frame + "' to '" + map_frame + "': " + error.what());
+  }
+}
+
+std::optional<Pose2> LocalizerServer::odometryAt(const ros::Time& stamp) const {
+  const FrameNames& frames = localizer_.frames();
+  if (frames.odom.empty()) return std::nullopt;
+  const tf2::BufferCore& buffer = transforms_.buffer();
+  const bool is_known = buffer.canTransform(frames.odom, frames.base, stamp);
+  try {
+    return Pose2::fromIsometry(
+        fromMessage(buffer.lookupTransform(frames.odom, frames.base, is_known ? stamp : ros::Time())
+                        .transform));
+  } catch (const tf2::TransformException&) {
+    return std::nullopt;
   }
 }
 

@@ -1,28 +1,53 @@
 #include "omnitag/ros/transform_input.h"
 
+#include <cstdint>
+#include <exception>
+
 namespace omnitag {
 namespace {
 
 /// s of tf that are kept: images that waited in a long queue still find theirs.
 constexpr double kKept = 30.0;
 
-constexpr bool kListenerHasOwnThread = false;
+/// Messages that wait while a frame is worked on: as long, at a thousand a second.
+constexpr std::uint32_t kWaiting = 30000;
 
 }  // namespace
 
-TransformInput::TransformInput(const ros::NodeHandle& node)
-    : node_(node), buffer_(ros::Duration(kKept)) {
+TransformInput::TransformInput(const ros::NodeHandle& node, const FrameNames& frames)
+    : node_(node), buffer_(ros::Duration(kKept)), parents_(frames) {
   node_.setCallbackQueue(&queue_);
-  listener_ = std::make_unique<tf2_ros::TransformListener>(buffer_, node_, kListenerHasOwnThread);
+  // tf2_ros::TransformListener would lose what comes beyond a hundred messages.
+  const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
+  using Callback = boost::function<void(const Event&)>;
+  const Callback take_moving = [this](const Event& event) { take(event, false); };
+  const Callback take_static = [this](const Event& event) { take(event, true); };
+  subscriber_ = node_.subscribe<tf2_msgs::TFMessage>("/tf", kWaiting, take_moving,
+                                                     ros::VoidConstPtr(), hints);
+  static_subscriber_ = node_.subscribe<tf2_msgs::TFMessage>("/tf_static", kWaiting, take_static);
 }
 
 void TransformInput::serve(double duration) {
   queue_.callAvailable(ros::WallDuration(duration));
   // What came before the clock was set back, as when a bag is played again, would seem to be the
-  // newest from then on. What the listener clears by itself, it may fill again with that.
+  // newest from then on.
   const ros::Time now = ros::Time::now();
   if (now < last_served_) buffer_.clear();
   last_served_ = now;
+}
+
+void TransformInput::take(const Event& event, bool is_static) {
+  for (const geometry_msgs::TransformStamped& transform : event.getConstMessage()->transforms) {
+    try {
+      // Most of what is no transform, tf2 refuses with a line in the log.
+      buffer_.setTransform(transform, event.getPublisherName(), is_static);
+    } catch (const std::exception& error) {
+      ROS_ERROR_STREAM_THROTTLE(10.0, "tf: transform of '" << transform.child_frame_id << "' from "
+                                                           << event.getPublisherName()
+                                                           << " refused: " << error.what());
+    }
+    parents_.see(transform, is_static, steadyTime());
+  }
 }
 
 }  // namespace omnitag

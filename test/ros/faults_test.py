@@ -212,7 +212,7 @@ class FaultsTest(unittest.TestCase):
         type(self).later = self.later + rospy.Duration(30.0)
         type(self).index = self.index + 2
         status = self.expect_right_pose(self.next_image())
-        self.assertEqual(status.mode, LocalizationStatus.SEARCHING)
+        self.assertEqual(status.mode, LocalizationStatus.FOUND)
         self.expect_tracking()
         self.wait_for_diagnostics("images", DiagnosticStatus.OK)
 

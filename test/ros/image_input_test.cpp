@@ -43,7 +43,6 @@ class ImageInputTest : public testing::Test {
     return received->decode();
   }
 
- private:
   ros::AsyncSpinner spinner_{1};
   ros::NodeHandle node_;
   ros::Publisher publisher_;
@@ -62,6 +61,16 @@ TEST_F(ImageInputTest, convertsColorsIntoAnImageOfItsOwn) {
   const cv_bridge::CvImageConstPtr received = send(sent);
   EXPECT_EQ(received->image.type(), CV_8UC1);
   EXPECT_NE(static_cast<const void*>(received->image.data), sent->data.data());
+}
+
+// The health monitor reads these from another thread until the very end.
+TEST_F(ImageInputTest, tellsItsTopicWhenItIsClosed) {
+  const std::string topic = input_.topic();
+  EXPECT_EQ(topic, node_.resolveName("image"));
+  EXPECT_EQ(input_.publishers(), 1U);
+  input_.close();
+  EXPECT_EQ(input_.topic(), topic);
+  EXPECT_EQ(input_.publishers(), 0U);
 }
 
 }  // namespace

@@ -171,7 +171,8 @@ class LocalizeBagTest(unittest.TestCase):
         self.assert_runs(initial_pose=None, poses=self.path("poses.csv"))
         rows = list(csv.DictReader(read_text(self.path("poses.csv")).splitlines()))
         self.assertEqual(len(rows), 66)
-        self.assertEqual(rows[0]["mode"], "searching")
+        self.assertEqual(rows[0]["mode"], "found")
+        self.assertEqual(rows[1]["mode"], "tracking")
 
     def test_output_bag(self):
         stale = TransformStamped()
@@ -205,6 +206,22 @@ class LocalizeBagTest(unittest.TestCase):
             self.assertAlmostEqual(transform.transform.translation.x, pose.position.x, 12)
             self.assertLess(angle_between(yaw_of(transform.transform.rotation),
                                           yaw_of(pose.orientation)), 1e-9)
+
+    def test_output_bag_has_one_parent_for_the_robot(self):
+        odometry = TransformStamped()
+        odometry.header.frame_id, odometry.child_frame_id = "odom", "base_link"
+        odometry.header.stamp = rospy.Time(1000, 1)
+        odometry.transform.rotation.w = 1.0
+        messages = read_bag(BAG)
+        source = self.write_bag("in.bag", messages + [("/tf", TFMessage([odometry]),
+                                                       messages[0][2])])
+        result = self.assert_runs(bag=source, output=self.path("out.bag"))
+        self.assertIn("tf has 'odom' as the parent of 'base_link'", result.stderr)
+        self.assertIn("odom_frame", result.stderr)
+        written = read_bag(self.path("out.bag"))
+        self.assertEqual([t.header.frame_id for topic, message, _ in written if topic == "/tf"
+                          for t in message.transforms], ["odom"])
+        self.assertEqual(len([1 for topic, _, _ in written if topic == "/pose"]), 66)
 
     def test_raw_and_compressed_images_give_the_same(self):
         self.assert_runs(image_topic="camera/image/compressed")

@@ -1,12 +1,19 @@
 #!/usr/bin/env python3
 """The localizer with an odometry frame: map -> odom, and never under a false name."""
 
+import copy
 import sys
 import unittest
 
+import cv2
+import numpy as np
 import rospy
 import rostest
-from harness import ODOM_X, ODOM_Y, ODOM_YAW, Harness, odometry, wait_until, yaw_of
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from harness import (ODOM_X, ODOM_Y, ODOM_YAW, Harness, LogTopic, is_connected, odometry,
+                     wait_until, yaw_of)
+from omnitag.msg import LocalizationStatus
+from rosgraph_msgs.msg import Log
 
 TOLERANCE = 0.1  # s, the default of transform_tolerance
 PERIOD = 0.05  # s, the default of transform_period
@@ -53,6 +60,48 @@ class OdometryTest(unittest.TestCase):
         repeated = sent[sent.index(last) + 1:]
         for earlier, later in zip(repeated, repeated[1:]):
             self.assertGreater((later - earlier).to_sec(), PERIOD - 1e-6)
+
+        self.point_at_where_the_robot_was(harness)
+
+    def point_at_where_the_robot_was(self, harness):
+        """RViz's "2D Pose Estimate", stamped some images ago and with no marker in view since."""
+        log = LogTopic()
+        publisher = rospy.Publisher("initialpose", PoseWithCovarianceStamped, queue_size=1)
+        self.assertTrue(wait_until(lambda: is_connected(publisher, log.subscriber)))
+        then, now = harness.images[40].header.stamp, harness.images[46].header.stamp
+        for image in harness.images[40:47]:
+            stamp = image.header.stamp
+            harness.publish_transform(odometry(stamp, harness.truth[stamp]))
+        message = PoseWithCovarianceStamped()
+        message.header.stamp, message.header.frame_id = then, "map"
+        x, y, yaw = harness.truth[then]
+        message.pose.pose.position.x, message.pose.pose.position.y = x, y
+        message.pose.pose.orientation.z = np.sin(yaw / 2)
+        message.pose.pose.orientation.w = np.cos(yaw / 2)
+        message.pose.covariance[0] = message.pose.covariance[7] = 0.25
+        message.pose.covariance[35] = (np.pi / 12) ** 2
+        start = len(log.messages)
+        publisher.publish(message)
+        self.assertTrue(log.wait_for_line(Log.INFO, "initial pose", start))
+
+        for i in range(20):
+            blind = black_image(harness.images[46], now + rospy.Duration(0.1 * i))
+            harness.publish_transform(odometry(blind.header.stamp, harness.truth[now]))
+            status = harness.localize(blind)
+            self.assertEqual(status.mode, LocalizationStatus.DEAD_RECKONING, i)
+            pose = harness.poses.at(blind.header.stamp)
+            self.assertAlmostEqual(pose.pose.position.x, harness.truth[now][0], delta=0.01)
+            self.assertAlmostEqual(pose.pose.position.y, harness.truth[now][1], delta=0.01)
+
+
+def black_image(image, stamp):
+    """An image of the same camera that shows nothing."""
+    _, data = cv2.imencode(".png", np.zeros((500, 500), np.uint8))
+    black = copy.deepcopy(image)
+    black.header.stamp = stamp
+    black.format = "png"
+    black.data = data.tobytes()
+    return black
 
 
 if __name__ == "__main__":

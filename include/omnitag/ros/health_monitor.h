@@ -39,10 +39,14 @@ class HealthMonitor {
 
   /// The message was no image of this camera.
   void imageRefused(const std::string& why);
-  /// The image was older than the one before it.
+  /// The image was not newer than the one before it.
   void imageLate();
   /// The image was lost for want of the camera's mounting.
   void transformMissing(const std::string& why);
+  /// tf could not be read or sent.
+  void transformsFailed(const std::string& why);
+  /// `conflict`: why no transform is sent, as ParentWatch has it; empty: all is well.
+  void parentChecked(const std::string& conflict);
   /// The image was localized; `odometry_problem` is empty where odometry is there or not asked for.
   void localized(const LocalizationStatus& status, const FrameResult& result,
                  const std::string& odometry_problem);
@@ -62,7 +66,8 @@ class HealthMonitor {
   void reportLocalization(Report& report);
   void reportMap(Report& report);
   std::string describe(const std::vector<DisplacedMarker>& displaced) const;
-  void complain(Subject* subject, const std::string& problem);
+  void complain(Subject* subject, const std::string& problem,
+                ros::console::Level level = ros::console::levels::Warn);
   void settle(Subject* subject, const std::string& all_is_well);
 
   const ImageInput& input_;
@@ -75,6 +80,7 @@ class HealthMonitor {
   std::size_t waiting_ = 0;
   Subject images_;
   Subject transforms_;
+  Subject parent_;
   Subject localization_;
   Subject marker_map_;
   DisplacementLog displacements_;

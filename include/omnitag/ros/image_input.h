@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <mutex>
 #include <optional>
 #include <string>
 
@@ -48,20 +49,25 @@ class ImageInput {
   void close();
   bool isClosed() const { return is_closed_; }
 
-  std::string topic() const;
+  /// These are safe to call from any thread, also while the input is being closed.
+  const std::string& topic() const { return topic_; }
   std::uint32_t publishers() const;
   std::uint64_t received() const { return received_; }
   std::uint64_t dropped() const { return dropped_; }
 
  private:
+  void subscribe(const ros::NodeHandle& private_node, const std::string& transport);
   void push(ReceivedImage image);
 
   const std::size_t queue_size_;
   ros::CallbackQueue queue_;
   ros::NodeHandle node_;
   image_transport::ImageTransport image_transport_;
+  /// Guards the subscribers, of which one is used.
+  mutable std::mutex subscriber_mutex_;
   image_transport::Subscriber subscriber_;
   ros::Subscriber compressed_subscriber_;
+  std::string topic_;
 
   std::deque<ReceivedImage> waiting_;
   std::atomic<std::uint64_t> received_ = 0;

@@ -12,6 +12,7 @@
 #include "omnitag/ros/camera_info.h"
 #include "omnitag/ros/frame_assembler.h"
 #include "omnitag/ros/parameters.h"
+#include "omnitag/ros/stamp_timeline.h"
 
 namespace omnitag {
 
@@ -19,8 +20,11 @@ namespace omnitag {
 struct LocalizedImage {
   AssembledFrame input;
   FrameResult result;
-  /// Whether time was set back before this image.
-  bool started_anew = false;
+  /// s by which stamps went back before this image, so that the localizer started anew; 0: they did
+  /// not.
+  double went_back = 0.0;
+  /// s by which the clock was set before this image, negative for back; the pose was kept.
+  double clock_step = 0.0;
   /// Whether the map has changed with this image: markers were added, or moved that mapping had
   /// added.
   bool map_changed = false;
@@ -39,12 +43,16 @@ class ImageLocalizer {
   /// Nothing for an image that is not newer than the one before; it is counted as late. Throws what
   /// FrameAssembler throws, and keeps its state then.
   ///
-  /// Where stamps step back by more than `restart_time_jump`, as when a bag loops, the localizer
-  /// starts anew: with the initial pose of the parameters, or searching. What it has mapped stays.
-  /// `wants_views`: see Frame.
+  /// Where stamps alone step back by more than `restart_time_jump`, as when a bag loops, the
+  /// localizer starts anew: with the initial pose of the parameters, or searching. What it has
+  /// mapped stays. `wants_views`: see Frame.
   std::optional<LocalizedImage> localize(const cv_bridge::CvImageConstPtr& image,
                                          const tf2::BufferCore& transforms,
                                          bool wants_views = false);
+
+  /// The clock that stamps the images, as far as is known, was set by so many s: the pose is kept
+  /// where the stamps follow it.
+  void clockStepped(double seconds) { timeline_.clockStepped(seconds); }
 
   /// For a pose from outside, or to forget the one it has.
   Localizer& localizer() { return *localizer_; }
@@ -72,7 +80,7 @@ class ImageLocalizer {
   FrameAssembler assembler_;
   std::optional<MarkerMapper> mapper_;
   std::unique_ptr<Localizer> localizer_;
-  ros::Time last_stamp_;
+  StampTimeline timeline_;
   std::uint64_t late_images_ = 0;
 };
 

@@ -14,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include "omnitag/ros/clock_watch.h"
 #include "omnitag/ros/debug_image.h"
 #include "omnitag/ros/frame_markers.h"
 #include "omnitag/ros/health_monitor.h"
@@ -43,6 +44,8 @@ class LocalizerServer {
 
  private:
   void run();
+  /// tf, what is repeated on it, and whether the clock was set.
+  void keepUp();
   void onImage(const ReceivedImage& received);
   void waitForTransforms(const std_msgs::Header& header);
   void publish(const LocalizedImage& localized);
@@ -56,6 +59,8 @@ class LocalizerServer {
   void takePose(const geometry_msgs::PoseWithCovarianceStamped& message);
   /// map_from_frame of a message's frame, as tf has it now. Throws InputError.
   Eigen::Isometry3d mapFrom(const std::string& frame) const;
+  /// Odometry when the robot was where a message says; the newest where tf does not reach there.
+  std::optional<Pose2> odometryAt(const ros::Time& stamp) const;
   void forgetPose();
   void onSaveMap(std_srvs::Trigger::Response* response);
   /// Says what was done. Throws InputError.
@@ -71,6 +76,7 @@ class LocalizerServer {
   ImageLocalizer localizer_;
   ImageInput input_;
   TransformInput transforms_;
+  ClockWatch clock_watch_;
 
   /// The map as RViz shows it, and what mapping has added to it so far.
   std::mutex map_mutex_;

@@ -2,10 +2,15 @@
 
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
-#include <tf2_ros/buffer.h>
-#include <tf2_ros/transform_listener.h>
+#include <tf2/buffer_core.h>
+#include <tf2_msgs/TFMessage.h>
 
-#include <memory>
+#include <optional>
+#include <string>
+
+#include "omnitag/ros/clock_watch.h"
+#include "omnitag/ros/parameters.h"
+#include "omnitag/ros/parent_watch.h"
 
 namespace omnitag {
 
@@ -13,8 +18,8 @@ namespace omnitag {
 /// them: on a robot, they come far more often than images, and each would wake a thread.
 class TransformInput {
  public:
-  /// Subscribes; nothing is taken before serve().
-  explicit TransformInput(const ros::NodeHandle& node);
+  /// Subscribes; nothing is taken before serve(). `frames`: with the map's frame filled in.
+  TransformInput(const ros::NodeHandle& node, const FrameNames& frames);
   ~TransformInput() { close(); }
   TransformInput(const TransformInput&) = delete;
   TransformInput& operator=(const TransformInput&) = delete;
@@ -23,15 +28,23 @@ class TransformInput {
   /// close().
   void serve(double duration);
   /// What has been taken. May be read by any thread.
-  const tf2_ros::Buffer& buffer() const { return buffer_; }
+  const tf2::BufferCore& buffer() const { return buffer_; }
+  /// As ParentWatch has it of what has been taken.
+  std::optional<std::string> parentConflict() const { return parents_.conflict(steadyTime()); }
   /// Nothing comes any more.
   void close() { queue_.disable(); }
 
  private:
+  using Event = ros::MessageEvent<const tf2_msgs::TFMessage>;
+
+  void take(const Event& event, bool is_static);
+
   ros::CallbackQueue queue_;
   ros::NodeHandle node_;
-  tf2_ros::Buffer buffer_;
-  std::unique_ptr<tf2_ros::TransformListener> listener_;
+  tf2::BufferCore buffer_;
+  ParentWatch parents_;
+  ros::Subscriber subscriber_;
+  ros::Subscriber static_subscriber_;
   ros::Time last_served_;
 };
 

@@ -120,20 +120,37 @@ BagInput::BagInput(const std::string& path, const std::string& image_topic) : pa
   }
 }
 
-void BagInput::loadTransforms(const std::string& without_child) {
+void BagInput::forEachTransform(
+    const std::function<void(const geometry_msgs::TransformStamped&, bool)>& take) const {
   const std::vector<std::string> topics = {"/tf", "/tf_static", "tf", "tf_static"};
   rosbag::View view(bag_, rosbag::TopicQuery(topics));
-  // Nothing is forgotten, however far the stamps are apart.
-  constexpr double kAYear = 365.0 * 86400.0;
-  transforms_ = std::make_unique<tf2::BufferCore>(ros::Duration(kAYear));
   for (const rosbag::MessageInstance& message : view) {
     const tf2_msgs::TFMessageConstPtr transforms = message.instantiate<tf2_msgs::TFMessage>();
     if (!transforms) continue;
     for (const geometry_msgs::TransformStamped& transform : transforms->transforms) {
-      if (withoutSlash(transform.child_frame_id) == without_child) continue;
-      transforms_->setTransform(transform, "bag", endsWith(message.getTopic(), "tf_static"));
+      take(transform, endsWith(message.getTopic(), "tf_static"));
     }
   }
+}
+
+void BagInput::loadTransforms(const std::string& without_child) {
+  // Nothing is forgotten, however far the stamps are apart.
+  constexpr double kAYear = 365.0 * 86400.0;
+  transforms_ = std::make_unique<tf2::BufferCore>(ros::Duration(kAYear));
+  forEachTransform([&](const geometry_msgs::TransformStamped& transform, bool is_static) {
+    if (withoutSlash(transform.child_frame_id) == without_child) return;
+    transforms_->setTransform(transform, "bag", is_static);
+  });
+}
+
+std::optional<std::string> BagInput::parentConflict(const FrameNames& frames) const {
+  // However far the bag's transforms are apart, they are all of one time.
+  constexpr double kNow = 0.0;
+  ParentWatch parents(frames);
+  forEachTransform([&](const geometry_msgs::TransformStamped& transform, bool is_static) {
+    parents.see(transform, is_static, kNow);
+  });
+  return parents.conflict(kNow);
 }
 
 void BagInput::replaceMounting(const std::string& base_frame,

@@ -1,16 +1,20 @@
 #pragma once
 
 #include <cv_bridge/cv_bridge.h>
+#include <geometry_msgs/TransformStamped.h>
 #include <rosbag/bag.h>
 #include <rosbag/message_instance.h>
 #include <tf2/buffer_core.h>
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "omnitag/ros/camera_info.h"
+#include "omnitag/ros/parent_watch.h"
 
 namespace omnitag {
 
@@ -26,6 +30,10 @@ class BagInput {
   /// All transforms of /tf and /tf_static.
   const tf2::BufferCore& transforms() const { return *transforms_; }
 
+  /// Why the bag has no place for a transform from the map, as ParentWatch has it; nothing where it
+  /// has. `frames`: with the map's frame filled in.
+  std::optional<std::string> parentConflict(const FrameNames& frames) const;
+
   /// Has the images' frame stand on `base_frame` as said here, whatever the bag's transforms say.
   void replaceMounting(const std::string& base_frame, const Eigen::Isometry3d& base_from_camera);
 
@@ -39,6 +47,9 @@ class BagInput {
  private:
   /// The first that an image names. Throws InputError where none does.
   std::string cameraFrame() const;
+  /// Hands on each transform of the bag, and whether it is static.
+  void forEachTransform(
+      const std::function<void(const geometry_msgs::TransformStamped&, bool)>& take) const;
   /// All but those to one frame, if it is named.
   void loadTransforms(const std::string& without_child);
 

@@ -100,7 +100,9 @@ void run(const BagOptions& options) {
   ResultFiles files(options.trajectory, options.poses, options.detections);
   std::optional<ResultBag> output;
   if (!options.output.empty()) {
-    output.emplace(options.output, localizer.frames(), parameters);
+    const std::optional<std::string> conflict = input.parentConflict(localizer.frames());
+    if (conflict) std::cerr << "localize_bag: " << options.output << ": " << *conflict << '\n';
+    output.emplace(options.output, localizer.frames(), parameters, !conflict);
   }
 
   const rosbag::TopicQuery images(input.imageTopic());
@@ -114,7 +116,7 @@ void run(const BagOptions& options) {
       stamp = image->header.stamp;
       const std::optional<LocalizedImage> localized = localizer.localize(image, input.transforms());
       if (localized) {
-        if (localized->started_anew) {
+        if (localized->went_back > 0.0) {
           progress.warn(stampText(stamp) + ": stamps went back: started anew");
         }
         const std::string& odometry_problem = localized->input.odometry_problem;

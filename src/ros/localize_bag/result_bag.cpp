@@ -6,6 +6,7 @@
 
 #include "omnitag/common/error.h"
 #include "omnitag/ros/map_markers.h"
+#include "omnitag/ros/parent_watch.h"
 #include "omnitag/ros/result_messages.h"
 
 namespace omnitag {
@@ -19,9 +20,10 @@ bool isOwn(const std::string& topic) {
 }  // namespace
 
 ResultBag::ResultBag(const std::string& path, const FrameNames& frames,
-                     const LocalizerParameters& parameters)
+                     const LocalizerParameters& parameters, bool sends_transform)
     : frames_(frames),
       transform_tolerance_(parameters.transform_tolerance),
+      sends_transform_(sends_transform),
       frame_markers_(frames.map, parameters.robot_radius),
       path_(parameters.path_min_step, parameters.path_max_poses) {
   try {
@@ -35,12 +37,11 @@ void ResultBag::copy(const rosbag::MessageInstance& message) {
   if (isOwn(message.getTopic())) return;
   if (message.getTopic() == "/tf") {
     if (const auto transforms = message.instantiate<tf2_msgs::TFMessage>()) {
-      const std::string& child = frames_.odom.empty() ? frames_.base : frames_.odom;
       tf2_msgs::TFMessage kept = *transforms;
       kept.transforms.erase(std::remove_if(kept.transforms.begin(), kept.transforms.end(),
                                            [&](const geometry_msgs::TransformStamped& transform) {
                                              return transform.header.frame_id == frames_.map &&
-                                                    transform.child_frame_id == child;
+                                                    transform.child_frame_id == sentFrame(frames_);
                                            }),
                             kept.transforms.end());
       if (!kept.transforms.empty()) bag_.write("/tf", message.getTime(), kept);
@@ -57,10 +58,10 @@ void ResultBag::add(const ros::Time& time, const LocalizedImage& localized,
     bag_.write("/markers", time, mapMarkers(map, localizer.provisional(), frames_.map));
   }
   has_map_markers_ = true;
-  if (localized.started_anew) path_.clear();
+  if (localized.went_back > 0.0) path_.clear();
 
   const ResultMessages messages = toMessages(localized, map, frames_, transform_tolerance_);
-  if (messages.transform) {
+  if (messages.transform && sends_transform_) {
     tf2_msgs::TFMessage transforms;
     transforms.transforms.push_back(*messages.transform);
     bag_.write("/tf", time, transforms);

@@ -18,9 +18,10 @@ namespace omnitag {
 /// are left out.
 class ResultBag {
  public:
-  /// Throws InputError where the bag cannot be written.
+  /// `sends_transform`: whether tf has a place for the robot's. Throws InputError where the bag
+  /// cannot be written.
   ResultBag(const std::string& path, const FrameNames& frames,
-            const LocalizerParameters& parameters);
+            const LocalizerParameters& parameters, bool sends_transform);
 
   /// A message of the input.
   void copy(const rosbag::MessageInstance& message);
@@ -33,6 +34,7 @@ class ResultBag {
  private:
   FrameNames frames_;
   double transform_tolerance_;
+  bool sends_transform_;
   FrameMarkers frame_markers_;
   PathRecorder path_;
   bool has_map_markers_ = false;

@@ -1,0 +1,46 @@
+#include "omnitag/ros/stamp_timeline.h"
+
+#include <cmath>
+
+namespace omnitag {
+namespace {
+
+/// s after which images that were stamped before the clock was set have all come.
+constexpr double kInFlight = 10.0;
+
+/// s, of a step that counts.
+constexpr double kLeastStep = 1e-3;
+
+}  // namespace
+
+void StampTimeline::clockStepped(double seconds) {
+  pending_step_ += seconds;
+  // A clock that was set and set back.
+  if (std::abs(pending_step_) < kLeastStep) pending_step_ = 0.0;
+  pending_for_ = 0.0;
+}
+
+StampPlace StampTimeline::place(const ros::Time& stamp) const {
+  if (!last_stamp_) return {StampPlace::Kind::kLater, stamp.toSec(), 0.0};
+  // ros::Duration ends at 68 years, and throws.
+  const double passed = stamp.toSec() - last_stamp_->toSec();
+  // Images that are still on their way have stamps from before the clock was set: where both are
+  // possible, the shorter is taken for the time that passed.
+  const double without_step = passed - pending_step_;
+  const bool shows_step = without_step > 0.0 && (passed <= 0.0 || without_step < passed);
+  if (pending_step_ != 0.0 && shows_step) {
+    return {StampPlace::Kind::kClockStepped, last_time_ + without_step, pending_step_};
+  }
+  if (passed > 0.0) return {StampPlace::Kind::kLater, last_time_ + passed, 0.0};
+  if (-passed > restart_time_jump_) return {StampPlace::Kind::kWentBack, stamp.toSec(), passed};
+  return {StampPlace::Kind::kLate, last_time_, passed};
+}
+
+void StampTimeline::take(const ros::Time& stamp, const StampPlace& place) {
+  pending_for_ += place.time - last_time_;
+  if (place.kind != StampPlace::Kind::kLater || pending_for_ > kInFlight) pending_step_ = 0.0;
+  last_stamp_ = stamp;
+  last_time_ = place.time;
+}
+
+}  // namespace omnitag

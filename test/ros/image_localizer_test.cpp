@@ -1,0 +1,102 @@
+#include "omnitag/ros/image_localizer.h"
+
+#include <geometry_msgs/TransformStamped.h>
+#include <gtest/gtest.h>
+
+#include <boost/make_shared.hpp>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "../support/panorama_renderer.h"
+#include "omnitag/camera/camera_file.h"
+#include "omnitag/marker/marker_map_file.h"
+#include "omnitag/ros/conversions.h"
+
+namespace omnitag {
+namespace {
+
+const std::string kPackage = PACKAGE_DIR;
+
+/// The robot stands among the paper's markers and is told at the start that it is elsewhere.
+class ImageLocalizerTest : public testing::Test {
+ protected:
+  ImageLocalizerTest() : transforms_(ros::Duration(10.0)) {
+    geometry_msgs::TransformStamped mounting;
+    mounting.header.frame_id = "base_link";
+    mounting.child_frame_id = "camera";
+    mounting.transform = toMessage(base_from_camera_);
+    transforms_.setTransform(mounting, "test", true);
+  }
+
+  static LocalizerParameters parameters() {
+    LocalizerParameters parameters;
+    parameters.map_file = kPackage + "/maps/paper.yaml";
+    parameters.initial_pose = Pose2{3.0, -3.0, 1.0};
+    return parameters;
+  }
+
+  std::optional<LocalizedImage> localize(double stamp, const cv::Mat& pixels) {
+    auto image = boost::make_shared<cv_bridge::CvImage>();
+    image->header.frame_id = "camera";
+    image->header.stamp = ros::Time(stamp);
+    image->image = pixels;
+    return localizer_.localize(image, transforms_);
+  }
+
+  /// Images until the robot is tracked; the last is stamped 100.3 s.
+  void follow() {
+    for (int i = 0; i < 3; ++i) ASSERT_TRUE(localize(100.0 + 0.1 * i, panorama_));
+    ASSERT_EQ(localize(100.3, panorama_)->result.mode, Mode::kTracking);
+  }
+
+  Eigen::Isometry3d base_from_camera_ =
+      Eigen::Translation3d(0.1, 0.0, 1.1) * Eigen::AngleAxisd(3.14159265, Eigen::Vector3d::UnitX());
+  Pose2 truth_{-2.0, 1.5, 0.7};
+  DescribedCamera camera_ = cameraFromFile(kPackage + "/config/cameras/paper.yaml");
+  cv::Mat panorama_ = test::renderPanorama(loadMarkerMap(kPackage + "/maps/paper.yaml"),
+                                           MountedCamera(camera_.model, base_from_camera_), truth_);
+  cv::Mat black_ = cv::Mat::zeros(500, 500, CV_8UC1);
+  tf2::BufferCore transforms_;
+  ImageLocalizer localizer_{parameters(), camera_};
+};
+
+TEST_F(ImageLocalizerTest, KeepsThePoseWhereTheClockIsSetBack) {
+  for (const double step : {-5.0, -0.25, 60.0}) {
+    SCOPED_TRACE(step);
+    localizer_ = ImageLocalizer(parameters(), camera_);
+    follow();
+    localizer_.clockStepped(step);
+    // Without markers, the pose alone tells whether it was kept.
+    const auto localized = localize(100.4 + step, black_);
+    ASSERT_TRUE(localized);
+    EXPECT_DOUBLE_EQ(localized->clock_step, step);
+    EXPECT_EQ(localized->went_back, 0.0);
+    EXPECT_EQ(localized->result.mode, Mode::kDeadReckoning);
+    ASSERT_TRUE(localized->result.map_from_base);
+    EXPECT_LT(std::hypot(localized->result.map_from_base->pose.x - truth_.x,
+                         localized->result.map_from_base->pose.y - truth_.y),
+              0.01);
+    EXPECT_EQ(localize(100.5 + step, panorama_)->result.mode, Mode::kTracking);
+  }
+}
+
+TEST_F(ImageLocalizerTest, StartsAnewWhereTheStampsAloneGoBack) {
+  follow();
+  const auto localized = localize(95.4, black_);
+  ASSERT_TRUE(localized);
+  EXPECT_NEAR(localized->went_back, 4.9, 1e-6);
+  ASSERT_TRUE(localized->result.map_from_base);
+  EXPECT_DOUBLE_EQ(localized->result.map_from_base->pose.x, 3.0);
+}
+
+TEST_F(ImageLocalizerTest, CountsImagesThatAreLate) {
+  follow();
+  EXPECT_FALSE(localize(100.3, panorama_));
+  EXPECT_FALSE(localize(99.5, panorama_));
+  EXPECT_EQ(localizer_.lateImages(), 2U);
+  EXPECT_EQ(localize(100.4, panorama_)->result.mode, Mode::kTracking);
+}
+
+}  // namespace
+}  // namespace omnitag
