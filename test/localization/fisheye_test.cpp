@@ -88,7 +88,7 @@ TEST_P(FisheyeTest, TracksWithMarkersAboveBelowAndAround) {
 TEST_P(FisheyeTest, FindsThemAllAround) {
   Localizer localizer(model_, map_, {});
   const FrameResult result = localizer.process(frame(1.0));
-  EXPECT_EQ(result.mode, Mode::kSearching);
+  EXPECT_EQ(result.mode, Mode::kFound);
   EXPECT_EQ(acceptedIds(result), all_);
   expectTruth(result);
 }
