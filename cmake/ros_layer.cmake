@@ -29,6 +29,19 @@ target_link_libraries(omnitag_ros
   PUBLIC omnitag_core ${catkin_LIBRARIES}
   PRIVATE opencv_imgcodecs
 )
+if(OMNITAG_PCH)
+  target_precompile_headers(omnitag_ros PRIVATE ${precompiled_headers}
+    <cv_bridge/cv_bridge.h>
+    <diagnostic_updater/diagnostic_updater.h>
+    <image_transport/image_transport.h>
+    <nav_msgs/Odometry.h>
+    <nav_msgs/Path.h>
+    <ros/ros.h>
+    <tf2_ros/buffer.h>
+    <tf2_ros/transform_listener.h>
+    <visualization_msgs/MarkerArray.h>
+  )
+endif()
 
 add_library(omnitag_nodelet SHARED src/ros/localizer_nodelet.cpp)
 target_link_libraries(omnitag_nodelet PRIVATE omnitag_ros)
