@@ -29,19 +29,6 @@ target_link_libraries(omnitag_ros
   PUBLIC omnitag_core ${catkin_LIBRARIES}
   PRIVATE opencv_imgcodecs
 )
-if(OMNITAG_PCH)
-  target_precompile_headers(omnitag_ros PRIVATE ${precompiled_headers}
-    <cv_bridge/cv_bridge.h>
-    <diagnostic_updater/diagnostic_updater.h>
-    <image_transport/image_transport.h>
-    <nav_msgs/Odometry.h>
-    <nav_msgs/Path.h>
-    <ros/ros.h>
-    <tf2_ros/buffer.h>
-    <tf2_ros/transform_listener.h>
-    <visualization_msgs/MarkerArray.h>
-  )
-endif()
 
 add_library(omnitag_nodelet SHARED src/ros/localizer_nodelet.cpp)
 target_link_libraries(omnitag_nodelet PRIVATE omnitag_ros)
@@ -82,6 +69,27 @@ add_executable(calibrate_camera
   src/ros/calibrate_camera/recording.cpp
 )
 target_link_libraries(calibrate_camera PRIVATE omnitag_bag_tools opencv_imgcodecs)
+
+# Shared libraries and programs cannot share them: their code is compiled for different places.
+set(precompiled_ros_headers ${precompiled_headers}
+  <cv_bridge/cv_bridge.h>
+  <diagnostic_updater/diagnostic_updater.h>
+  <image_transport/image_transport.h>
+  <nav_msgs/Odometry.h>
+  <nav_msgs/Path.h>
+  <ros/ros.h>
+  <tf2_ros/buffer.h>
+  <tf2_ros/transform_listener.h>
+  <visualization_msgs/MarkerArray.h>
+)
+if(OMNITAG_PCH)
+  target_precompile_headers(omnitag_ros PRIVATE ${precompiled_ros_headers})
+  target_precompile_headers(omnitag_nodelet REUSE_FROM omnitag_ros)
+  target_precompile_headers(omnitag_bag_tools PRIVATE ${precompiled_ros_headers})
+  foreach(program localizer_node localize_bag build_map calibrate_camera)
+    target_precompile_headers(${program} REUSE_FROM omnitag_bag_tools)
+  endforeach()
+endif()
 
 install(TARGETS omnitag_core omnitag_ros omnitag_nodelet
   ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}

@@ -28,7 +28,7 @@ configure_sanitized() {
   unset LD_LIBRARY_PATH
   [[ ! -f $1/build.ninja ]] || return 0
   cmake -S "$root" -B "$1" -G Ninja -DOMNITAG_ROS=OFF -DOMNITAG_SANITIZE="$2" \
-    -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -g"
+    -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -g1"
 }
 
 # Runs the tests of the CMake build folder $1 that the further arguments, which are ctest's, choose;

@@ -1,8 +1,9 @@
 #include "omnitag/localization/motion_model.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
+
+#include "omnitag/common/symmetric_matrix.h"
 
 namespace omnitag {
 
@@ -99,8 +100,7 @@ void MotionModel::correct(const PoseEstimate& map_from_base) {
 
 bool MotionModel::isTrustworthy() const {
   const Eigen::Matrix2d position_covariance = covariance_.topLeftCorner<2, 2>();
-  const double position_variance =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(position_covariance).eigenvalues()(1);
+  const double position_variance = eigenPairs(position_covariance).values(1);
   const double without_knowledge = stamp_ - known_stamp_;
   if (is_given_ && without_knowledge > 0.0) return without_knowledge <= config_.max_initial_time;
   const double max_position =

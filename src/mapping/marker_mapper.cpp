@@ -1,12 +1,12 @@
 #include "omnitag/mapping/marker_mapper.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <set>
 
 #include "omnitag/common/error.h"
+#include "omnitag/common/symmetric_matrix.h"
 #include "omnitag/marker/marker_reader.h"
 
 namespace omnitag {
@@ -89,9 +89,7 @@ MarkerMapper::MarkerMapper(std::shared_ptr<const CameraModel> camera, MarkerMap 
 bool MarkerMapper::add(const Frame& frame, const FrameResult& result) {
   if (!result.map_from_base || result.acceptedMarkers() == 0) return false;
   const PoseEstimate pose = honestPose(result);
-  const double variance =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(pose.covariance.topLeftCorner<2, 2>())
-          .eigenvalues()(1);
+  const double variance = eigenPairs(pose.covariance.topLeftCorner<2, 2>()).values(1);
   if (std::sqrt(variance) > config_.max_pose_deviation) return false;
 
   bool has_changed = false;

@@ -1,6 +1,5 @@
 #include "omnitag/marker/glance_reader.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
@@ -14,6 +13,7 @@
 
 #include "omnitag/common/angle.h"
 #include "omnitag/common/parallel.h"
+#include "omnitag/common/symmetric_matrix.h"
 #include "omnitag/marker/corner_refinement.h"
 #include "omnitag/marker/marker_prediction.h"
 #include "omnitag/view/view_planner.h"
@@ -127,8 +127,8 @@ std::optional<Corners<Eigen::Vector2d>> cornersInView(const Corners<Eigen::Vecto
     }
     const Eigen::Vector2d middle = places.rowwise().mean();
     const Eigen::Matrix<double, 2, kPlaces> off = places.colwise() - middle;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> spread(off * off.transpose());
-    edges[k] = Line(spread.eigenvectors().col(0), middle);
+    const EigenPairs spread = eigenPairs(off * off.transpose());
+    edges[k] = Line(spread.vectors.col(0), middle);
   }
   Corners<Eigen::Vector2d> in_view;
   for (std::size_t k = 0; k < edges.size(); ++k) {

@@ -1,11 +1,11 @@
 #include "omnitag/ros/frame_markers.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
 #include "omnitag/common/angle.h"
+#include "omnitag/common/symmetric_matrix.h"
 #include "omnitag/ros/conversions.h"
 #include "omnitag/ros/rviz_marker.h"
 
@@ -116,13 +116,12 @@ RvizMarker ellipse(const std::string& frame, const std::string& name_space, cons
 
 void addCovariance(const std::string& frame, const PoseEstimate& estimate, double robot_radius,
                    RvizMarkers* markers) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(
-      estimate.covariance.topLeftCorner<2, 2>());
-  const Eigen::Vector2d half_axes = 3.0 * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  const EigenPairs eigen = eigenPairs(estimate.covariance.topLeftCorner<2, 2>());
+  const Eigen::Vector2d half_axes = 3.0 * eigen.values.cwiseMax(0.0).cwiseSqrt();
   const double yaw = degrees(3.0 * std::sqrt(std::max(0.0, estimate.covariance(2, 2))));
   const Pose2& pose = estimate.pose;
   const std_msgs::ColorRGBA yellow = color(1.0, 0.9, 0.3);
-  markers->push_back(ellipse(frame, "covariance", pose, half_axes, solver.eigenvectors(), yellow));
+  markers->push_back(ellipse(frame, "covariance", pose, half_axes, eigen.vectors, yellow));
 
   // The power of ten that makes it about as large as the robot.
   const double power = std::floor(std::log10(3.0 * robot_radius / std::max(half_axes.y(), 1e-9)));
@@ -132,7 +131,7 @@ void addCovariance(const std::string& frame, const PoseEstimate& estimate, doubl
     std::snprintf(words.data(), words.size(), "3 sigma: %.2g x %.2g mm, %.2g deg (drawn x %.0f)",
                   1e3 * half_axes.y(), 1e3 * half_axes.x(), yaw, enlargement);
     markers->push_back(ellipse(frame, "covariance_enlarged", pose, enlargement * half_axes,
-                               solver.eigenvectors(), color(1.0, 0.9, 0.3, 0.6)));
+                               eigen.vectors, color(1.0, 0.9, 0.3, 0.6)));
   } else {
     std::snprintf(words.data(), words.size(), "3 sigma: %.2f x %.2f m, %.2g deg", half_axes.y(),
                   half_axes.x(), yaw);

@@ -1,6 +1,5 @@
 #include "map_drawing.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
@@ -10,6 +9,7 @@
 #include "omnitag/common/angle.h"
 #include "omnitag/common/drawing.h"
 #include "omnitag/common/error.h"
+#include "omnitag/common/symmetric_matrix.h"
 
 namespace omnitag {
 namespace {
@@ -50,9 +50,9 @@ class Sheet {
   /// `covariance` in m^2.
   void ellipse(const Eigen::Vector2d& middle, const Eigen::Matrix2d& covariance,
                const cv::Scalar& color) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(covariance);
-    const Eigen::Vector2d radii = scale_ * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt();
-    const Eigen::Vector2d axis = eigen.eigenvectors().col(1);
+    const EigenPairs eigen = eigenPairs(covariance);
+    const Eigen::Vector2d radii = scale_ * eigen.values.cwiseMax(0.0).cwiseSqrt();
+    const Eigen::Vector2d axis = eigen.vectors.col(1);
     cv::ellipse(image_,
                 {cv::Point2f(position(middle)),
                  cv::Size2f(static_cast<float>(2.0 * radii(1)), static_cast<float>(2.0 * radii(0))),
