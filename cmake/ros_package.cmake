@@ -17,6 +17,9 @@ set(exported_packages
 )
 find_package(catkin REQUIRED COMPONENTS
   ${exported_packages} message_generation pluginlib rosbag_storage)
+if(POLICY CMP0167)
+  cmake_policy(SET CMP0167 NEW)  # Boost's own CMake package: CMake has no other for it any more
+endif()
 find_package(Boost REQUIRED COMPONENTS program_options)
 find_package(OpenCV REQUIRED COMPONENTS core imgcodecs imgproc)
 

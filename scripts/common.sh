@@ -37,9 +37,14 @@ run_tests() {
   local build=$1
   shift
   local results=$build/test_results/omnitag
-  rm -rf "$results"
+  local failed=$build/Testing/Temporary/LastTestsFailed.log
+  local status=0
+  rm -rf "$results" "$failed"
   mkdir -p "$results"
-  ctest --test-dir "$build" --parallel "$(nproc)" --timeout 900 --output-on-failure "$@" \
-    --output-junit "$results/ctest.xml" || true
+  cd "$build"
+  ctest --show-only=json-v1 "$@" > "$results/ctest.json" || true
+  ctest --parallel "$(nproc)" --timeout 900 --output-on-failure "$@" || status=$?
+  [[ ! -f $failed ]] || cp "$failed" "$results/ctest_failed.log"
+  echo "$status" > "$results/ctest_status"
   /usr/bin/python3 "$root/scripts/summarize_tests.py" "$results"
 }

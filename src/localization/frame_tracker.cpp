@@ -70,7 +70,10 @@ std::optional<PoseEstimate> FrameTracker::track() {
   }
   std::vector<std::size_t> rest = undecoded();
   if (recognizes && !turn_) rest.clear();
-  if (turn_ && found() >= kEnough && !rest.empty()) rest = {rest[*turn_ % rest.size()]};
+  if (turn_ && found() >= kEnough && !rest.empty()) {
+    rest.front() = rest[*turn_ % rest.size()];
+    rest.resize(1);
+  }
   if (!rest.empty()) {
     const std::size_t before = found();
     const bool was_vague = !solution_ || positionDeviation(solution_->map_from_base) > kVague;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <complex>
 #include <limits>
 #include <optional>
 #include <unsupported/Eigen/Polynomials>
@@ -42,7 +43,9 @@ inline std::optional<Eigen::Vector2d> world2cam(const OcamCalibration& model,
   polynomial(1) -= z / norm;
   const Eigen::PolynomialSolver<double, Eigen::Dynamic> solver(polynomial);
   double rho = std::numeric_limits<double>::infinity();
-  for (const auto& root : solver.roots()) {
+  const Eigen::VectorXcd& roots = solver.roots();
+  for (Eigen::Index i = 0; i < roots.size(); ++i) {
+    const std::complex<double> root = roots(i);
     const bool is_real = std::abs(root.imag()) < 1e-9 * std::abs(root);
     if (is_real && root.real() > 0.0) rho = std::min(rho, root.real());
   }

@@ -1,5 +1,6 @@
 """The count of test cases at the end of a test run."""
 
+import json
 import subprocess
 import sys
 import tempfile
@@ -27,11 +28,19 @@ class SummarizeTests(unittest.TestCase):
         suite = "<testsuites><testsuite>{}</testsuite></testsuites>".format("".join(cases))
         (self.results / f"{name}.xml").write_text(suite)
 
-    def write_ctest(self, **statuses):
-        cases = (f'<testcase name="{name}" classname="{name}" status="{status}"/>'
-                 for name, status in statuses.items())
-        (self.results / "ctest.xml").write_text(
-            "<testsuite>{}</testsuite>".format("".join(cases)))
+    def write_ctest(self, exit_status=None, **statuses):
+        """What CTest leaves of tests that it has run, or that failed, or are disabled."""
+        tests = [{"name": name, "properties": [{"name": "DISABLED", "value": status == "disabled"},
+                                               {"name": "TIMEOUT", "value": 60.0}]}
+                 for name, status in statuses.items()]
+        (self.results / "ctest.json").write_text(json.dumps({"kind": "ctestInfo", "tests": tests}))
+        failed = [name for name, status in statuses.items() if status == "fail"]
+        if failed:
+            (self.results / "ctest_failed.log").write_text(
+                "".join(f"{number}:{name}\n" for number, name in enumerate(failed, 1)))
+        if exit_status is None:
+            exit_status = 8 if failed else 0
+        (self.results / "ctest_status").write_text(f"{exit_status}\n")
 
     def summarize(self):
         """The last line, and the exit status."""
@@ -50,13 +59,18 @@ class SummarizeTests(unittest.TestCase):
         self.write("angle", PASSED, SKIPPED, DISABLED)
         self.assertEqual(self.summarize(), ("1 passed, 0 failed", 0))
 
+    def test_disabled_tests_need_no_result_file(self):
+        self.write_ctest(angle="run", slow="disabled")
+        self.write("angle", PASSED)
+        self.assertEqual(self.summarize(), ("1 passed, 0 failed", 0))
+
     def test_failures_and_errors_fail(self):
         self.write_ctest(angle="fail")
         self.write("angle", PASSED, FAILED, ERROR)
         self.assertEqual(self.summarize(), ("1 passed, 2 failed", 1))
 
     def test_missing_result_file_fails(self):
-        self.write_ctest(angle="run", crashed="fail", never_built="notrun")
+        self.write_ctest(angle="run", crashed="fail", never_built="fail")
         self.write("angle", PASSED)
         self.assertEqual(self.summarize(), ("1 passed, 2 failed", 1))
 
@@ -91,6 +105,22 @@ class SummarizeTests(unittest.TestCase):
     def test_no_tests_at_all_fails(self):
         self.write_ctest()
         self.assertEqual(self.summarize(), ("0 passed, 0 failed", 1))
+
+    def test_ctest_that_broke_off_fails(self):
+        self.write_ctest(exit_status=137, angle="run")
+        self.write("angle", PASSED)
+        self.assertEqual(self.summarize(), ("1 passed, 1 failed", 1))
+
+    def test_ctest_without_a_status_fails(self):
+        self.write_ctest(angle="run")
+        self.write("angle", PASSED)
+        (self.results / "ctest_status").unlink()
+        self.assertEqual(self.summarize(), ("0 passed, 1 failed", 1))
+
+    def test_unreadable_list_of_tests_fails(self):
+        self.write_ctest(angle="run")
+        (self.results / "ctest.json").write_text("")
+        self.assertEqual(self.summarize(), ("0 passed, 1 failed", 1))
 
     def test_no_ctest_result_fails(self):
         self.assertEqual(self.summarize(), ("0 passed, 1 failed", 1))

@@ -128,9 +128,9 @@ TEST_P(Padded, Colors) {
 }
 
 TEST_P(Padded, BayerOfOneColor) {
-  constexpr std::uint8_t kRed = 200;
-  constexpr std::uint8_t kGreen = 90;
-  constexpr std::uint8_t kBlue = 30;
+  static constexpr std::uint8_t kRed = 200;
+  static constexpr std::uint8_t kGreen = 90;
+  static constexpr std::uint8_t kBlue = 30;
   // The colors of the upper left two by two pixels, row by row.
   const std::vector<std::pair<std::string, std::string>> patterns = {
       {encodings::BAYER_RGGB8, "rggb"},

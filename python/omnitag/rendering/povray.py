@@ -62,7 +62,8 @@ def render(scene: str, bitmaps: Dict[str, np.ndarray], width: int, height: int,
             result = subprocess.run(command, cwd=directory, stdin=subprocess.DEVNULL,
                                     stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         except FileNotFoundError:
-            raise InputError("povray: expected the ray tracer POV-Ray 3.7, found none installed")
+            raise InputError("povray: expected the ray tracer POV-Ray 3.7, found none; "
+                             "apt install povray")
         if result.returncode != 0:
             complaints = [line for line in result.stderr.splitlines() if "rror" in line]
             raise InputError("povray: " + (complaints or ["made no image"])[0])
