@@ -11,5 +11,5 @@ RUN cmake -S /omnitag -B /build -G Ninja -DCMAKE_BUILD_TYPE=Release -DCATKIN_ENA
       -DPYTHON_EXECUTABLE=/usr/bin/python3 -DCMAKE_INSTALL_PREFIX=/opt/omnitag \
  && cmake --build /build --target install \
  && rm -rf /build
-ENTRYPOINT ["bash", "-c", ". /opt/omnitag/setup.bash && exec \"$@\"", "omnitag"]
+ENTRYPOINT ["bash", "-c", ". /opt/omnitag/setup.bash -- && exec \"$@\"", "omnitag"]
 CMD ["bash"]
