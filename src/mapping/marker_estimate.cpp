@@ -309,9 +309,7 @@ std::optional<MarkerEstimate> estimateMarker(const Marker& marker,
   if (!best) return std::nullopt;
 
   const Linearization linear = problem.linearize(*best, false);
-  // Of dynamic size, which compiles in a fraction of the time.
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(linear.information,
-                                                             Eigen::EigenvaluesOnly);
+  const Eigen::SelfAdjointEigenSolver<Information> eigen(linear.information);
   constexpr double kSmallestEigenvalue = 1e-12;
   if (!(eigen.eigenvalues()(0) > kSmallestEigenvalue * eigen.eigenvalues()(6))) {
     return std::nullopt;
