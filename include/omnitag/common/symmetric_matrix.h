@@ -4,8 +4,8 @@
 
 namespace omnitag {
 
-/// A symmetric matrix taken apart: its eigenvalues, the smaller first, and their unit eigenvectors as
-/// columns.
+/// A symmetric matrix taken apart: its eigenvalues, the smaller first, and their unit eigenvectors
+/// as columns.
 struct EigenPairs {
   Eigen::Vector2d values;
   Eigen::Matrix2d vectors;
