@@ -5,7 +5,7 @@
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 
-#include <optional>
+#include <map>
 #include <string>
 
 namespace omnitag {
@@ -29,20 +29,22 @@ class HealthMonitorTest : public testing::Test {
         monitor_(node_, private_node_, input_, oneMarker()),
         subscriber_(node_.subscribe("/diagnostics", 10, &HealthMonitorTest::onReports, this)) {}
 
-  /// What is reported of the marker map from now on.
-  DiagnosticStatus nextReportOfMap() {
+  /// What is reported from now on, by the end of a task's name.
+  DiagnosticStatus nextReport(const std::string& task) {
     constexpr double kWait = 0.1;  // s
     // A report that is under way may tell of what was before.
     for (int i = 0; i < 2; ++i) {
-      of_map_.reset();
-      while (!of_map_) ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(kWait));
+      reports_.clear();
+      while (reports_.count(task) == 0) {
+        ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(kWait));
+      }
     }
-    return *of_map_;
+    return reports_[task];
   }
 
   void onReports(const diagnostic_msgs::DiagnosticArray& reports) {
     for (const DiagnosticStatus& status : reports.status) {
-      if (status.name.find(": marker map") != std::string::npos) of_map_ = status;
+      reports_[status.name.substr(status.name.rfind(": ") + 2)] = status;
     }
   }
 
@@ -50,7 +52,7 @@ class HealthMonitorTest : public testing::Test {
   ros::NodeHandle private_node_;
   ImageInput input_;
   HealthMonitor monitor_;
-  std::optional<DiagnosticStatus> of_map_;
+  std::map<std::string, DiagnosticStatus> reports_;
   ros::Subscriber subscriber_;
 };
 
@@ -58,13 +60,32 @@ TEST_F(HealthMonitorTest, ForgetsDisplacedMarkersWhereTheLocalizerStartsAnew) {
   FrameResult displaced;
   displaced.displaced = {{0, 0.4}};
   for (int i = 0; i < 3; ++i) monitor_.localized(LocalizationStatus(), displaced, "");
-  const DiagnosticStatus before = nextReportOfMap();
+  const DiagnosticStatus before = nextReport("marker map");
   EXPECT_EQ(before.level, DiagnosticStatus::WARN);
   EXPECT_EQ(before.message, "marker 7 is 0.40 m from where the map has it");
 
   monitor_.startedAnew();
   monitor_.localized(LocalizationStatus(), FrameResult(), "");
-  EXPECT_EQ(nextReportOfMap().level, DiagnosticStatus::OK);
+  EXPECT_EQ(nextReport("marker map").level, DiagnosticStatus::OK);
+}
+
+TEST_F(HealthMonitorTest, SaysThatImagesAreLateUntilOneIsNot) {
+  monitor_.imageLate();
+  const DiagnosticStatus late = nextReport("images");
+  EXPECT_EQ(late.level, DiagnosticStatus::ERROR);
+  EXPECT_NE(late.message.find("its stamp is not after the one before"), std::string::npos);
+  monitor_.localized(LocalizationStatus(), FrameResult(), "");
+  EXPECT_EQ(nextReport("images").level, DiagnosticStatus::OK);
+}
+
+TEST_F(HealthMonitorTest, AnotherParentInTfIsAnError) {
+  monitor_.localized(LocalizationStatus(), FrameResult(), "");
+  monitor_.parentChecked("set odom_frame");
+  const DiagnosticStatus report = nextReport("transforms");
+  EXPECT_EQ(report.level, DiagnosticStatus::ERROR);
+  EXPECT_EQ(report.message, "set odom_frame");
+  monitor_.parentChecked("");
+  EXPECT_EQ(nextReport("transforms").level, DiagnosticStatus::OK);
 }
 
 }  // namespace
