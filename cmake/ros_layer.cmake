@@ -83,7 +83,10 @@ set(precompiled_ros_headers ${precompiled_headers}
   <visualization_msgs/MarkerArray.h>
 )
 if(OMNITAG_PCH)
+  # CMake would give each library a macro of its own, which no header reads.
+  set_target_properties(omnitag_ros omnitag_nodelet PROPERTIES DEFINE_SYMBOL "")
   target_precompile_headers(omnitag_ros PRIVATE ${precompiled_ros_headers})
+  target_precompile_headers(omnitag_nodelet REUSE_FROM omnitag_ros)
   target_precompile_headers(omnitag_bag_tools PRIVATE ${precompiled_ros_headers})
   foreach(program localize_bag build_map calibrate_camera)
     target_precompile_headers(${program} REUSE_FROM omnitag_bag_tools)
