@@ -172,20 +172,24 @@ void LocalizerServer::waitForTransforms(const std_msgs::Header& header) {
   }
 }
 
+void LocalizerServer::logClockStep(double step) const {
+  ROS_WARN_STREAM(name_ << ": the clock was set by " << step
+                        << " s, and the images' stamps with it: the pose is kept");
+}
+
+void LocalizerServer::startAnew(double went_back) {
+  ROS_WARN_STREAM(name_ << ": the images' stamps went back by " << went_back
+                        << " s while this robot's clock did not, as when a bag is played again: "
+                           "started anew");
+  path_.clear();
+  health_.startedAnew();
+  const std::lock_guard<std::mutex> lock(map_mutex_);
+  markers_publisher_.publish(map_drawing_.markers());
+}
+
 void LocalizerServer::publish(const LocalizedImage& localized) {
-  if (localized.clock_step != 0.0) {
-    ROS_WARN_STREAM(name_ << ": the clock was set by " << localized.clock_step
-                          << " s, and the images' stamps with it: the pose is kept");
-  }
-  if (localized.went_back > 0.0) {
-    ROS_WARN_STREAM(name_ << ": the images' stamps went back by " << localized.went_back
-                          << " s while this robot's clock did not, as when a bag is played again: "
-                             "started anew");
-    path_.clear();
-    health_.startedAnew();
-    const std::lock_guard<std::mutex> lock(map_mutex_);
-    markers_publisher_.publish(map_drawing_.markers());
-  }
+  if (localized.clock_step != 0.0) logClockStep(localized.clock_step);
+  if (localized.went_back > 0.0) startAnew(localized.went_back);
   if (localizer_.isMapping()) publishMap(localized.map_changed);
   ResultMessages messages =
       toMessages(localized, localizer_.map(), localizer_.frames(), parameters_.transform_tolerance);

@@ -12,6 +12,12 @@ constexpr double kKept = 30.0;
 /// Messages that wait while a frame is worked on: as long, at a thousand a second.
 constexpr std::uint32_t kWaiting = 30000;
 
+void logRefused(const std::string& frame, const std::string& publisher, const char* why) {
+  constexpr double kLinePeriod = 10.0;  // s
+  ROS_ERROR_STREAM_THROTTLE(
+      kLinePeriod, "tf: transform of '" << frame << "' from " << publisher << " refused: " << why);
+}
+
 }  // namespace
 
 TransformInput::TransformInput(const ros::NodeHandle& node, const FrameNames& frames)
@@ -42,9 +48,7 @@ void TransformInput::take(const Event& event, bool is_static) {
       // Most of what is no transform, tf2 refuses with a line in the log.
       buffer_.setTransform(transform, event.getPublisherName(), is_static);
     } catch (const std::exception& error) {
-      ROS_ERROR_STREAM_THROTTLE(10.0, "tf: transform of '" << transform.child_frame_id << "' from "
-                                                           << event.getPublisherName()
-                                                           << " refused: " << error.what());
+      logRefused(transform.child_frame_id, event.getPublisherName(), error.what());
     }
     parents_.see(transform, is_static, steadyTime());
   }

@@ -48,6 +48,9 @@ class LocalizerServer {
   void keepUp();
   void onImage(const ReceivedImage& received);
   void waitForTransforms(const std_msgs::Header& header);
+  void logClockStep(double step) const;
+  /// Forgets what was shown and told before stamps went back by so many s.
+  void startAnew(double went_back);
   void publish(const LocalizedImage& localized);
   void sendTransform(const std::optional<geometry_msgs::TransformStamped>& transform,
                      bool has_pose);

@@ -92,6 +92,14 @@ void mountCamera(const BagOptions& options, const LocalizerParameters& parameter
   if (options.mounting) input->replaceMounting(parameters.frames.base, *options.mounting);
 }
 
+/// Says why where the bag's tf has none.
+bool hasPlaceForTransform(const BagOptions& options, const BagInput& input,
+                          const FrameNames& frames) {
+  const std::optional<std::string> conflict = input.parentConflict(frames);
+  if (conflict) std::cerr << "localize_bag: " << options.output << ": " << *conflict << '\n';
+  return !conflict;
+}
+
 void run(const BagOptions& options) {
   const LocalizerParameters parameters = parametersOf(options);
   BagInput input(options.bag, options.image_topic);
@@ -100,9 +108,8 @@ void run(const BagOptions& options) {
   ResultFiles files(options.trajectory, options.poses, options.detections);
   std::optional<ResultBag> output;
   if (!options.output.empty()) {
-    const std::optional<std::string> conflict = input.parentConflict(localizer.frames());
-    if (conflict) std::cerr << "localize_bag: " << options.output << ": " << *conflict << '\n';
-    output.emplace(options.output, localizer.frames(), parameters, !conflict);
+    output.emplace(options.output, localizer.frames(), parameters,
+                   hasPlaceForTransform(options, input, localizer.frames()));
   }
 
   const rosbag::TopicQuery images(input.imageTopic());
