@@ -202,7 +202,7 @@ class Sender {
 /// as many messages as the nodelet does, without content, all in a thread of its own.
 class IdleNode {
  public:
-  IdleNode() : transforms_(node_) {
+  IdleNode() : transforms_(node_, {"map", "odom", "base_link"}) {
     node_.setCallbackQueue(&queue_);
     images_ = node_.subscribe("/image", 1, &IdleNode::onImage, this);
     transform_ = node_.advertise<tf2_msgs::TFMessage>("/tf", 10);

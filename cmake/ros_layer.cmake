@@ -78,8 +78,7 @@ set(precompiled_ros_headers ${precompiled_headers}
   <nav_msgs/Odometry.h>
   <nav_msgs/Path.h>
   <ros/ros.h>
-  <tf2_ros/buffer.h>
-  <tf2_ros/transform_listener.h>
+  <tf2/buffer_core.h>
   <visualization_msgs/MarkerArray.h>
 )
 if(OMNITAG_PCH)

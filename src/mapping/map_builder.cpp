@@ -80,7 +80,7 @@ class MapBuilder {
     if (!has_seed) held_frame = startFromOneFrame(recording_, config_);
     grow(recording_, held_frame, config_);
     checkPoses(*recording_, config_);
-    lookForMoved();
+    lookForContradicted();
     if (!has_seed) {
       reference_ = referenceOf(*recording_);
       transformTo(*reference_, recording_);
@@ -95,7 +95,7 @@ class MapBuilder {
 
  private:
   /// Of each marker that many readings contradict, its size or where it hung when.
-  void lookForMoved() {
+  void lookForContradicted() {
     for (std::size_t m = 0; m < recording_->markers.size(); ++m) {
       const std::vector<ReadingPlace> readings = readingsOfId(m);
       if (!isSuspect(m, readings)) continue;
@@ -134,7 +134,7 @@ class MapBuilder {
     const std::string sizes =
         format("its readings tell a size of %.3f m, not %.3f m: ", sized.size, marker.marker.size);
     if (marker.is_seed)
-      return nameOf(marker.marker) + ": " + sizes + "its entry in the seed map is kept";
+      return nameOf(marker.marker) + ": " + sizes + "correct its size in the seed map";
     return nameOf(marker.marker) + " left out: " + sizes +
            "have sizes estimated (--estimate-sizes)";
   }
@@ -142,7 +142,7 @@ class MapBuilder {
   /// A marker that is explained by then.
   void leaveOut(std::size_t index) {
     recording_->markers[index].is_placed = false;
-    explained_.push_back(index);
+    left_out_.push_back(index);
   }
 
   /// With those of a seed's readings that hang elsewhere than the seed says.
@@ -340,7 +340,7 @@ class MapBuilder {
     const auto isIn = [index](const std::vector<std::size_t>& list) {
       return std::find(list.begin(), list.end(), index) != list.end();
     };
-    if (isIn(dropped_) || isIn(explained_)) return;
+    if (isIn(dropped_) || isIn(left_out_)) return;
     const std::size_t with_pose = recording_->readingsOf(index).size();
     const std::size_t all = recording_->readingsOf(index, false).size();
     const auto sightings = recording_->sightings(recording_->readingsOf(index));
@@ -365,7 +365,7 @@ class MapBuilder {
   IndexedBundle indexed_;
   std::optional<BundleCovariances> covariances_;
   std::vector<std::string> remarks_;
-  std::vector<std::size_t> explained_;
+  std::vector<std::size_t> left_out_;
   std::vector<std::size_t> dropped_;
 };
 

@@ -85,18 +85,27 @@ std::optional<Marker> atAnotherSize(const Recording& recording, std::size_t mark
                                     const MapBuilderConfig& config) {
   constexpr double kNearlyAll = 0.9;
   constexpr double kLeastDifference = 0.02;  // of the size: less moves no corner by pixels
+  constexpr double kSure = 4.0;              // standard deviations
   const Marker& taken = recording.markers[marker].marker;
-  const auto estimate =
-      estimateMarker(taken, recording.camera, recording.sightings(readings), std::nullopt,
-                     MarkerEstimateConfig{config.corner_noise, true});
-  if (!estimate) return std::nullopt;
-  const double difference = std::abs(estimate->marker.size - taken.size);
-  const std::size_t count =
-      agreeing(recording, estimate->marker, readings, config.max_residual).size();
-  const bool is_told =
-      difference > kLeastDifference * taken.size &&
-      static_cast<double>(count) >= kNearlyAll * static_cast<double>(readings.size());
-  return is_told ? std::optional(estimate->marker) : std::nullopt;
+  const auto sightings = recording.sightings(readings);
+  const auto estimate = [&](bool estimates_size) {
+    return estimateMarker(taken, recording.camera, sightings, std::nullopt,
+                          MarkerEstimateConfig{config.corner_noise, estimates_size});
+  };
+  const auto agreesWithNearlyAll = [&](const MarkerEstimate& some) {
+    const auto count = agreeing(recording, some.marker, readings, config.max_residual).size();
+    return static_cast<double>(count) >= kNearlyAll * static_cast<double>(readings.size());
+  };
+  const auto sized = estimate(true);
+  if (!sized || !agreesWithNearlyAll(*sized)) return std::nullopt;
+  const double difference = std::abs(sized->marker.size - taken.size);
+  if (difference < kLeastDifference * taken.size ||
+      difference < kSure * std::sqrt(sized->size_variance)) {
+    return std::nullopt;
+  }
+  const auto as_taken = estimate(false);
+  if (as_taken && agreesWithNearlyAll(*as_taken)) return std::nullopt;
+  return sized->marker;
 }
 
 std::size_t changesBetween(const std::vector<MarkerHangsAt>& places) {

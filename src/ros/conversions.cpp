@@ -35,6 +35,10 @@ std::uint8_t toMessage(Mode mode) {
 
 }  // namespace
 
+std::string withoutSlash(const std::string& frame) {
+  return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
+}
+
 geometry_msgs::Point toMessage(const Eigen::Vector3d& point) {
   geometry_msgs::Point message;
   message.x = point.x();

@@ -79,8 +79,8 @@ void HealthMonitor::imageLate() {
   const std::lock_guard<std::mutex> lock(mutex_);
   last_image_ = Clock::now();
   ++late_images_;
-  complain(&images_,
-           "image on " + input_.topic() + " left out: its stamp is not after the one before");
+  complain(&late_, "images on " + input_.topic() +
+                       " left out: their stamps are not after those of the images before");
 }
 
 void HealthMonitor::transformMissing(const std::string& why) {
@@ -91,9 +91,13 @@ void HealthMonitor::transformMissing(const std::string& why) {
   complain(&transforms_, "waiting for tf: " + why);
 }
 
-void HealthMonitor::transformsFailed(const std::string& why) {
+void HealthMonitor::transformsServed(const std::string& failure) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  complain(&transforms_, "tf failed: " + why);
+  if (failure.empty()) {
+    settle(&serving_, "tf can be read and sent");
+  } else {
+    complain(&serving_, "tf cannot be read or sent: " + failure);
+  }
 }
 
 void HealthMonitor::parentChecked(const std::string& conflict) {
@@ -161,7 +165,10 @@ void HealthMonitor::reportImages(Report& report) {
     complain(&images_, "waiting for images on " + topic + " (" + publishers + "), none for " +
                            std::to_string(std::lround(seconds(now - *last_image_))) + " s");
   }
-  if (images_.problem.empty()) {
+  const std::uint64_t late = late_images_ - std::exchange(late_at_last_report_, late_images_);
+  if (images_.problem.empty() && late > 0) {
+    report.summary(Report::WARN, late_.problem);
+  } else if (images_.problem.empty()) {
     report.summary(Report::OK, "images are coming");
   } else {
     report.summary(Report::ERROR, images_.problem);
@@ -180,6 +187,8 @@ void HealthMonitor::reportTransforms(Report& report) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!parent_.problem.empty()) {
     report.summary(Report::ERROR, parent_.problem);
+  } else if (!serving_.problem.empty()) {
+    report.summary(Report::ERROR, serving_.problem);
   } else if (!transforms_.problem.empty()) {
     report.summary(Report::ERROR, transforms_.problem);
   } else if (!last_status_) {

@@ -60,6 +60,7 @@ std::optional<LocalizedImage> ImageLocalizer::localize(const cv_bridge::CvImageC
     localized.went_back = -place.step;
     start();
   }
+  if (const auto request = std::exchange(request_, nullptr)) request(localizer_.get());
   localized.input.frame.wants_views = wants_views;
   localized.result = localizer_->process(localized.input.frame);
   if (mapper_) extendMap(&localized);

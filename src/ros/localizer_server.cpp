@@ -122,17 +122,36 @@ void LocalizerServer::run() {
     attempt(
         [&] { received = input_.next(std::min(parameters_.transform_period, kTransformsWait)); },
         refuse);
-    attempt([this] { keepUp(); }, [this](const char* why) { health_.transformsFailed(why); });
+    keepUp();
     if (received) attempt([&] { onImage(*received); }, refuse);
   }
 }
 
 void LocalizerServer::keepUp() {
-  const double clock_step = clock_watch_.step(ros::Time::now().toSec(), steadyTime());
+  std::string failure;
+  attempt(
+      [this] {
+        watchClock();
+        transforms_.serve(0.0);
+        checkParent();
+        repeatTransform();
+      },
+      [&failure](const char* why) { failure = why; });
+  health_.transformsServed(failure);
+}
+
+void LocalizerServer::watchClock() {
+  const ClockReading reading = readClocks([] { return ros::Time::now().toSec(); });
+  const double step = clock_watch_.step(reading.clock, reading.steady);
   // Simulated time is set by whoever plays the images: when it steps, they begin again.
-  if (!ros::Time::isSimTime() && clock_step != 0.0) localizer_.clockStepped(clock_step);
-  transforms_.serve(0.0);
-  repeatTransform();
+  if (!ros::Time::isSimTime() && step != 0.0) localizer_.clockStepped(step);
+}
+
+bool LocalizerServer::checkParent() {
+  const std::optional<std::string> conflict = transforms_.parentConflict();
+  health_.parentChecked(conflict.value_or(""));
+  if (conflict) correction_.reset();
+  return !conflict;
 }
 
 void LocalizerServer::onImage(const ReceivedImage& received) {
@@ -168,7 +187,7 @@ void LocalizerServer::waitForTransforms(const std_msgs::Header& header) {
     transforms_.serve(std::min(remaining(), parameters_.transform_period));
     // Of images that come meanwhile, only the newest are to wait.
     input_.serve(0.0);
-    repeatTransform();
+    keepUp();
   }
 }
 
@@ -178,9 +197,12 @@ void LocalizerServer::logClockStep(double step) const {
 }
 
 void LocalizerServer::startAnew(double went_back) {
-  ROS_WARN_STREAM(name_ << ": the images' stamps went back by " << went_back
-                        << " s while this robot's clock did not, as when a bag is played again: "
-                           "started anew");
+  const std::string what = ros::Time::isSimTime()
+                               ? "simulated time and the images' stamps went back"
+                               : "the images' stamps went back while this robot's clock did not, "
+                                 "as when a bag is played "
+                                 "again";
+  ROS_WARN_STREAM(name_ << ": " << what << ", by " << went_back << " s: started anew");
   path_.clear();
   health_.startedAnew();
   const std::lock_guard<std::mutex> lock(map_mutex_);
@@ -222,10 +244,9 @@ void LocalizerServer::publish(const LocalizedImage& localized) {
 void LocalizerServer::sendTransform(const std::optional<geometry_msgs::TransformStamped>& transform,
                                     bool has_pose) {
   if (!has_pose) correction_.reset();
-  const std::optional<std::string> conflict = transforms_.parentConflict();
-  health_.parentChecked(conflict.value_or(""));
-  if (conflict) correction_.reset();
-  if (!transform || conflict) return;
+  // What came while the frame was worked on tells that another parent is still there.
+  transforms_.serve(0.0);
+  if (!checkParent() || !transform) return;
   broadcast(*transform);
   const ros::Time now = ros::Time::now();
   if (!parameters_.frames.odom.empty()) correction_ = Correction{*transform, now, now};
@@ -271,16 +292,16 @@ void LocalizerServer::takePose(const geometry_msgs::PoseWithCovarianceStamped& m
   const Pose2 pose = Pose2::fromIsometry(map_from_frame * fromMessage(message.pose.pose));
   const std::optional<Eigen::Matrix3d> covariance = planarCovariance(message.pose);
   const ros::Time stamp = message.header.stamp;
-  if (covariance) {
-    const PoseEstimate estimate{pose, rotated(*covariance, map_from_frame)};
-    request([this, estimate, stamp](ImageLocalizer* it) {
-      it->localizer().setPose(estimate, odometryAt(stamp));
+  request([this, pose, covariance, map_from_frame, stamp](ImageLocalizer* it) {
+    const std::optional<Pose2> odometry = odometryAt(stamp);
+    it->beforeNextImage([=](Localizer* localizer) {
+      if (covariance) {
+        localizer->setPose({pose, rotated(*covariance, map_from_frame)}, odometry);
+      } else {
+        localizer->setPose(pose, odometry);
+      }
     });
-  } else {
-    request([this, pose, stamp](ImageLocalizer* it) {
-      it->localizer().setPose(pose, odometryAt(stamp));
-    });
-  }
+  });
   ROS_INFO_STREAM(name_ << ": initial pose x " << pose.x << " m, y " << pose.y << " m, yaw "
                         << pose.yaw << " rad, from the next image on");
 }
@@ -312,7 +333,9 @@ std::optional<Pose2> LocalizerServer::odometryAt(const ros::Time& stamp) const {
 }
 
 void LocalizerServer::forgetPose() {
-  request([](ImageLocalizer* it) { it->localizer().forgetPose(); });
+  request([](ImageLocalizer* it) {
+    it->beforeNextImage([](Localizer* localizer) { localizer->forgetPose(); });
+  });
   ROS_INFO_STREAM(name_ << ": pose forgotten, searching from the next image on");
 }
 

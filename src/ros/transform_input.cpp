@@ -12,6 +12,9 @@ constexpr double kKept = 30.0;
 /// Messages that wait while a frame is worked on: as long, at a thousand a second.
 constexpr std::uint32_t kWaiting = 30000;
 
+/// s that a message may be on its way.
+constexpr double kInFlight = 1.0;
+
 void logRefused(const std::string& frame, const std::string& publisher, const char* why) {
   constexpr double kLinePeriod = 10.0;  // s
   ROS_ERROR_STREAM_THROTTLE(
@@ -34,16 +37,30 @@ TransformInput::TransformInput(const ros::NodeHandle& node, const FrameNames& fr
 }
 
 void TransformInput::serve(double duration) {
+  noticeSetBack();
   queue_.callAvailable(ros::WallDuration(duration));
-  // What came before the clock was set back, as when a bag is played again, would seem to be the
-  // newest from then on.
+  noticeSetBack();
+}
+
+// What came before the clock was set back, as when a bag is played again, would seem to be the
+// newest from then on.
+void TransformInput::noticeSetBack() {
   const ros::Time now = ros::Time::now();
-  if (now < last_served_) buffer_.clear();
+  if (now < last_served_) {
+    buffer_.clear();
+    stale_until_ = steadyTime() + kInFlight;
+  }
   last_served_ = now;
+}
+
+// tf2 would refuse all that is much older than the newest, until time has caught up.
+bool TransformInput::isStale(const ros::Time& stamp) const {
+  return steadyTime() < stale_until_ && stamp.toSec() > last_served_.toSec() + kInFlight;
 }
 
 void TransformInput::take(const Event& event, bool is_static) {
   for (const geometry_msgs::TransformStamped& transform : event.getConstMessage()->transforms) {
+    if (!is_static && isStale(transform.header.stamp)) continue;
     try {
       // Most of what is no transform, tf2 refuses with a line in the log.
       buffer_.setTransform(transform, event.getPublisherName(), is_static);

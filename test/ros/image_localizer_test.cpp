@@ -90,6 +90,17 @@ TEST_F(ImageLocalizerTest, StartsAnewWhereTheStampsAloneGoBack) {
   EXPECT_DOUBLE_EQ(localized->result.map_from_base->pose.x, 3.0);
 }
 
+TEST_F(ImageLocalizerTest, APoseThatIsGivenOutlivesAStartAnew) {
+  follow();
+  localizer_.beforeNextImage([](Localizer* localizer) {
+    localizer->setPose(Pose2{1.0, 2.0, 0.5});
+  });
+  const auto localized = localize(95.4, black_);
+  ASSERT_TRUE(localized);
+  ASSERT_TRUE(localized->result.map_from_base);
+  EXPECT_DOUBLE_EQ(localized->result.map_from_base->pose.x, 1.0);
+}
+
 TEST_F(ImageLocalizerTest, CountsImagesThatAreLate) {
   follow();
   EXPECT_FALSE(localize(100.3, panorama_));

@@ -21,8 +21,9 @@ TEST(ParentWatchTest, NamesTheOtherParentAndWhatToSet) {
   parents.see(edge("/odom", "/base_link"), false, 1.0);
   ASSERT_TRUE(parents.conflict(1.0));
   EXPECT_EQ(*parents.conflict(1.0),
-            "tf has 'odom' as the parent of 'base_link': 'map' -> 'base_link' is not sent, as a "
-            "frame has one parent; set odom_frame to the robot's odometry frame, as 'odom'");
+            "tf has 'odom' as the parent of 'base_link', and a frame has only one: 'map' -> "
+            "'base_link' is not sent; set odom_frame to the robot's odometry frame, probably "
+            "'odom', or base_frame to the robot's root frame");
 }
 
 TEST(ParentWatchTest, AStaticParentMayBeTheBaseItself) {
@@ -30,7 +31,8 @@ TEST(ParentWatchTest, AStaticParentMayBeTheBaseItself) {
   parents.see(edge("base_footprint", "base_link"), true, 1.0);
   parents.see(edge("odom", "base_link"), false, 2.0);
   ASSERT_TRUE(parents.conflict(1e6));
-  EXPECT_NE(parents.conflict(1e6)->find("or base_frame to 'base_footprint'"), std::string::npos);
+  EXPECT_NE(parents.conflict(1e6)->find("root frame, probably 'base_footprint'"),
+            std::string::npos);
 }
 
 TEST(ParentWatchTest, WhatIsSentItselfIsNoConflict) {
@@ -51,6 +53,28 @@ TEST(ParentWatchTest, WithOdometryTheOdometryFrameCounts) {
   ASSERT_TRUE(parents.conflict(1.0));
   EXPECT_NE(parents.conflict(1.0)->find("tf has 'world' as the parent of 'odom'"),
             std::string::npos);
+}
+
+TEST(ParentWatchTest, NamesAreComparedAsTfDoes) {
+  ParentWatch parents({"/map", "", "base_link"});
+  parents.see(edge("map", "base_link"), false, 1.0);
+  parents.see(edge("/map", "/base_link"), false, 1.0);
+  EXPECT_FALSE(parents.conflict(1.0));
+}
+
+TEST(ParentWatchTest, AStaticTransformFromTheMapIsSomebodyElses) {
+  ParentWatch parents(kWithOdometry);
+  parents.see(edge("map", "odom"), true, 1.0);
+  ASSERT_TRUE(parents.conflict(1.0));
+  EXPECT_NE(parents.conflict(1.0)->find("nothing else may be the parent of odom_frame"),
+            std::string::npos);
+}
+
+TEST(ParentWatchTest, WhatIsNoTransformHasNoParent) {
+  ParentWatch parents(kWithoutOdometry);
+  parents.see(edge("", "base_link"), false, 1.0);
+  parents.see(edge("base_link", "base_link"), false, 1.0);
+  EXPECT_FALSE(parents.conflict(1.0));
 }
 
 TEST(ParentWatchTest, AParentThatIsNoLongerSentIsForgotten) {

@@ -91,6 +91,19 @@ TEST_F(StampTimelineTest, AnImageThatWasOvertakenIsLate) {
   EXPECT_NEAR(next().time - before, kPeriod, 1e-6);
 }
 
+TEST(ClockWatchTest, ReadsAgainWhereItWasInterrupted) {
+  int reads = 0;
+  const ClockReading reading = readClocks([&reads] {
+    const double start = steadyTime();
+    while (reads == 0 && steadyTime() < start + 0.02) {
+    }
+    ++reads;
+    return steadyTime() + 1000.0;
+  });
+  EXPECT_GE(reads, 2);
+  EXPECT_NEAR(reading.clock - reading.steady, 1000.0, 1e-3);
+}
+
 TEST(ClockWatchTest, NoticesAClockThatIsSetAndNotOneThatIsAdjusted) {
   ClockWatch watch;
   EXPECT_EQ(watch.step(1e9, 50.0), 0.0);

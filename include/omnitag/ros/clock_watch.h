@@ -1,14 +1,43 @@
 #pragma once
 
-#include <chrono>
+#include <time.h>
+
 #include <cmath>
 #include <optional>
 
 namespace omnitag {
 
-/// s, of a clock that nobody sets.
+/// s, of a clock that nobody sets, and that goes on while the machine is suspended.
 inline double steadyTime() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  timespec now{};
+  clock_gettime(CLOCK_BOOTTIME, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// A clock and steadyTime() at the same moment, s.
+struct ClockReading {
+  double clock = 0.0;
+  double steady = 0.0;
+};
+
+/// Reads a clock; anew where the thread was interrupted meanwhile, a few times at most.
+template <typename Clock>
+ClockReading readClocks(const Clock& clock) {
+  constexpr double kSameMoment = 1e-3;  // s
+  constexpr int kMostTries = 5;
+  ClockReading best;
+  double shortest = 0.0;
+  for (int i = 0; i < kMostTries; ++i) {
+    const double before = steadyTime();
+    const double read = clock();
+    const double took = steadyTime() - before;
+    if (i == 0 || took < shortest) {
+      shortest = took;
+      best = {read, before + 0.5 * took};
+    }
+    if (took < kSameMoment) break;
+  }
+  return best;
 }
 
 /// Notices when a clock is set, as by NTP, against one that nobody sets.
@@ -24,8 +53,7 @@ class ClockWatch {
   }
 
  private:
-  /// s: less than what makes an image late; more than what passes between two readings and than
-  /// what a clock that is merely adjusted gains.
+  /// s: less than what makes an image late, more than what two readings may be apart.
   static constexpr double kLeastStep = 0.01;
 
   std::optional<double> last_offset_;

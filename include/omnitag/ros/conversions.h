@@ -18,6 +18,9 @@
 
 namespace omnitag {
 
+/// The name of a frame as tf2 compares it.
+std::string withoutSlash(const std::string& frame);
+
 geometry_msgs::Point toMessage(const Eigen::Vector3d& point);
 geometry_msgs::Quaternion toMessage(const Eigen::Quaterniond& rotation);
 geometry_msgs::Pose toMessage(const Pose2& pose);

@@ -43,8 +43,8 @@ class HealthMonitor {
   void imageLate();
   /// The image was lost for want of the camera's mounting.
   void transformMissing(const std::string& why);
-  /// tf could not be read or sent.
-  void transformsFailed(const std::string& why);
+  /// tf was read and sent; `failure`: why it could not be, empty where it could.
+  void transformsServed(const std::string& failure);
   /// `conflict`: why no transform is sent, as ParentWatch has it; empty: all is well.
   void parentChecked(const std::string& conflict);
   /// The image was localized; `odometry_problem` is empty where odometry is there or not asked for.
@@ -80,7 +80,9 @@ class HealthMonitor {
   std::size_t waiting_ = 0;
   Subject images_;
   Subject transforms_;
+  Subject serving_;
   Subject parent_;
+  Subject late_;
   Subject localization_;
   Subject marker_map_;
   DisplacementLog displacements_;
@@ -89,6 +91,7 @@ class HealthMonitor {
   std::optional<Clock::time_point> last_image_;
   std::uint64_t refused_images_ = 0;
   std::uint64_t late_images_ = 0;
+  std::uint64_t late_at_last_report_ = 0;
   std::uint64_t images_without_transform_ = 0;
   std::optional<LocalizationStatus> last_status_;
   std::optional<PoseEstimate> last_pose_;

@@ -4,8 +4,10 @@
 #include <tf2/buffer_core.h>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "omnitag/localization/localizer.h"
@@ -54,8 +56,9 @@ class ImageLocalizer {
   /// where the stamps follow it.
   void clockStepped(double seconds) { timeline_.clockStepped(seconds); }
 
-  /// For a pose from outside, or to forget the one it has.
-  Localizer& localizer() { return *localizer_; }
+  /// Does something to the localizer before the next image is localized, after it has started anew
+  /// where that image makes it: sets a pose, or forgets it. What was asked for before gives way.
+  void beforeNextImage(std::function<void(Localizer*)> request) { request_ = std::move(request); }
 
   /// The map file's markers and, behind them, what mapping has added.
   const MarkerMap& map() const { return mapper_ ? mapper_->map() : map_; }
@@ -80,6 +83,7 @@ class ImageLocalizer {
   FrameAssembler assembler_;
   std::optional<MarkerMapper> mapper_;
   std::unique_ptr<Localizer> localizer_;
+  std::function<void(Localizer*)> request_;
   StampTimeline timeline_;
   std::uint64_t late_images_ = 0;
 };

@@ -44,8 +44,11 @@ class LocalizerServer {
 
  private:
   void run();
-  /// tf, what is repeated on it, and whether the clock was set.
+  /// What is to be done whether images come or not: the clock, tf, and what is repeated on it.
   void keepUp();
+  void watchClock();
+  /// Whether tf has a place for what is sent; tells where not, and then stops repeating.
+  bool checkParent();
   void onImage(const ReceivedImage& received);
   void waitForTransforms(const std_msgs::Header& header);
   void logClockStep(double step) const;

@@ -10,8 +10,8 @@
 namespace omnitag {
 
 /// Notices where somebody else gives the frame that is to be sent a parent in tf: a frame has only
-/// one, and tf would jump between the two. A recording of what the localizer sends is no other
-/// parent.
+/// one, and tf would jump between the two. What has the map as parent on /tf is taken for the
+/// localizer's own, or a recording of it, whoever sends it.
 class ParentWatch {
  public:
   /// `frames`: with the map's frame filled in.

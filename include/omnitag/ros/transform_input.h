@@ -38,6 +38,8 @@ class TransformInput {
   using Event = ros::MessageEvent<const tf2_msgs::TFMessage>;
 
   void take(const Event& event, bool is_static);
+  void noticeSetBack();
+  bool isStale(const ros::Time& stamp) const;
 
   ros::CallbackQueue queue_;
   ros::NodeHandle node_;
@@ -46,6 +48,8 @@ class TransformInput {
   ros::Subscriber subscriber_;
   ros::Subscriber static_subscriber_;
   ros::Time last_served_;
+  /// By steadyTime(): until when what was sent before the clock was set back may still come.
+  double stale_until_ = 0.0;
 };
 
 }  // namespace omnitag

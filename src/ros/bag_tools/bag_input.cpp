@@ -29,10 +29,6 @@ bool endsWith(const std::string& text, const std::string& ending) {
          text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
 }
 
-std::string withoutSlash(const std::string& name) {
-  return name.empty() || name.front() != '/' ? name : name.substr(1);
-}
-
 void open(const std::string& path, rosbag::Bag* bag) {
   if (!std::ifstream(path)) throw InputError(path + ": expected a readable file, found none");
   try {

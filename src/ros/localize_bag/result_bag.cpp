@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "omnitag/common/error.h"
+#include "omnitag/ros/conversions.h"
 #include "omnitag/ros/map_markers.h"
 #include "omnitag/ros/parent_watch.h"
 #include "omnitag/ros/result_messages.h"
@@ -40,8 +41,10 @@ void ResultBag::copy(const rosbag::MessageInstance& message) {
       tf2_msgs::TFMessage kept = *transforms;
       kept.transforms.erase(std::remove_if(kept.transforms.begin(), kept.transforms.end(),
                                            [&](const geometry_msgs::TransformStamped& transform) {
-                                             return transform.header.frame_id == frames_.map &&
-                                                    transform.child_frame_id == sentFrame(frames_);
+                                             return withoutSlash(transform.header.frame_id) ==
+                                                        withoutSlash(frames_.map) &&
+                                                    withoutSlash(transform.child_frame_id) ==
+                                                        withoutSlash(sentFrame(frames_));
                                            }),
                             kept.transforms.end());
       if (!kept.transforms.empty()) bag_.write("/tf", message.getTime(), kept);
