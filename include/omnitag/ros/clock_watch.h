@@ -1,8 +1,7 @@
 #pragma once
 
-#include <time.h>
-
 #include <cmath>
+#include <ctime>
 #include <optional>
 
 namespace omnitag {
