@@ -38,7 +38,7 @@ cv::Mat roomWithoutMarkers(const RecordedSequence& sequence, std::size_t index) 
   everything.min_edge_pixels = 0.1;
   FrameResult seen;
   seen.predicted = predictMarkers(sequence.map, {sequence.camera, frame.base_from_camera},
-                                  {sequence.truth[index], Eigen::Matrix3d::Zero()}, everything);
+                                  {sequence.truth[index]}, everything);
   return withOnly({}, seen, frame.image);
 }
 

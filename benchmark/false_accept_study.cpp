@@ -55,7 +55,7 @@ void run(const RecordedSequence& sequence) {
   PoseEstimate belief;
   constexpr double kPositionDeviation = 0.01;
   const double heading_deviation = radians(0.3);
-  belief.covariance.diagonal() << kPositionDeviation * kPositionDeviation,
+  belief.covariance.diagonal().head<3>() << kPositionDeviation * kPositionDeviation,
       kPositionDeviation * kPositionDeviation, heading_deviation * heading_deviation;
   std::mt19937 generator(5);
   std::normal_distribution<double> normal(0.0, 1.0);
@@ -69,7 +69,7 @@ void run(const RecordedSequence& sequence) {
   for (std::size_t i = 0; i < sequence.frames.size(); ++i) {
     const Frame& frame = sequence.frames[i];
     const MountedCamera camera(sequence.camera, frame.base_from_camera);
-    const Pose2& truth = sequence.truth[i];
+    const Pose& truth = sequence.truth[i];
     belief.pose = {truth.x + kPositionDeviation * normal(generator),
                    truth.y + kPositionDeviation * normal(generator),
                    truth.yaw + heading_deviation * normal(generator)};

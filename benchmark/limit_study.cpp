@@ -70,10 +70,9 @@ Informations markersInSight(const RecordedSequence& sequence, std::size_t index,
   constexpr std::size_t kFewestPixels = 50;
   const Frame& frame = sequence.frames[index];
   const MountedCamera camera(sequence.camera, frame.base_from_camera);
-  const Pose2& truth = sequence.truth[index];
+  const Pose& truth = sequence.truth[index];
   Informations in_sight;
-  for (const PredictedMarker& visible :
-       predictMarkers(sequence.map, camera, {truth, Eigen::Matrix3d::Zero()}, {})) {
+  for (const PredictedMarker& visible : predictMarkers(sequence.map, camera, {truth}, {})) {
     const Marker& marker = sequence.map.markers[visible.map_entry];
     const TagPattern pattern(marker.family, marker.id);
     const auto pixels = patternPixels(frame.image, camera, truth, marker, pattern, options.samples);
@@ -172,7 +171,7 @@ Row rowAtTruth(const Informations& in_sight) {
 }
 
 /// One frame's share; counts as `without` where the estimator or a limit has no pose.
-Row rowOf(const FrameResult& result, const Pose2& truth, const Informations& in_sight) {
+Row rowOf(const FrameResult& result, const Pose& truth, const Informations& in_sight) {
   Row row;
   row.without = 1;
   Eigen::Matrix3d used = Eigen::Matrix3d::Zero();
@@ -196,7 +195,7 @@ Row rowOf(const FrameResult& result, const Pose2& truth, const Informations& in_
   row.frames = 1;
   row.in_sight = static_cast<double>(in_sight.size());
   row.range = ranges / row.used;
-  row.error = squaresOf(difference(result.map_from_base->pose, truth));
+  row.error = squaresOf(Eigen::Vector3d(difference(result.map_from_base->pose, truth).head<3>()));
   row.limit = *limit;
   row.limit_of_used = *limit_of_used;
   row.sampled_limit = *sampled_limit;

@@ -107,7 +107,7 @@ FrameResult localize(const RecordedSequence& sequence, const MarkerMap& map, con
   return localizer.process(frame);
 }
 
-PoseEstimate predictionAbout(const Pose2& truth, Generator* generator) {
+PoseEstimate predictionAbout(const Pose& truth, Generator* generator) {
   constexpr double kPositionDeviation = 0.02;
   const double heading_deviation = radians(1.0);
   std::normal_distribution<double> normal(0.0, 1.0);
@@ -116,7 +116,7 @@ PoseEstimate predictionAbout(const Pose2& truth, Generator* generator) {
   prediction.pose.y = truth.y + kPositionDeviation * normal(*generator);
   prediction.pose.yaw = truth.yaw + heading_deviation * normal(*generator);
   const Eigen::Vector3d deviations(kPositionDeviation, kPositionDeviation, heading_deviation);
-  prediction.covariance = deviations.cwiseAbs2().asDiagonal();
+  prediction = floorEstimate(prediction.pose, deviations.cwiseAbs2().asDiagonal());
   return prediction;
 }
 
@@ -150,9 +150,9 @@ void countMarkers(const FrameResult& result, const MarkerMap& map,
   }
 }
 
-void countPose(const FrameResult& result, const Pose2& truth, Tally* tally) {
+void countPose(const FrameResult& result, const Pose& truth, Tally* tally) {
   if (!result.map_from_base) return;
-  const Eigen::Vector3d error = difference(result.map_from_base->pose, truth);
+  const Eigen::Vector3d error = difference(result.map_from_base->pose, truth).head<3>();
   ++tally->poses;
   tally->squared_distance += error.head<2>().squaredNorm();
   tally->squared_angle += error.z() * error.z();

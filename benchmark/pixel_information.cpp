@@ -50,7 +50,7 @@ class Accumulation {
 /// A marker's drawing before a camera. Positions on it are TagPattern's: modules, y down.
 class Drawing {
  public:
-  Drawing(const MountedCamera& camera, const Pose2& map_from_base, const Marker& marker,
+  Drawing(const MountedCamera& camera, const Pose& map_from_base, const Marker& marker,
           const TagPattern& pattern)
       : camera_(camera),
         map_from_base_(map_from_base),
@@ -118,13 +118,13 @@ class Drawing {
                                               module_ * (middle() - position.y()), 0.0);
   }
 
-  Pose2 movedBy(const Eigen::Vector3d& step) const {
+  Pose movedBy(const Eigen::Vector3d& step) const {
     return {map_from_base_.x + step.x(), map_from_base_.y + step.y(),
             map_from_base_.yaw + step.z()};
   }
 
   const MountedCamera& camera_;
-  Pose2 map_from_base_;
+  Pose map_from_base_;
   Eigen::Isometry3d map_from_marker_;
   const TagPattern& pattern_;
   double module_;
@@ -191,7 +191,7 @@ bool sweepEdges(const Drawing& drawing, const TagPattern& pattern, double orient
 }  // namespace
 
 std::vector<PatternPixel> patternPixels(const cv::Mat& image, const MountedCamera& camera,
-                                        const Pose2& map_from_base, const Marker& marker,
+                                        const Pose& map_from_base, const Marker& marker,
                                         const TagPattern& pattern, int samples) {
   constexpr int kManySamples = 32;
   const Drawing drawing(camera, map_from_base, marker, pattern);

@@ -30,7 +30,7 @@ struct PatternPixel {
 /// where the camera does not see all of the drawing. `image`: CV_8UC1; `samples`: points across a
 /// pixel of which its renderer takes the mean.
 std::vector<PatternPixel> patternPixels(const cv::Mat& image, const MountedCamera& camera,
-                                        const Pose2& map_from_base, const Marker& marker,
+                                        const Pose& map_from_base, const Marker& marker,
                                         const TagPattern& pattern, int samples);
 
 /// How the greys of a marker's pixels follow its white: grey = black + contrast * white.

@@ -42,10 +42,10 @@ RecordedSequence loadSequence(const std::string& bag, const std::string& camera_
 
   const rosbag::Bag opened(bag);
   std::optional<Eigen::Isometry3d> base_from_camera;
-  std::map<ros::Time, Pose2> truth;
+  std::map<ros::Time, Pose> truth;
   for (const rosbag::MessageInstance& message : rosbag::View(opened)) {
     if (const auto pose = message.instantiate<geometry_msgs::PoseStamped>()) {
-      truth[pose->header.stamp] = Pose2::fromIsometry(fromMessage(pose->pose));
+      truth[pose->header.stamp] = Pose::fromIsometry(fromMessage(pose->pose));
     } else if (message.getTopic() == "/tf_static") {
       base_from_camera =
           fromMessage(message.instantiate<tf2_msgs::TFMessage>()->transforms.at(0).transform);
@@ -68,6 +68,11 @@ RecordedSequence shippedSequence() {
   const std::string package = PACKAGE_DIR;
   return loadSequence(package + "/bags/paper.bag", package + "/config/cameras/paper.yaml",
                       package + "/maps/paper.yaml");
+}
+
+std::string cameraFileFrom(int argc, char** argv) {
+  constexpr int kCamera = 2;
+  return argc > kCamera ? argv[kCamera] : std::string(PACKAGE_DIR) + "/config/cameras/paper.yaml";
 }
 
 RecordedSequence sequenceFrom(int argc, char** argv) {

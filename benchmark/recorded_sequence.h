@@ -17,7 +17,7 @@ struct RecordedSequence {
   /// With the camera's mounting and without odometry.
   std::vector<Frame> frames;
   /// base_link in the map, for each frame.
-  std::vector<Pose2> truth;
+  std::vector<Pose> truth;
 };
 
 /// Loads camera file, map, images, the mounting from /tf_static and the truth from
@@ -31,5 +31,8 @@ RecordedSequence shippedSequence();
 /// The one that the arguments BAG CAMERA MAP name, or the shipped one without arguments. Throws
 /// InputError.
 RecordedSequence sequenceFrom(int argc, char** argv);
+
+/// Its camera file.
+std::string cameraFileFrom(int argc, char** argv);
 
 }  // namespace omnitag

@@ -85,7 +85,7 @@ FrameTimes frameTimes(const RecordedSequence& sequence, const MarkerMap& map,
   };
   while (tracking.size() < kLeastSamples) {
     for (std::size_t i = 0; i < sequence.frames.size(); ++i) {
-      localizer.setPose({sequence.truth[i], 1e-4 * Eigen::Matrix3d::Identity()});
+      localizer.setPose(floorEstimate(sequence.truth[i], 1e-4 * Eigen::Matrix3d::Identity()));
       tracking.push_back(measured(sequence.frames[i]));
       localizer.forgetPose();
       searching.push_back(measured(sequence.frames[i]));
@@ -118,7 +118,7 @@ void printStartUp(const std::string& camera_file, const std::string& map_file,
 void printMemory(RecordedSequence sequence, const std::string& camera_file,
                  const std::string& map_file) {
   Frame frame = sequence.frames.front();
-  const Pose2 truth = sequence.truth.front();
+  const Pose truth = sequence.truth.front();
   sequence = {};
   malloc_trim(0);
   const double before = processMemory("VmRSS");

@@ -30,11 +30,11 @@ struct Tally {
 
 /// Wrong is what no robot should act on: half a metre or ten degrees off, or so far outside of the
 /// covariance that it would happen once in a million poses.
-bool isWrong(const PoseEstimate& estimate, const Pose2& truth) {
+bool isWrong(const PoseEstimate& estimate, const Pose& truth) {
   constexpr double kChiSquareLimit = 30.66;
-  const Eigen::Vector3d error = difference(estimate.pose, truth);
+  const Eigen::Vector3d error = difference(estimate.pose, truth).head<3>();
   return error.head<2>().norm() > 0.5 || std::abs(error.z()) > radians(10.0) ||
-         error.dot(estimate.covariance.inverse() * error) > kChiSquareLimit;
+         error.dot(floorCovariance(estimate).inverse() * error) > kChiSquareLimit;
 }
 
 Tally study(const RecordedSequence& sequence, std::size_t visible) {
@@ -56,11 +56,13 @@ Tally study(const RecordedSequence& sequence, std::size_t visible) {
       tally.milliseconds.push_back(1e3 * result.timings.total);
       if (!result.map_from_base) continue;
       ++tally.solved;
-      const Eigen::Vector3d error = difference(result.map_from_base->pose, sequence.truth[i]);
+      const Eigen::Vector3d error =
+          difference(result.map_from_base->pose, sequence.truth[i]).head<3>();
       tally.errors.push_back(error.head<2>().norm());
       if (isWrong(*result.map_from_base, sequence.truth[i])) {
         ++tally.wrong;
-        const Eigen::Vector3d deviations = result.map_from_base->covariance.diagonal().cwiseSqrt();
+        const Eigen::Vector3d deviations =
+            floorCovariance(*result.map_from_base).diagonal().cwiseSqrt();
         std::printf(
             "wrong: frame %zu, %d used, off by %.3f m %.3f m %.2f deg, said %.3f %.3f %.2f\n", i,
             result.acceptedMarkers(), error.x(), error.y(), degrees(error.z()), deviations.x(),

@@ -22,8 +22,7 @@ std::vector<PredictedMarker> visibleMarkers(const RecordedSequence& sequence, st
   all.max_incidence = max_incidence;
   all.min_edge_pixels = 0.0;
   const MountedCamera camera(sequence.camera, sequence.frames[frame].base_from_camera);
-  return predictMarkers(sequence.map, camera, {sequence.truth[frame], Eigen::Matrix3d::Zero()},
-                        all);
+  return predictMarkers(sequence.map, camera, {sequence.truth[frame]}, all);
 }
 
 double tangentialWidth(const PredictedMarker& marker, const RecordedSequence& sequence) {

@@ -8,9 +8,9 @@ import numpy as np
 from omnitag.tag_bitmap import FAMILIES, tag_family
 from omnitag.yaml_file import Mapping, Value, read_yaml
 
-MAP_KEYS = ("frame_id", "family", "size", "markers")
+MAP_KEYS = ("frame_id", "family", "size", "deviation", "orientation_deviation", "markers")
 MARKER_KEYS = ("id", "name", "family", "size", "position", "yaw", "roll", "orientation",
-               "deviation")
+               "deviation", "orientation_deviation")
 QUATERNION_TOLERANCE = 1e-3
 
 # In the AprilTag library's order, in units of half the size, in the marker's frame.

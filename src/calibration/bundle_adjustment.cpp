@@ -166,7 +166,7 @@ CalibrationState BundleAdjustment::minimize(const CalibrationState& start,
   std::vector<double> shared(config.free.size(), 0.0);
   std::vector<PoseBlock> poses;
   poses.reserve(start.poses.size());
-  for (const Pose2& pose : start.poses) poses.push_back(blockOf(pose));
+  for (const Pose& pose : start.poses) poses.push_back(blockOf(pose));
 
   ceres::CauchyLoss loss(config.robust_width);
   std::vector<std::unique_ptr<CornerCost>> costs;

@@ -48,12 +48,12 @@ void checkCoverage(const std::vector<CalibrationFrame>& frames, const ImagePlane
                    "robot all around while it drives");
 }
 
-void checkMotion(const std::vector<Pose2>& poses) {
+void checkMotion(const std::vector<Pose>& poses) {
   constexpr double kLeastMotion = 0.5;  // m
   const auto [west, east] = std::minmax_element(
-      poses.begin(), poses.end(), [](const Pose2& a, const Pose2& b) { return a.x < b.x; });
+      poses.begin(), poses.end(), [](const Pose& a, const Pose& b) { return a.x < b.x; });
   const auto [south, north] = std::minmax_element(
-      poses.begin(), poses.end(), [](const Pose2& a, const Pose2& b) { return a.y < b.y; });
+      poses.begin(), poses.end(), [](const Pose& a, const Pose& b) { return a.y < b.y; });
   const double motion = std::hypot(east->x - west->x, north->y - south->y);
   if (motion >= kLeastMotion) return;
   throw InputError(

@@ -4,7 +4,7 @@
 
 #include "omnitag/calibration/calibration_data.h"
 #include "omnitag/camera/image_plane.h"
-#include "omnitag/common/pose2.h"
+#include "omnitag/common/pose.h"
 #include "omnitag/localization/frame_readings.h"
 
 /// Recordings that cannot calibrate a camera. All throw InputError, with what to do.
@@ -17,6 +17,6 @@ void checkMounting(const std::vector<FrameReadings>& frames);
 void checkCoverage(const std::vector<CalibrationFrame>& frames, const ImagePlane& plane);
 
 /// The robot must have moved.
-void checkMotion(const std::vector<Pose2>& poses);
+void checkMotion(const std::vector<Pose>& poses);
 
 }  // namespace omnitag

@@ -55,7 +55,7 @@ void leaveOutFrames(const std::vector<CornerResidual>& residuals, CalibrationDat
   std::vector<std::vector<double>> lengths(data->frames.size());
   for (const CornerResidual& corner : residuals) lengths[corner.frame].push_back(lengthOf(corner));
   std::vector<CalibrationFrame> frames;
-  std::vector<Pose2> poses;
+  std::vector<Pose> poses;
   for (std::size_t i = 0; i < lengths.size(); ++i) {
     if (medianOf(std::move(lengths[i])) > limit) continue;
     frames.push_back(std::move(data->frames[i]));

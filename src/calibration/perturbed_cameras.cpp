@@ -70,7 +70,7 @@ bool PerturbedCameras::makeDerivatives(const Eigen::VectorXd& values) {
 }
 
 std::optional<Eigen::Vector2d> PerturbedCameras::project(
-    const Pose2& map_from_base, const Eigen::Vector3d& point, Eigen::Matrix2Xd* by_offsets,
+    const Pose& map_from_base, const Eigen::Vector3d& point, Eigen::Matrix2Xd* by_offsets,
     Eigen::Matrix<double, 2, 3>* by_pose) const {
   const double c = std::cos(map_from_base.yaw);
   const double s = std::sin(map_from_base.yaw);

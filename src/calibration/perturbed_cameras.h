@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "omnitag/calibration/calibration_model.h"
-#include "omnitag/common/pose2.h"
+#include "omnitag/common/pose.h"
 
 namespace omnitag {
 
@@ -27,7 +27,7 @@ class PerturbedCameras {
 
   /// The pixel of a point of the map and, where they are asked for, its derivatives by the offsets
   /// (2 x size()) and by the pose (2 x 3). Nothing where the camera does not see the point.
-  std::optional<Eigen::Vector2d> project(const Pose2& map_from_base, const Eigen::Vector3d& point,
+  std::optional<Eigen::Vector2d> project(const Pose& map_from_base, const Eigen::Vector3d& point,
                                          Eigen::Matrix2Xd* by_offsets,
                                          Eigen::Matrix<double, 2, 3>* by_pose) const;
 

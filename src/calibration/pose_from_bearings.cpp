@@ -26,14 +26,17 @@ std::vector<LandmarkSight> sightsOf(const MarkerMap& map, const MountedCamera& c
     if (!ideal) continue;
     const Eigen::Vector3d direction =
         camera.baseFromCamera().linear() * Eigen::Vector3d(ideal->x(), ideal->y(), 0.0);
-    sights.push_back({map.markers[observation.map_entry].center().head<2>(),
-                      camera.baseFromCamera().translation().head<2>(),
-                      std::atan2(direction.y(), direction.x()), kDeviation, 1.0});
+    LandmarkSight sight;
+    sight.landmark = map.markers[observation.map_entry].center().head<2>();
+    sight.viewpoint = camera.baseFromCamera().translation().head<2>();
+    sight.bearing = std::atan2(direction.y(), direction.x());
+    sight.bearing_deviation = kDeviation;
+    sights.push_back(sight);
   }
   return sights;
 }
 
-double errorOf(const LandmarkSight& sight, const Pose2& pose) {
+double errorOf(const LandmarkSight& sight, const Pose& pose) {
   const Eigen::Vector2d viewpoint =
       Eigen::Vector2d(pose.x, pose.y) + Eigen::Rotation2Dd(pose.yaw) * sight.viewpoint;
   const Eigen::Vector2d way = sight.landmark - viewpoint;
@@ -42,7 +45,7 @@ double errorOf(const LandmarkSight& sight, const Pose2& pose) {
 
 /// A pose and how well all sights agree with it.
 struct Candidate {
-  Pose2 pose;
+  Pose pose;
   std::size_t agreeing = 0;
   double squares = 0.0;
 
@@ -51,7 +54,7 @@ struct Candidate {
   }
 };
 
-Candidate judge(const std::vector<LandmarkSight>& sights, const Pose2& pose) {
+Candidate judge(const std::vector<LandmarkSight>& sights, const Pose& pose) {
   Candidate candidate{pose};
   for (const LandmarkSight& sight : sights) {
     const double error = errorOf(sight, pose);
@@ -75,8 +78,8 @@ void improve(const std::vector<LandmarkSight>& some, const std::vector<LandmarkS
 
 }  // namespace
 
-std::optional<Pose2> poseFromBearings(const MarkerMap& map, const MountedCamera& camera,
-                                      const CalibrationFrame& frame) {
+std::optional<Pose> poseFromBearings(const MarkerMap& map, const MountedCamera& camera,
+                                     const CalibrationFrame& frame) {
   constexpr std::size_t kMinAgreeing = 3;
   const std::vector<LandmarkSight> sights = sightsOf(map, camera, frame);
   std::optional<Candidate> best;

@@ -13,8 +13,8 @@ std::vector<MarkerReading> alignReadings(const cv::Mat& panorama, const MarkerMa
                                          const TagPatterns& patterns, const MountedCamera& camera,
                                          std::vector<MarkerReading> readings) {
   const EstimatorConfig estimation;
-  const Relocalization found = relocalize(map, camera, readings, estimation.reprojection,
-                                          estimation.max_residual, RelocalizationConfig());
+  const Relocalization found =
+      relocalize(map, camera, readings, PosePrior::upright(), estimation, RelocalizationConfig());
   std::vector<MarkerReading> aligned;
   if (!found.map_from_base) return aligned;
   for (std::size_t i = 0; i < readings.size(); ++i) {

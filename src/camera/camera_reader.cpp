@@ -17,6 +17,25 @@ ImagePlane readImagePlane(const YamlReader& lens, const ImagePlane::Distortion& 
   return {affine, {lens.number("cx"), lens.number("cy")}, distortion};
 }
 
+CameraUncertainty readUncertainty(const YamlReader& camera, const ImageSize& size) {
+  const std::string key = "uncertainty";
+  constexpr double kPerHeight = 0.5 / 500.0;
+  const double usual = kPerHeight * size.height;
+  if (!camera.has(key)) return {usual, usual, usual, usual};
+  if (camera.isText(key)) {
+    if (camera.text(key) != "none") camera.refuse(key, "none or a mapping of deviations in pixels");
+    return {};
+  }
+  const YamlReader reader = camera.mapping(key);
+  reader.allowOnly({"principal_point", "scale", "tilt", "rim"});
+  CameraUncertainty uncertainty;
+  reader.read("principal_point", &uncertainty.principal_point, kNonNegative);
+  reader.read("scale", &uncertainty.scale, kNonNegative);
+  reader.read("tilt", &uncertainty.tilt, kNonNegative);
+  reader.read("rim", &uncertainty.rim, kNonNegative);
+  return uncertainty;
+}
+
 FieldLimits readFieldLimits(const YamlReader& camera) {
   FieldLimits limits;
   if (camera.has("max_angle")) {

@@ -19,9 +19,13 @@ ImagePlane readImagePlane(const YamlReader& lens, const ImagePlane::Distortion& 
 /// The optional keys `max_angle` and `through_mirror`.
 FieldLimits readFieldLimits(const YamlReader& camera);
 
+/// The optional `uncertainty`: `none`, or deviations of modes, of which one that is left out is 0.
+/// Without it that of a usual calibration: half a pixel of each where the image is 500 pixels high.
+CameraUncertainty readUncertainty(const YamlReader& camera, const ImageSize& size);
+
 /// Calls `make`, and has its InputErrors name the file.
 template <typename Make>
-std::shared_ptr<const CameraModel> madeFor(const YamlReader& camera, const Make& make) {
+std::shared_ptr<CameraModel> madeFor(const YamlReader& camera, const Make& make) {
   try {
     return make();
   } catch (const InputError& error) {
@@ -29,9 +33,9 @@ std::shared_ptr<const CameraModel> madeFor(const YamlReader& camera, const Make&
   }
 }
 
-std::shared_ptr<const CameraModel> readCatadioptric(const YamlReader& camera);
-std::shared_ptr<const CameraModel> readEquidistant(const YamlReader& camera);
-std::shared_ptr<const CameraModel> readUnified(const YamlReader& camera);
-std::shared_ptr<const CameraModel> readOcam(const YamlReader& camera);
+std::shared_ptr<CameraModel> readCatadioptric(const YamlReader& camera);
+std::shared_ptr<CameraModel> readEquidistant(const YamlReader& camera);
+std::shared_ptr<CameraModel> readUnified(const YamlReader& camera);
+std::shared_ptr<CameraModel> readOcam(const YamlReader& camera);
 
 }  // namespace omnitag

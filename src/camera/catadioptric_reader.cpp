@@ -62,8 +62,8 @@ MirrorProfile readProfile(const YamlReader& mirror) {
 
 }  // namespace
 
-std::shared_ptr<const CameraModel> readCatadioptric(const YamlReader& camera) {
-  camera.allowOnly({"model", "image", "lens", "mirror"});
+std::shared_ptr<CameraModel> readCatadioptric(const YamlReader& camera) {
+  camera.allowOnly({"model", "image", "lens", "mirror", "uncertainty"});
   const YamlReader lens = camera.mapping("lens");
   lens.allowOnly({"fx", "fy", "cx", "cy", "distortion", "housing_radius"});
   const YamlReader mirror = camera.mapping("mirror");

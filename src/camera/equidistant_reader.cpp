@@ -6,8 +6,8 @@
 
 namespace omnitag {
 
-std::shared_ptr<const CameraModel> readEquidistant(const YamlReader& camera) {
-  camera.allowOnly({"model", "image", "lens", "distortion", "max_angle"});
+std::shared_ptr<CameraModel> readEquidistant(const YamlReader& camera) {
+  camera.allowOnly({"model", "image", "lens", "distortion", "max_angle", "uncertainty"});
   const YamlReader lens = camera.mapping("lens");
   lens.allowOnly({"fx", "fy", "cx", "cy"});
   EquidistantCamera::Coefficients coefficients{};

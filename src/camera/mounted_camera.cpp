@@ -1,6 +1,5 @@
 #include "omnitag/camera/mounted_camera.h"
 
-#include <cmath>
 #include <utility>
 
 namespace omnitag {
@@ -11,48 +10,65 @@ MountedCamera::MountedCamera(std::shared_ptr<const CameraModel> camera,
       base_from_camera_(base_from_camera),
       camera_from_base_(base_from_camera.inverse()) {}
 
-std::optional<Eigen::Vector2d> MountedCamera::pixelFromMap(
-    const Pose2& map_from_base, const Eigen::Vector3d& point, Eigen::Matrix<double, 2, 3>* by_pose,
-    Eigen::Matrix<double, 2, 3>* by_point) const {
-  const double c = std::cos(map_from_base.yaw);
-  const double s = std::sin(map_from_base.yaw);
-  const double dx = point.x() - map_from_base.x;
-  const double dy = point.y() - map_from_base.y;
-  const Eigen::Vector3d in_base(c * dx + s * dy, c * dy - s * dx, point.z());
-  const Eigen::Vector3d in_camera = camera_from_base_ * in_base;
-  if (by_pose == nullptr && by_point == nullptr) return camera_->pixelFromPoint(in_camera);
+MountedCamera MountedCamera::withError(const CameraError& error) const {
+  MountedCamera camera = *this;
+  camera.error_ = error;
+  camera.has_error_ = !error.isZero(0.0);
+  return camera;
+}
 
+std::optional<Eigen::Vector2d> MountedCamera::pixelFromMap(
+    const Eigen::Isometry3d& map_from_base, const Eigen::Vector3d& point, FrameJacobian* by_frame,
+    Eigen::Matrix<double, 2, 3>* by_point) const {
+  const Eigen::Vector3d in_base =
+      map_from_base.linear().transpose() * (point - map_from_base.translation());
+  const Eigen::Vector3d in_camera = camera_from_base_ * in_base;
+  const bool wants_derivatives = by_frame != nullptr || by_point != nullptr;
   Eigen::Matrix<double, 2, 3> by_point_in_camera;
-  std::optional<Eigen::Vector2d> pixel = camera_->pixelFromPoint(in_camera, &by_point_in_camera);
+  std::optional<Eigen::Vector2d> pixel =
+      camera_->pixelFromPoint(in_camera, wants_derivatives ? &by_point_in_camera : nullptr);
   if (!pixel) return std::nullopt;
-  const Eigen::Matrix<double, 2, 3> by_point_in_base =
-      by_point_in_camera * camera_from_base_.linear();
-  if (by_pose != nullptr) {
-    Eigen::Matrix3d in_base_by_pose;
-    in_base_by_pose << -c, -s, in_base.y(), s, -c, -in_base.x(), 0.0, 0.0, 0.0;
-    *by_pose = by_point_in_base * in_base_by_pose;
+
+  if (wants_derivatives) {
+    const Eigen::Matrix<double, 2, 3> by_point_in_base =
+        by_point_in_camera * camera_from_base_.linear();
+    const Eigen::Matrix<double, 2, 3> by_point_in_map =
+        by_point_in_base * map_from_base.linear().transpose();
+    if (by_point != nullptr) *by_point = by_point_in_map;
+    if (by_frame != nullptr) {
+      // What the base turns by, a point of it turns back: in_base x rotation.
+      const Eigen::Vector3d& b = in_base;
+      Eigen::Matrix3d by_rotation;
+      by_rotation << 0.0, -b.z(), b.y(), b.z(), 0.0, -b.x(), -b.y(), b.x(), 0.0;
+      const Eigen::Matrix<double, 2, 3> turned = by_point_in_base * by_rotation;
+      *by_frame << -by_point_in_map.leftCols<2>(), turned.col(2), -by_point_in_map.col(2),
+          turned.leftCols<2>(), camera_->displacementByError(*pixel);
+    }
   }
-  if (by_point != nullptr) {
-    Eigen::Matrix3d base_from_map;
-    base_from_map << c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0;
-    *by_point = by_point_in_base * base_from_map;
-  }
+  if (has_error_) *pixel += camera_->displacementByError(*pixel) * error_;
   return pixel;
 }
 
 std::optional<Ray> MountedCamera::rayInBase(const Eigen::Vector2d& pixel) const {
-  const std::optional<Ray> ray = camera_->rayFromPixel(pixel);
+  const std::optional<Ray> ray = camera_->rayFromPixel(withoutError(pixel));
   if (!ray) return std::nullopt;
   return Ray{base_from_camera_ * ray->origin, base_from_camera_.linear() * ray->direction};
 }
 
 std::optional<Ray> MountedCamera::tabulatedRayInBase(const Eigen::Vector2d& pixel) const {
-  const std::optional<Ray> ray = camera_->tabulatedRayFromPixel(pixel);
+  const std::optional<Ray> ray = camera_->tabulatedRayFromPixel(withoutError(pixel));
   if (!ray) return std::nullopt;
   return Ray{base_from_camera_ * ray->origin, base_from_camera_.linear() * ray->direction};
 }
 
-Eigen::Isometry3d MountedCamera::mapFromCamera(const Pose2& map_from_base) const {
+Eigen::Vector2d MountedCamera::withoutError(const Eigen::Vector2d& pixel) const {
+  if (!has_error_) return pixel;
+  // Errors change so little from pixel to pixel that two rounds leave less than a thousandth.
+  const Eigen::Vector2d about = pixel - camera_->displacementByError(pixel) * error_;
+  return pixel - camera_->displacementByError(about) * error_;
+}
+
+Eigen::Isometry3d MountedCamera::mapFromCamera(const Pose& map_from_base) const {
   return map_from_base.toIsometry() * base_from_camera_;
 }
 

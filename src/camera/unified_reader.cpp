@@ -6,8 +6,9 @@
 
 namespace omnitag {
 
-std::shared_ptr<const CameraModel> readUnified(const YamlReader& camera) {
-  camera.allowOnly({"model", "image", "lens", "xi", "distortion", "max_angle", "through_mirror"});
+std::shared_ptr<CameraModel> readUnified(const YamlReader& camera) {
+  camera.allowOnly(
+      {"model", "image", "lens", "xi", "distortion", "max_angle", "through_mirror", "uncertainty"});
   const YamlReader lens = camera.mapping("lens");
   lens.allowOnly({"fx", "fy", "cx", "cy", "skew"});
   constexpr std::size_t kCoefficients = 4;

@@ -6,7 +6,7 @@
 #include <array>
 
 #include "omnitag/common/angle.h"
-#include "omnitag/common/pose2.h"
+#include "omnitag/common/pose.h"
 
 /// What bundle adjustments with Ceres have in common.
 namespace omnitag {
@@ -14,10 +14,10 @@ namespace omnitag {
 /// x, y and yaw of a robot's pose, as parameters.
 using PoseBlock = std::array<double, 3>;
 
-inline PoseBlock blockOf(const Pose2& pose) { return {pose.x, pose.y, pose.yaw}; }
+inline PoseBlock blockOf(const Pose& pose) { return {pose.x, pose.y, pose.yaw}; }
 
 /// Of three parameters, whose yaw may have turned more than once.
-inline Pose2 poseOf(const double* block) { return {block[0], block[1], normalizeAngle(block[2])}; }
+inline Pose poseOf(const double* block) { return {block[0], block[1], normalizeAngle(block[2])}; }
 
 /// For costs and losses that outlive the problem.
 inline ceres::Problem::Options notOwning() {

@@ -121,6 +121,12 @@ YamlReader::YamlReader(const YAML::Node& node, std::string origin, std::string p
 
 bool YamlReader::has(const std::string& key) const { return node_[key].IsDefined(); }
 
+bool YamlReader::isText(const std::string& key) const { return has(key) && node_[key].IsScalar(); }
+
+void YamlReader::refuseReplaced(const std::string& key, const std::string& replacement) const {
+  if (has(key)) throw InputError(where(key) + ": is no more; use " + replacement);
+}
+
 void YamlReader::allowOnly(std::initializer_list<std::string_view> keys) const {
   for (const auto& entry : node_) {
     const std::string& key = entry.first.Scalar();

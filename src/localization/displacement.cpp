@@ -7,13 +7,12 @@ namespace omnitag {
 std::optional<DisplacedMarker> displacement(const MarkerMap& map, const MountedCamera& camera,
                                             const std::string& family, int id,
                                             const MarkerObservation& observation,
-                                            const Pose2& map_from_base,
+                                            const Pose& map_from_base, const PosePrior& standing,
                                             const EstimatorConfig& config) {
   std::optional<DisplacedMarker> nearest;
   for (const std::size_t entry : entriesOf(map, family, id)) {
     const MarkerObservation as_entry{entry, observation.corners, observation.center};
-    for (const ReprojectionFit& fit :
-         posesFromMarker(map, camera, as_entry, config.reprojection, config.max_residual)) {
+    for (const ReprojectionFit& fit : posesFromMarker(map, camera, as_entry, standing, config)) {
       // Where the robot would have to be for the marker to be right; seen the other way round, by
       // how much the marker moved.
       const Eigen::Isometry3d moved =

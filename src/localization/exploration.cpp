@@ -21,10 +21,9 @@ double pixelsOf(const std::vector<View>& views) {
 
 /// The view around a marker that may be off its place; nothing where it cannot be read.
 std::optional<View> viewOf(const MarkerMap& map, std::size_t entry, const MountedCamera& camera,
-                           const Pose2& map_from_base, const ContourTable& table,
+                           const Pose& map_from_base, const ContourTable& table,
                            const LocalizerConfig& config) {
-  auto predicted = predictMarker(map, entry, camera, {map_from_base, Eigen::Matrix3d::Zero()},
-                                 config.visibility);
+  auto predicted = predictMarker(map, entry, camera, {map_from_base}, config.visibility);
   if (!predicted) return std::nullopt;
   const double edge = longestEdge(predicted->corners);
   if (edge < config.visibility.min_decodable_edge_pixels) return std::nullopt;
@@ -50,7 +49,7 @@ bool Exploration::wantsGlance(const LocalizerConfig& config) {
 }
 
 std::vector<View> Exploration::views(const std::vector<View>& all, const MountedCamera& camera,
-                                     const Pose2& map_from_base, const ContourTable& table,
+                                     const Pose& map_from_base, const ContourTable& table,
                                      const std::vector<MarkerReading>& read,
                                      const LocalizerConfig& config) {
   if (all.empty()) return {};
@@ -73,7 +72,7 @@ std::vector<View> Exploration::views(const std::vector<View>& all, const Mounted
 }
 
 std::vector<View> Exploration::viewsOfSought(double max_pixels, const MountedCamera& camera,
-                                             const Pose2& map_from_base, const ContourTable& table,
+                                             const Pose& map_from_base, const ContourTable& table,
                                              const std::vector<MarkerReading>& read,
                                              const LocalizerConfig& config) {
   std::vector<View> views;

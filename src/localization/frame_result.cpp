@@ -18,6 +18,12 @@ const char* toString(Mode mode) {
   return "";
 }
 
+PoseEstimate FrameResult::publishedPose() const {
+  PoseEstimate published = *map_from_base;
+  if (is_on_floor) published.pose = published.pose.onFloor();
+  return published;
+}
+
 int FrameResult::acceptedMarkers() const {
   return static_cast<int>(std::count_if(detections.begin(), detections.end(),
                                         [](const MarkerDetection& d) { return d.accepted; }));

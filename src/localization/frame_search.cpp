@@ -40,20 +40,20 @@ std::vector<MarkerObservation> recognizeUndecoded(const TrackingTools& tools, co
 
 /// A pose aligned with the pixels of all; nothing where it is not that of the decoded ones, or one
 /// that was recognized is off it.
-std::optional<PoseEstimate> alignWithAll(const TrackingTools& tools, const Frame& frame,
-                                         const MountedCamera& camera, const PoseEstimate& found,
-                                         const std::vector<std::size_t>& decoded,
-                                         const std::vector<MarkerObservation>& recognized,
-                                         const std::optional<PoseEstimate>& prior) {
+std::optional<AlignedPose> alignWithAll(const TrackingTools& tools, const Frame& frame,
+                                        const MountedCamera& camera, const PoseEstimate& found,
+                                        const std::vector<std::size_t>& decoded,
+                                        const std::vector<MarkerObservation>& recognized,
+                                        const PosePrior& prior) {
   if (recognized.empty()) return std::nullopt;
   std::vector<std::size_t> entries = decoded;
   for (const MarkerObservation& observation : recognized) entries.push_back(observation.map_entry);
   auto aligned = alignWithPixels(tools, frame.image, camera, entries, found.pose, prior);
-  if (!aligned || !agree(*aligned, found)) return std::nullopt;
-  const std::vector<double> residuals =
-      reprojectionResiduals(tools.map, camera, recognized, aligned->pose);
-  for (std::size_t k = 0; k < recognized.size(); ++k) {
-    if (residuals[k] > residualLimit(recognized[k], tools.config)) return std::nullopt;
+  if (!aligned || !agree(aligned->map_from_base, found)) return std::nullopt;
+  const EstimatorConfig& estimation = tools.config.estimation;
+  for (const Misfit& misfit : misfitsAt(tools.map, camera, recognized, aligned->map_from_base.pose,
+                                        aligned->camera_error, estimation.reprojection)) {
+    if (misfit.deviations > estimation.max_misfit) return std::nullopt;
   }
   return aligned;
 }
@@ -107,14 +107,19 @@ std::vector<std::size_t> addDetections(const TrackingTools& tools,
 }
 
 bool isInPlace(const MarkerReading& reading, const TrackingTools& tools,
-               const MountedCamera& camera, const Pose2& map_from_base) {
+               const MountedCamera& camera, const Pose& map_from_base) {
   constexpr double kModule = 1.0 / 8.0;  // of the edge
-  const double limit =
-      std::max(tools.config.estimation.max_residual, kModule * meanEdge(reading.corners));
+  const EstimatorConfig& estimation = tools.config.estimation;
   const std::vector<std::size_t> entries = entriesOf(tools.map, reading.family, reading.id);
   return std::any_of(entries.begin(), entries.end(), [&](std::size_t entry) {
     const auto place = camera.pixelFromMap(map_from_base, tools.map.markers[entry].center());
-    return place && (*place - reading.center).norm() < limit;
+    if (!place) return false;
+    if ((*place - reading.center).norm() < kModule * meanEdge(reading.corners)) return true;
+    const MarkerObservation observation{entry, reading.corners, reading.center};
+    return misfitsAt(tools.map, camera, {observation}, map_from_base, CameraError::Zero(),
+                     estimation.reprojection)
+               .front()
+               .deviations <= estimation.max_misfit;
   });
 }
 
@@ -125,22 +130,26 @@ int contradictions(const FrameResult& result, const MarkerMap& map) {
       }));
 }
 
-void setResiduals(const MarkerMap& map, const MountedCamera& camera, FrameResult* result) {
+void setResiduals(const TrackingTools& tools, const MountedCamera& camera, FrameResult* result) {
   for (MarkerDetection& detection : result->detections) {
-    if (!detection.map_entry || !result->map_from_base) {
-      detection.residual = std::numeric_limits<double>::quiet_NaN();
-      continue;
+    Misfit misfit{std::numeric_limits<double>::quiet_NaN(),
+                  std::numeric_limits<double>::quiet_NaN()};
+    if (detection.map_entry && result->map_from_base) {
+      const MarkerObservation observation{*detection.map_entry, detection.corners,
+                                          detection.center};
+      misfit = misfitsAt(tools.map, camera, {observation}, result->map_from_base->pose,
+                         result->camera_error, tools.config.estimation.reprojection)
+                   .front();
     }
-    const MarkerObservation observation{*detection.map_entry, detection.corners, detection.center};
-    detection.residual =
-        reprojectionResiduals(map, camera, {observation}, result->map_from_base->pose).front();
+    detection.residual = misfit.residual;
+    detection.deviations = misfit.deviations;
   }
 }
 
 PoseEstimate withUndecoded(const TrackingTools& tools, const Frame& frame,
                            const MountedCamera& camera, const PoseEstimate& found,
-                           const std::vector<std::size_t>& decoded,
-                           const std::optional<PoseEstimate>& prior, FrameResult* result) {
+                           const std::vector<std::size_t>& decoded, const PosePrior& prior,
+                           FrameResult* result) {
   if (tools.config.estimation.kind != EstimatorKind::kPhotometric) return found;
   Stopwatch step;
   const std::vector<MarkerObservation> recognized =
@@ -154,7 +163,8 @@ PoseEstimate withUndecoded(const TrackingTools& tools, const Frame& frame,
     detection.accepted = true;
     result->detections.push_back(std::move(detection));
   }
-  return *aligned;
+  result->camera_error = aligned->camera_error;
+  return aligned->map_from_base;
 }
 
 }  // namespace omnitag

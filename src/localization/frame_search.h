@@ -27,19 +27,19 @@ const char* whyUnknown(const LocalizerConfig& config);
 
 /// Whether a marker of the map is read where a pose has it, to about a module.
 bool isInPlace(const MarkerReading& reading, const TrackingTools& tools,
-               const MountedCamera& camera, const Pose2& map_from_base);
+               const MountedCamera& camera, const Pose& map_from_base);
 
 /// How many detections are of the map's markers and yet not accepted.
 int contradictions(const FrameResult& result, const MarkerMap& map);
 
 /// Sets how far the markers are from where the frame's pose has them; NaN without one.
-void setResiduals(const MarkerMap& map, const MountedCamera& camera, FrameResult* result);
+void setResiduals(const TrackingTools& tools, const MountedCamera& camera, FrameResult* result);
 
 /// A pose that a search found by the markers at the entries `decoded`, made more exact by those
 /// that no view around was right to decode: they are recognized where it has them.
 PoseEstimate withUndecoded(const TrackingTools& tools, const Frame& frame,
                            const MountedCamera& camera, const PoseEstimate& found,
-                           const std::vector<std::size_t>& decoded,
-                           const std::optional<PoseEstimate>& prior, FrameResult* result);
+                           const std::vector<std::size_t>& decoded, const PosePrior& prior,
+                           FrameResult* result);
 
 }  // namespace omnitag

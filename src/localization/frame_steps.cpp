@@ -22,10 +22,10 @@ PoseEstimate mixture(const PoseEstimate& a, double misfit_a, const PoseEstimate&
   const double ratio = std::exp(0.5 * std::clamp(misfit_a - misfit_b, -100.0, 100.0)) *
                        std::sqrt(b.covariance.determinant() / a.covariance.determinant());
   const double share = ratio / (1.0 + ratio);
-  const Eigen::Vector3d apart = difference(b.pose, a.pose);
+  const PoseVector apart = difference(b.pose, a.pose);
   PoseEstimate mean;
-  mean.pose = {a.pose.x + share * apart.x(), a.pose.y + share * apart.y(),
-               normalizeAngle(a.pose.yaw + share * apart.z())};
+  mean.pose = moved(a.pose, share * apart);
+  mean.shared = (1.0 - share) * a.shared + share * b.shared;
   mean.covariance = (1.0 - share) * a.covariance + share * b.covariance +
                     share * (1.0 - share) * apart * apart.transpose();
   return mean;
@@ -40,6 +40,7 @@ MarkerDetection toDetection(const MarkerReading& reading) {
   detection.corners = reading.corners;
   detection.center = reading.center;
   detection.residual = std::numeric_limits<double>::quiet_NaN();
+  detection.deviations = std::numeric_limits<double>::quiet_NaN();
   return detection;
 }
 
@@ -71,14 +72,15 @@ std::vector<MarkerReading> readViews(const TrackingTools& tools, const cv::Mat& 
 std::optional<MarkerObservation> recognizePredicted(const TrackingTools& tools,
                                                     const cv::Mat& panorama,
                                                     const MountedCamera& camera,
-                                                    const Pose2& map_from_base,
+                                                    const Pose& map_from_base,
                                                     const PredictedMarker& predicted) {
   const Marker& marker = tools.map.markers[predicted.map_entry];
   const auto recognition =
       recognize(panorama, marker, tools.patterns.of(marker), camera, map_from_base, predicted,
                 tools.config.estimation.photometric.blur, tools.config.recognition);
   if (!recognition || !recognition->isAccepted()) return std::nullopt;
-  return MarkerObservation{predicted.map_entry, recognition->corners, recognition->center};
+  return MarkerObservation{predicted.map_entry, recognition->corners, recognition->center,
+                           recognition->is_stretched ? 0.0 : predicted.shape_deviation};
 }
 
 std::optional<MarkerObservation> recognizeMarker(const TrackingTools& tools,
@@ -90,24 +92,21 @@ std::optional<MarkerObservation> recognizeMarker(const TrackingTools& tools,
   return recognizePredicted(tools, panorama, camera, belief.pose, *predicted);
 }
 
-double residualLimit(const MarkerObservation& recognized, const LocalizerConfig& config) {
-  constexpr double kHalfModule = 1.0 / 16.0;  // of the edge
-  return std::max(config.estimation.max_residual, kHalfModule * meanEdge(recognized.corners));
-}
-
-std::optional<PoseEstimate> alignWithPixels(const TrackingTools& tools, const cv::Mat& panorama,
-                                            const MountedCamera& camera,
-                                            const std::vector<std::size_t>& entries,
-                                            const Pose2& initial,
-                                            const std::optional<PoseEstimate>& prior) {
+std::optional<AlignedPose> alignWithPixels(const TrackingTools& tools, const cv::Mat& panorama,
+                                           const MountedCamera& camera,
+                                           const std::vector<std::size_t>& entries,
+                                           const Pose& initial, const PosePrior& prior) {
   const PhotometricConfig& config = tools.config.estimation.photometric;
   if (tools.config.estimation.kind != EstimatorKind::kPhotometric) return std::nullopt;
-  const auto from = [&](const Pose2& start) {
+  const auto from = [&](const Pose& start) {
     return refinePhotometrically(panorama, tools.map, camera, tools.patterns, entries, start, prior,
                                  config, tools.config.threads);
   };
   std::optional<PhotometricFit> fit = from(initial);
-  if (entries.size() > 1) return fit ? std::optional(fit->map_from_base) : std::nullopt;
+  const auto aligned = [](const PhotometricFit& optimum) {
+    return AlignedPose{optimum.map_from_base, optimum.camera_error, optimum.excess};
+  };
+  if (entries.size() > 1) return fit ? std::optional(aligned(*fit)) : std::nullopt;
 
   // A single marker may look almost the same from two sides.
   const Marker& marker = tools.map.markers[entries.front()];
@@ -115,28 +114,29 @@ std::optional<PoseEstimate> alignWithPixels(const TrackingTools& tools, const cv
   std::optional<PhotometricFit> other = mirrored ? from(*mirrored) : std::nullopt;
   if (!fit) std::swap(fit, other);
   if (!fit) return std::nullopt;
-  if (!other) return fit->map_from_base;
+  if (!other) return aligned(*fit);
   const PhotometricFit& sharper = other->noise < fit->noise ? *other : *fit;
   const auto misfit = [&](const PhotometricFit& optimum) {
-    double sum = photometricMisfit(panorama, tools.map, camera, tools.patterns, entries,
-                                   optimum.map_from_base.pose, sharper, config);
-    if (prior) {
-      const Eigen::Vector3d off = difference(optimum.map_from_base.pose, prior->pose);
-      sum += off.dot(prior->covariance.inverse() * off);
-    }
-    return sum;
+    const double sum = photometricMisfit(panorama, tools.map, camera, tools.patterns, entries,
+                                         optimum.map_from_base.pose, sharper, config);
+    const PoseVector off = prior.errorOf(optimum.map_from_base.pose);
+    return sum + off.dot(prior.information * off);
   };
-  return mixture(fit->map_from_base, misfit(*fit), other->map_from_base, misfit(*other));
+  return AlignedPose{
+      mixture(fit->map_from_base, misfit(*fit), other->map_from_base, misfit(*other)),
+      fit->camera_error, 1.0};
 }
 
 PoseEstimate standingOnCorners(const PoseEstimate& pose, std::size_t markers,
                                const LocalizerConfig& config) {
   constexpr std::size_t kFew = 2;
-  const double ratio =
-      config.relocalization.corner_noise / config.estimation.reprojection.corner_noise;
+  const ReprojectionConfig& reprojection = config.estimation.reprojection;
+  const double ratio = reprojection.poor_corner_noise / reprojection.corner_noise;
   const bool was_to_be_aligned = config.estimation.kind == EstimatorKind::kPhotometric;
   PoseEstimate standing = pose;
-  if (was_to_be_aligned && markers <= kFew && ratio > 1.0) standing.covariance *= ratio * ratio;
+  if (was_to_be_aligned && markers <= kFew && ratio > 1.0) {
+    standing.covariance = pose.shared + ratio * ratio * (pose.covariance - pose.shared);
+  }
   return standing;
 }
 

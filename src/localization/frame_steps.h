@@ -25,6 +25,8 @@ struct TrackingTools {
   const MarkerReader& reader;
   const GlanceReader& glance_reader;
   const TagPatterns& patterns;
+  /// What is known of a pose without a prediction.
+  const PosePrior& standing;
 };
 
 /// A reading as a detection that is not accepted yet.
@@ -46,20 +48,23 @@ std::optional<MarkerObservation> recognizeMarker(const TrackingTools& tools,
 std::optional<MarkerObservation> recognizePredicted(const TrackingTools& tools,
                                                     const cv::Mat& panorama,
                                                     const MountedCamera& camera,
-                                                    const Pose2& map_from_base,
+                                                    const Pose& map_from_base,
                                                     const PredictedMarker& predicted);
 
-/// Pixels that a marker may be off the final pose. One that was recognized from a worse belief is
-/// tilted and scaled a little: that may be some pixels where it is large, about half a module.
-double residualLimit(const MarkerObservation& recognized, const LocalizerConfig& config);
+/// A pose that was aligned with pixels, and what the camera then seems to be off by.
+struct AlignedPose {
+  PoseEstimate map_from_base;
+  CameraError camera_error = CameraError::Zero();
+  /// How many times more than expected the markers disagree, at least 1.
+  double excess = 1.0;
+};
 
 /// A pose aligned with the pixels of the markers at `entries`; nothing where that is not asked for
 /// or not possible.
-std::optional<PoseEstimate> alignWithPixels(const TrackingTools& tools, const cv::Mat& panorama,
-                                            const MountedCamera& camera,
-                                            const std::vector<std::size_t>& entries,
-                                            const Pose2& initial,
-                                            const std::optional<PoseEstimate>& prior);
+std::optional<AlignedPose> alignWithPixels(const TrackingTools& tools, const cv::Mat& panorama,
+                                           const MountedCamera& camera,
+                                           const std::vector<std::size_t>& entries,
+                                           const Pose& initial, const PosePrior& prior);
 
 /// A pose that stands on the corners of so many markers, although it was to be aligned with pixels:
 /// of a marker or two alone, corners may be much farther off than they are where many agree.

@@ -1,6 +1,8 @@
 #include "frame_tracker.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -29,11 +31,42 @@ double largestInDoubt(const cv::Mat& panorama) {
   return kShareOfSides * panorama.cols * kShareOfSides * panorama.rows;
 }
 
-/// A pose to start from, of which hardly anything is known.
-PoseEstimate vague(const Pose2& pose) {
+/// Hardly anything but how the robot stands, about a pose to start from.
+PosePrior vague(const Pose& pose, const PosePrior& standing) {
   constexpr double kDeviation = 1.0;  // m and rad
-  return {pose, kDeviation * kDeviation * Eigen::Matrix3d::Identity()};
+  PosePrior prior = standing;
+  prior.pose.x = pose.x;
+  prior.pose.y = pose.y;
+  prior.pose.yaw = pose.yaw;
+  prior.information += PoseMatrix::Identity() / (kDeviation * kDeviation);
+  prior.knows_place = true;
+  return prior;
 }
+
+/// The same prior of a robot that something has moved by about so much (m and rad), unknown to its
+/// odometry.
+PosePrior pushed(const PosePrior& prior, double way, double turn) {
+  PoseEstimate estimate{prior.pose, prior.information.llt().solve(PoseMatrix::Identity()),
+                        prior.shared};
+  estimate.covariance.diagonal().head<3>() += Eigen::Vector3d(way * way, way * way, turn * turn);
+  return PosePrior::about(estimate);
+}
+
+/// What remains of a prior once markers told the pose without it: less where they contradict, since
+/// the robot was then moved by as much as it seems, or some times that.
+PosePrior afterPush(const PosePrior& prior, const PoseEstimate& alone) {
+  // Chi-square with 3 degrees of freedom that one of ten thousand is beyond.
+  constexpr double kLimit = 21.1;
+  constexpr double kTimes = 3.0;
+  const Eigen::Vector3d apart = prior.errorOf(alone.pose).head<3>();
+  const PoseMatrix covariance =
+      prior.information.llt().solve(PoseMatrix::Identity()) + alone.covariance;
+  if (apart.dot(covariance.topLeftCorner<3, 3>().ldlt().solve(apart)) <= kLimit) return prior;
+  return pushed(prior, kTimes * apart.head<2>().norm(), kTimes * std::abs(apart.z()));
+}
+
+/// As much as nobody pushes a robot between two images.
+PosePrior withoutPlace(const PosePrior& prior) { return pushed(prior, 0.3, 0.3); }
 
 /// m, of a pose from which markers may be farther off in the image than they are looked for.
 constexpr double kVague = 0.01;
@@ -48,7 +81,7 @@ FrameTracker::FrameTracker(const TrackingTools& tools, const Frame& frame,
       camera_(camera),
       predicted_(predicted),
       turn_(turn),
-      prior_(turn ? predicted : vague(predicted.pose)),
+      prior_(turn ? PosePrior::about(predicted) : vague(predicted.pose, tools.standing)),
       result_(result),
       sightings_(result->predicted.size()) {}
 
@@ -155,7 +188,7 @@ std::size_t FrameTracker::found() const {
 
 bool FrameTracker::isDoubtful() const {
   if (!solution_) return false;
-  const std::size_t agreeing = sharplyAgreeing(solution_->residuals, tools_.config.estimation);
+  const std::size_t agreeing = sharplyAgreeing(solution_->misfits);
   if (isLargeMajority(agreeing, observed_.size())) {
     // Those that were not found may be hidden. But where the pose is a surprise, or the prediction
     // too vague for any to be one, they may as well be where another pose has them.
@@ -167,15 +200,17 @@ bool FrameTracker::isDoubtful() const {
   constexpr double kFar = 0.02;  // m and rad
   const bool do_all_agree =
       std::find(solution_->used.begin(), solution_->used.end(), false) == solution_->used.end();
-  return !do_all_agree ||
-         difference(solution_->map_from_base.pose, predicted_.pose).cwiseAbs().maxCoeff() > kFar;
+  return !do_all_agree || difference(solution_->map_from_base.pose, predicted_.pose)
+                                  .head<3>()
+                                  .cwiseAbs()
+                                  .maxCoeff() > kFar;
 }
 
-void FrameTracker::lookAgain(const Pose2& pose) {
+void FrameTracker::lookAgain(const Pose& pose) {
   Stopwatch step;
   const std::vector<Sighting> before = sightings_;
   const std::size_t found_before = found();
-  const PoseEstimate belief{pose, Eigen::Matrix3d::Zero()};
+  const PoseEstimate belief{pose};
   constexpr std::size_t kWorthAThread = 2;
   forEachIndex(sightings_.size(), tools_.config.threads, kWorthAThread, [&](std::size_t i) {
     auto predicted = predictMarker(tools_.map, result_->predicted[i].map_entry, camera_, belief,
@@ -231,7 +266,18 @@ void FrameTracker::solve() {
     observations.push_back(*sightings_[i].observation);
     observed_.push_back(i);
   }
-  solution_ = estimatePose(tools_.map, camera_, observations, prior_, tools_.config.estimation);
+  const EstimatorConfig& config = tools_.config.estimation;
+  solution_ = estimatePose(tools_.map, camera_, observations, prior_, config);
+  // Markers and prior that contradict each other leave large residuals.
+  constexpr double kLargeExcess = 2.0;
+  if (solution_ && turn_ && observations.size() >= 2 && solution_->excess > kLargeExcess) {
+    const auto alone =
+        estimatePose(tools_.map, camera_, observations, withoutPlace(prior_), config);
+    if (alone && std::count(alone->used.begin(), alone->used.end(), true) >= 2) {
+      prior_ = afterPush(prior_, alone->map_from_base);
+      solution_ = estimatePose(tools_.map, camera_, observations, prior_, config);
+    }
+  }
   result_->timings.solve += step.lap();
 }
 
@@ -249,18 +295,31 @@ void FrameTracker::align() {
       if (used[k]) entries.push_back(observations[k].map_entry);
     }
     if (!isLargeMajority(entries.size(), all)) break;
-    const auto aligned = alignWithPixels(tools_, frame_.image, camera_, entries,
-                                         solution_->map_from_base.pose, prior_);
+    auto aligned = alignWithPixels(tools_, frame_.image, camera_, entries,
+                                   solution_->map_from_base.pose, prior_);
+    if (aligned && turn_ && entries.size() >= 2 && aligned->excess > 1.0) {
+      // Pixels show what corners are too coarse for.
+      const Pose& start = aligned->map_from_base.pose;
+      const auto alone =
+          alignWithPixels(tools_, frame_.image, camera_, entries, start, withoutPlace(prior_));
+      if (alone) {
+        prior_ = afterPush(prior_, alone->map_from_base);
+        aligned = alignWithPixels(tools_, frame_.image, camera_, entries, alone->map_from_base.pose,
+                                  prior_);
+      }
+    }
     if (!aligned) break;
-    std::vector<double> residuals =
-        reprojectionResiduals(tools_.map, camera_, observations, aligned->pose);
+    std::vector<Misfit> misfits =
+        misfitsAt(tools_.map, camera_, observations, aligned->map_from_base.pose,
+                  aligned->camera_error, tools_.config.estimation.reprojection);
     std::size_t left = 0;
-    for (std::size_t k = 0; k < residuals.size(); ++k) {
-      used[k] = used[k] && residuals[k] <= residualLimit(observations[k], tools_.config);
+    for (std::size_t k = 0; k < misfits.size(); ++k) {
+      used[k] = used[k] && misfits[k].deviations <= tools_.config.estimation.max_misfit;
       if (used[k]) ++left;
     }
     if (left == entries.size()) {
-      *solution_ = {*aligned, std::move(residuals), std::move(used)};
+      *solution_ = {aligned->map_from_base, aligned->camera_error, std::move(misfits),
+                    std::move(used), aligned->excess};
       return;
     }
   }
@@ -274,7 +333,9 @@ void FrameTracker::report() {
     MarkerDetection detection = toDetection(observation, marker);
     detection.accepted = solution_ && solution_->used[k];
     detection.residual =
-        solution_ ? solution_->residuals[k] : std::numeric_limits<double>::quiet_NaN();
+        solution_ ? solution_->misfits[k].residual : std::numeric_limits<double>::quiet_NaN();
+    detection.deviations =
+        solution_ ? solution_->misfits[k].deviations : std::numeric_limits<double>::quiet_NaN();
     if (!detection.accepted) {
       detection.reason = solution_ ? "disagrees with the other markers" : "no pose agrees with it";
     }

@@ -63,7 +63,9 @@ class FrameTracker {
   /// they are slanted, and solves again: what was recognized from a pose that is wrong is drawn a
   /// little toward that pose. Where that finds more, the others are looked for again as well. Keeps
   /// what was where no pose agrees then.
-  void lookAgain(const Pose2& pose);
+  void lookAgain(const Pose& pose);
+  /// Estimates the pose from what was found. Where markers agree that the robot is elsewhere than
+  /// predicted, what moved it is not in the prediction: it counts for less from then on.
   void solve();
   /// Aligns the solution with the pixels of its markers, but for those that are then off; leaves it
   /// with the corners where others are off without them.
@@ -79,7 +81,7 @@ class FrameTracker {
   const PoseEstimate& predicted_;
   std::optional<std::size_t> turn_;
   /// What is known of the pose beside what is found.
-  PoseEstimate prior_;
+  PosePrior prior_;
   FrameResult* result_;
   std::vector<Sighting> sightings_;
   /// Each once.

@@ -39,7 +39,7 @@ bool isEnough(const FrameResult& seen) {
 
 /// Whether all markers of the map that were read are where a pose has them.
 bool areInPlace(const std::vector<MarkerReading>& readings, const TrackingTools& tools,
-                const MountedCamera& camera, const Pose2& map_from_base) {
+                const MountedCamera& camera, const Pose& map_from_base) {
   return std::all_of(readings.begin(), readings.end(), [&](const MarkerReading& reading) {
     return entriesOf(tools.map, reading.family, reading.id).empty() ||
            isInPlace(reading, tools, camera, map_from_base);
@@ -75,7 +75,7 @@ std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& fram
       add(std::move(more), warper, &seen);
       if (agrees) continue;
       around = confirm(seen, isEnough, tools, frame, camera, &result->timings);
-      if (around && isBeyondDoubt(*around, config.estimation)) break;
+      if (around && isBeyondDoubt(*around)) break;
     }
     if (!around) continue;
     around->timings = result->timings;

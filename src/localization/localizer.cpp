@@ -55,7 +55,7 @@ std::set<std::string> familiesOf(const MarkerMap& map) {
 PoseEstimate modest(const PoseEstimate& pose, const FrameResult& result) {
   constexpr double kDoubt = 2.0;
   const double rise = result.acceptedMarkers() <= kFew ? kDoubt : 1.0;
-  return {pose.pose, rise * rise * pose.covariance};
+  return {pose.pose, rise * rise * pose.covariance, rise * rise * pose.shared};
 }
 
 std::string describe(const cv::Mat& image) {
@@ -63,11 +63,11 @@ std::string describe(const cv::Mat& image) {
          cv::typeToString(image.type());
 }
 
-std::string howFarOff(const Pose2& found, const Pose2& expected) {
-  const Eigen::Vector3d off = difference(found, expected);
+std::string howFarOff(const Pose& found, const Pose& expected) {
+  const PoseVector off = difference(found, expected);
   std::array<char, 100> text{};
   std::snprintf(text.data(), text.size(), "found %.2f m and %.1f degrees off where it was expected",
-                off.head<2>().norm(), degrees(std::abs(off.z())));
+                off.head<2>().norm(), degrees(std::abs(off[2])));
   return text.data();
 }
 
@@ -85,7 +85,7 @@ Localizer::Localizer(std::shared_ptr<const CameraModel> camera, MarkerMap map,
       motion_(config.motion) {}
 
 TrackingTools Localizer::trackingTools() const {
-  return {map_, index_, config_, reader_, glance_reader_, patterns_};
+  return {map_, index_, config_, reader_, glance_reader_, patterns_, standing_};
 }
 
 void Localizer::setMap(MarkerMap map) {
@@ -97,15 +97,15 @@ void Localizer::setMap(MarkerMap map) {
 void Localizer::seek(std::vector<Marker> markers) { exploration_.seek(std::move(markers)); }
 
 void Localizer::setPose(const PoseEstimate& map_from_base,
-                        const std::optional<Pose2>& odom_from_base) {
+                        const std::optional<Pose>& odom_from_base) {
   given_pose_ = {map_from_base, odom_from_base};
 }
 
-void Localizer::setPose(const Pose2& map_from_base, const std::optional<Pose2>& odom_from_base) {
+void Localizer::setPose(const Pose& map_from_base, const std::optional<Pose>& odom_from_base) {
   const double position = config_.motion.initial_position_deviation;
   const double heading = config_.motion.initial_heading_deviation;
   const Eigen::Vector3d deviations(position, position, heading);
-  setPose({map_from_base, deviations.cwiseAbs2().asDiagonal()}, odom_from_base);
+  setPose(floorEstimate(map_from_base, deviations.cwiseAbs2().asDiagonal()), odom_from_base);
 }
 
 void Localizer::forgetPose() {
@@ -120,7 +120,9 @@ FrameResult Localizer::process(const Frame& frame) {
   Stopwatch total;
   FrameResult result;
   result.stamp = frame.stamp;
+  result.is_on_floor = config_.motion.pose_model == PoseModel::kFloor;
   const MountedCamera camera(camera_, frame.base_from_camera);
+  standing_ = motion_.standing(frame.odom_from_base);
   const std::optional<PoseEstimate> predicted = predict(frame);
   const bool is_refuted = predicted && !track(frame, camera, *predicted, &result);
   if (!result.map_from_base) search(frame, camera, predicted, is_refuted, &result);
@@ -181,27 +183,25 @@ bool Localizer::track(const Frame& frame, const MountedCamera& camera,
 }
 
 bool Localizer::markersAgree(const MountedCamera& camera, const PoseEstimate& predicted,
-                             const Pose2& solution, const FrameResult& result) const {
+                             const Pose& solution, const FrameResult& result) const {
   std::vector<MarkerObservation> observations;
-  double worst_residual = 0.0;
+  double worst = 0.0;
   for (const MarkerDetection& detection : result.detections) {
     if (!detection.accepted) continue;
     observations.push_back({*detection.map_entry, detection.corners, detection.center});
-    worst_residual = std::max(worst_residual, detection.residual);
+    worst = std::max(worst, detection.deviations);
   }
   // One or two that the robot was carried toward or away from are nearly where they were.
-  if (result.acceptedMarkers() <= kFew &&
-      worst_residual > config_.relocalization.max_residual_of_one) {
+  if (result.acceptedMarkers() <= kFew && worst > config_.relocalization.max_misfit_of_one) {
     return false;
   }
   if (observations.size() == 1) return true;
   const ReprojectionConfig& reprojection = config_.estimation.reprojection;
-  const auto fit = refineFromAfar(map_, camera, observations, solution, std::nullopt, reprojection);
+  const auto fit = refineFromAfar(map_, camera, observations, solution, standing_, reprojection);
   if (!fit) return true;
-  const Eigen::Vector3d apart = difference(fit->map_from_base.pose, predicted.pose);
-  const Eigen::Matrix3d covariance = predicted.covariance +
-                                     varianceFactor(*fit) * fit->map_from_base.covariance +
-                                     kSway * kSway * Eigen::Matrix3d::Identity();
+  const PoseVector apart = difference(fit->map_from_base.pose, predicted.pose);
+  const PoseMatrix covariance =
+      predicted.covariance + fit->map_from_base.covariance + kSway * kSway * PoseMatrix::Identity();
   return apart.dot(covariance.ldlt().solve(apart)) <= kMaxDeviations * kMaxDeviations;
 }
 
@@ -215,8 +215,8 @@ bool Localizer::isElsewhere(const Frame& frame, const MountedCamera& camera,
   around.timings = result->timings;
   const std::vector<MarkerReading> readings = lookAround(trackingTools(), frame, camera, &around);
   Stopwatch step;
-  const Relocalization found = relocalize(map_, camera, readings, config_.estimation.reprojection,
-                                          config_.estimation.max_residual, config_.relocalization);
+  const Relocalization found =
+      relocalize(map_, camera, readings, standing_, config_.estimation, config_.relocalization);
   result->timings = around.timings;
   result->timings.solve += step.lap();
   result->explored = std::move(around.explored);
@@ -225,7 +225,7 @@ bool Localizer::isElsewhere(const Frame& frame, const MountedCamera& camera,
   return found.map_from_base && explained >= 2 && !agree(*found.map_from_base, tracked);
 }
 
-void Localizer::patrol(const Frame& frame, const MountedCamera& camera, const Pose2& map_from_base,
+void Localizer::patrol(const Frame& frame, const MountedCamera& camera, const Pose& map_from_base,
                        FrameResult* result) {
   const bool is_exploring = config_.exploring_views > 0;
   if (is_exploring && result->explored.empty()) {
@@ -264,7 +264,7 @@ std::vector<MarkerReading> Localizer::readNextView(const Frame& frame, const Mou
   return readViews(trackingTools(), frame.image, {all[patrolled_view_ % all.size()]}, result);
 }
 
-void Localizer::explore(const Frame& frame, const MountedCamera& camera, const Pose2& map_from_base,
+void Localizer::explore(const Frame& frame, const MountedCamera& camera, const Pose& map_from_base,
                         FrameResult* result) {
   if (exploration_.wantsGlance(config_)) {
     Stopwatch step;
@@ -293,8 +293,8 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
   }
   const std::vector<MarkerReading> readings = lookAround(trackingTools(), frame, camera, result);
   Stopwatch step;
-  const Relocalization found = relocalize(map_, camera, readings, config_.estimation.reprojection,
-                                          config_.estimation.max_residual, config_.relocalization);
+  const Relocalization found =
+      relocalize(map_, camera, readings, standing_, config_.estimation, config_.relocalization);
   result->timings.solve += step.lap();
   if (!found.map_from_base && config_.estimation.kind == EstimatorKind::kPhotometric) {
     if (const auto seen = confirmAround(readings, frame, camera, result)) return accept(*seen);
@@ -310,7 +310,7 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
   const bool overrules = !predicted || is_expected || explaining.size() >= 2 ||
                          motion_.uncorrectedTime() > config_.motion.max_dead_reckoning_time;
   if (found.map_from_base && overrules) {
-    const std::optional<PoseEstimate> prior = is_expected ? predicted : std::nullopt;
+    const PosePrior prior = is_expected ? PosePrior::about(*predicted) : standing_;
     // A single marker may hang elsewhere than the map says, which its pixels cannot tell either.
     const bool is_sure = is_expected || explaining.size() >= 2;
     PoseEstimate pose = *found.map_from_base;
@@ -319,8 +319,9 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
           alignWithPixels(trackingTools(), frame.image, camera, explaining, pose.pose, prior);
       // Where the two contradict each other, something covers a marker or the map is not exact
       // enough to align pixels with: corners bear more.
-      pose = aligned && agree(*aligned, pose) ? *aligned
-                                              : standingOnCorners(pose, explaining.size(), config_);
+      const bool fits = aligned && agree(aligned->map_from_base, pose);
+      pose = fits ? aligned->map_from_base : standingOnCorners(pose, explaining.size(), config_);
+      result->camera_error = fits ? aligned->camera_error : found.camera_error;
       result->timings.solve += step.lap();
       pose = withUndecoded(trackingTools(), frame, camera, pose, explaining, prior, result);
       step.lap();
@@ -332,7 +333,7 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
   } else {
     result->remark = found.reason;
   }
-  setResiduals(map_, camera, result);
+  setResiduals(trackingTools(), camera, result);
   result->timings.solve += step.lap();
 }
 
@@ -386,7 +387,7 @@ void Localizer::measure(const MountedCamera& camera, FrameResult* result) {
     detection.bearing = ray ? std::atan2(ray->direction.y(), ray->direction.x()) : kNaN;
     detection.range = kNaN;
     if (!result->map_from_base) continue;
-    const Pose2& pose = result->map_from_base->pose;
+    const Pose& pose = result->map_from_base->pose;
     if (detection.map_entry) {
       const Eigen::Vector3d viewpoint = camera.mapFromCamera(pose).translation();
       detection.range = (map_.markers[*detection.map_entry].center() - viewpoint).head<2>().norm();
@@ -394,7 +395,7 @@ void Localizer::measure(const MountedCamera& camera, FrameResult* result) {
     if (detection.accepted || !is_measured || !isDue(detection, result->stamp)) continue;
     const auto displaced =
         displacement(map_, camera, detection.family, detection.id,
-                     {0, detection.corners, detection.center}, pose, config_.estimation);
+                     {0, detection.corners, detection.center}, pose, standing_, config_.estimation);
     if (displaced) result->displaced.push_back(*displaced);
   }
 }

@@ -4,6 +4,16 @@
 
 namespace omnitag {
 
+namespace {
+
+PoseModel readPoseModel(const YamlReader& reader) {
+  const std::string model = reader.text("pose_model");
+  if (model != "floor" && model != "free") reader.refuse("pose_model", "floor or free");
+  return model == "free" ? PoseModel::kFree : PoseModel::kFloor;
+}
+
+}  // namespace
+
 LocalizerConfig readLocalizerConfig(const YamlReader& reader) {
   LocalizerConfig config;
   if (reader.has("visibility")) {
@@ -27,6 +37,8 @@ LocalizerConfig readLocalizerConfig(const YamlReader& reader) {
     config.relocalization = readRelocalizationConfig(reader.mapping("relocalization"));
   }
   if (reader.has("motion")) config.motion = readMotionModelConfig(reader.mapping("motion"));
+  if (reader.has("floor")) config.motion.floor = readFloorConfig(reader.mapping("floor"));
+  if (reader.has("pose_model")) config.motion.pose_model = readPoseModel(reader);
   reader.read("threads", &config.threads, {1, 64});
   if (reader.has("estimator")) {
     const std::string estimator = reader.text("estimator");

@@ -14,14 +14,14 @@ namespace {
 
 /// How well a pose explains the corners: sum of their squared distances, in pixels.
 struct Start {
-  Pose2 map_from_base;
+  Pose map_from_base;
   double cost = std::numeric_limits<double>::infinity();
   /// m, horizontally from the camera to the marker.
   double distance = 0.0;
 };
 
 std::optional<Corners<Eigen::Vector2d>> project(const Corners<Eigen::Vector3d>& corners,
-                                                const MountedCamera& camera, const Pose2& pose) {
+                                                const MountedCamera& camera, const Pose& pose) {
   Corners<Eigen::Vector2d> pixels;
   for (std::size_t k = 0; k < corners.size(); ++k) {
     const auto pixel = camera.pixelFromMap(pose, corners[k]);
@@ -47,7 +47,7 @@ Start startFrom(double azimuth, const Marker& marker, const MountedCamera& camer
 
   const auto poseAt = [&](double distance) {
     const Eigen::Vector2d base = marker.center().head<2>() + distance * away - camera_offset;
-    return Pose2{base.x(), base.y(), yaw};
+    return Pose{base.x(), base.y(), yaw};
   };
   for (double distance : {guess, 3.0, 1.0, 8.0, 0.4}) {
     Start start;
@@ -82,7 +82,7 @@ bool mayFace(const Marker& marker, const MountedCamera& camera, double azimuth) 
          normal.z() * above > 0.0;
 }
 
-bool isFacing(const Marker& marker, const MountedCamera& camera, const Pose2& pose) {
+bool isFacing(const Marker& marker, const MountedCamera& camera, const Pose& pose) {
   const Eigen::Vector3d viewpoint = camera.mapFromCamera(pose).translation();
   return marker.normal().dot(viewpoint - marker.center()) > 0.0;
 }
@@ -91,8 +91,8 @@ bool isFacing(const Marker& marker, const MountedCamera& camera, const Pose2& po
 
 std::vector<ReprojectionFit> posesFromMarker(const MarkerMap& map, const MountedCamera& camera,
                                              const MarkerObservation& observation,
-                                             const ReprojectionConfig& config,
-                                             double max_residual) {
+                                             const PosePrior& prior,
+                                             const EstimatorConfig& config) {
   const Marker& marker = map.markers[observation.map_entry];
   const std::optional<Ray> ray = camera.rayInBase(observation.center);
   if (!ray) return {};
@@ -113,9 +113,9 @@ std::vector<ReprojectionFit> posesFromMarker(const MarkerMap& map, const Mounted
   std::vector<ReprojectionFit> fits;
   const auto refineFrom = [&](const Start& start) {
     if (!std::isfinite(start.cost)) return;
-    auto fit =
-        refineFromAfar(map, camera, {observation}, start.map_from_base, std::nullopt, config);
-    if (!fit || fit->residuals[0] > max_residual) return;
+    auto fit = refineFromAfar(map, camera, {observation}, start.map_from_base, prior.withoutPlace(),
+                              config.reprojection);
+    if (!fit || fit->misfits[0].deviations > config.max_misfit) return;
     if (!isFacing(marker, camera, fit->map_from_base.pose)) return;
     const bool is_known = std::any_of(fits.begin(), fits.end(), [&fit](const ReprojectionFit& f) {
       constexpr double kSamePosition = 1e-3;  // m
@@ -142,13 +142,13 @@ std::vector<ReprojectionFit> posesFromMarker(const MarkerMap& map, const Mounted
     refineFrom(starts[(i + kDirections - 1) % kDirections]);
   }
   std::sort(fits.begin(), fits.end(), [](const ReprojectionFit& a, const ReprojectionFit& b) {
-    return a.residuals[0] < b.residuals[0];
+    return a.misfits[0].deviations < b.misfits[0].deviations;
   });
   return fits;
 }
 
-std::optional<Pose2> mirroredPose(const Marker& marker, const MountedCamera& camera,
-                                  const Pose2& map_from_base) {
+std::optional<Pose> mirroredPose(const Marker& marker, const MountedCamera& camera,
+                                 const Pose& map_from_base) {
   constexpr double kUpright = 0.5;
   const Eigen::Vector2d normal = marker.normal().head<2>();
   if (normal.norm() < kUpright) return std::nullopt;
@@ -161,7 +161,7 @@ std::optional<Pose2> mirroredPose(const Marker& marker, const MountedCamera& cam
   const Eigen::Vector2d base =
       center + mirrored_way +
       Eigen::Rotation2Dd(turn) * (Eigen::Vector2d(map_from_base.x, map_from_base.y) - viewpoint);
-  return Pose2{base.x(), base.y(), normalizeAngle(map_from_base.yaw + turn)};
+  return Pose{base.x(), base.y(), normalizeAngle(map_from_base.yaw + turn)};
 }
 
 }  // namespace omnitag

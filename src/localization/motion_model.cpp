@@ -1,11 +1,48 @@
 #include "omnitag/localization/motion_model.h"
 
-#include <Eigen/LU>
+#include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 
 #include "omnitag/common/symmetric_matrix.h"
 
 namespace omnitag {
+namespace {
+
+/// What a change of the pose becomes where the base then moves: errors of a PoseVector before to
+/// those after. What was turned by an error carries the motion along with it.
+PoseMatrix byPose(const Eigen::Isometry3d& pose, const Eigen::Isometry3d& motion) {
+  PoseMatrix transition;
+  for (int i = 0; i < 6; ++i) {
+    const PoseVector unit = PoseVector::Unit(i);
+    const Eigen::Vector3d turn = rotationPart(unit);
+    transition.col(i) =
+        poseVector(translationPart(unit) + pose.linear() * turn.cross(motion.translation()),
+                   motion.linear().transpose() * turn);
+  }
+  return transition;
+}
+
+/// Takes velocities in base_link to changes of a pose with this rotation.
+PoseMatrix mapFromBase(const Eigen::Matrix3d& rotation) {
+  PoseMatrix turned;
+  for (int i = 0; i < 6; ++i) {
+    const PoseVector unit = PoseVector::Unit(i);
+    turned.col(i) = poseVector(rotation * translationPart(unit), rotationPart(unit));
+  }
+  return turned;
+}
+
+}  // namespace
+
+FloorConfig readFloorConfig(const YamlReader& reader) {
+  reader.allowOnly({"lean_deviation", "height_deviation", "settling_time"});
+  FloorConfig config;
+  reader.read("lean_deviation", &config.lean_deviation, {0.0, 0.5});
+  reader.read("height_deviation", &config.height_deviation, kNonNegative);
+  reader.read("settling_time", &config.settling_time, kPositive);
+  return config;
+}
 
 MotionModelConfig readMotionModelConfig(const YamlReader& reader) {
   reader.allowOnly({"acceleration_deviation", "angular_acceleration_deviation",
@@ -40,7 +77,7 @@ MotionModelConfig readMotionModelConfig(const YamlReader& reader) {
 }
 
 void MotionModel::reset(const PoseEstimate& map_from_base, double stamp,
-                        const std::optional<Pose2>& odom_from_base) {
+                        const std::optional<Pose>& odom_from_base) {
   restart(map_from_base);
   stamp_ = stamp;
   corrected_stamp_ = stamp;
@@ -50,7 +87,7 @@ void MotionModel::reset(const PoseEstimate& map_from_base, double stamp,
 }
 
 void MotionModel::resetToGiven(const PoseEstimate& map_from_base, double stamp,
-                               const std::optional<Pose2>& odom_from_base) {
+                               const std::optional<Pose>& odom_from_base) {
   reset(map_from_base, stamp, odom_from_base);
   is_given_ = true;
 }
@@ -60,42 +97,77 @@ void MotionModel::restart(const PoseEstimate& map_from_base) {
   velocity_.setZero();
   const double speed = config_.initial_speed_deviation;
   const double turn_rate = config_.initial_turn_rate_deviation;
+  // What was learnt of the mounting stays.
+  const Eigen::Matrix3d slow = slowCovariance();
   covariance_.setZero();
-  covariance_.topLeftCorner<3, 3>() = map_from_base.covariance;
-  covariance_.diagonal().tail<3>() << speed * speed, speed * speed, turn_rate * turn_rate;
+  covariance_.topLeftCorner<6, 6>() = map_from_base.covariance;
+  covariance_.diagonal().segment<3>(6) << speed * speed, speed * speed, turn_rate * turn_rate;
+  if (isOnFloor()) {
+    covariance_.bottomRightCorner<3, 3>() = slow;
+  } else {
+    covariance_.diagonal().segment<3>(9) << speed * speed, turn_rate * turn_rate,
+        turn_rate * turn_rate;
+  }
+  shared_ = map_from_base.shared;
 }
 
-PoseEstimate MotionModel::predict(double stamp, const std::optional<Pose2>& odom_from_base) {
+Eigen::Matrix3d MotionModel::slowCovariance() const {
+  const Eigen::Matrix3d known = covariance_.bottomRightCorner<3, 3>();
+  if (!isOnFloor() || !known.isZero(0.0)) return known;
+  const FloorConfig& floor = config_.floor;
+  return Eigen::Vector3d(floor.height_deviation, floor.lean_deviation, floor.lean_deviation)
+      .cwiseAbs2()
+      .asDiagonal();
+}
+
+PoseEstimate MotionModel::predict(double stamp, const std::optional<Pose>& odom_from_base) {
+  const double interval = stamp - stamp_;
+  if (isOnFloor()) pose_ = pose_.onFloor();
   if (odom_from_base_ && odom_from_base) {
-    moveByOdometry(inverse(*odom_from_base_) * *odom_from_base);
+    moveByOdometry(isOnFloor() ? inverse(odom_from_base_->onFloor()) * odom_from_base->onFloor()
+                               : inverse(*odom_from_base_) * *odom_from_base);
     known_stamp_ = stamp;
   } else {
-    moveByVelocity(stamp - stamp_);
+    moveByVelocity(interval);
   }
+  if (isOnFloor()) standAnew(interval, odom_from_base);
   stamp_ = stamp;
   odom_from_base_ = odom_from_base;
   return estimate();
 }
 
 void MotionModel::correct(const PoseEstimate& map_from_base) {
-  // What the image told about the pose, the velocity learns through their correlation.
-  const Eigen::Matrix3d predicted = covariance_.topLeftCorner<3, 3>();
-  const Eigen::Matrix3d gain = covariance_.bottomLeftCorner<3, 3>() * predicted.inverse();
-  const Eigen::Vector3d correction(map_from_base.pose.x - pose_.x, map_from_base.pose.y - pose_.y,
-                                   normalizeAngle(map_from_base.pose.yaw - pose_.yaw));
-  velocity_ += gain * correction;
+  // What the image told about the pose, the rest learns through its correlation with the pose.
+  constexpr int kRest = kSize - 6;
+  constexpr double kRounding = 1e-14;
+  const PoseMatrix predicted =
+      covariance_.topLeftCorner<6, 6>() + kRounding * PoseMatrix::Identity();
+  const Eigen::Matrix<double, kRest, 6> gain =
+      predicted.ldlt().solve(covariance_.topRightCorner<6, kRest>()).transpose();
+  const Eigen::Matrix<double, kRest, 1> correction = gain * difference(map_from_base.pose, pose_);
+  velocity_ += correction.head<6>();
+  slow_lean_ += correction.tail<3>();
   pose_ = map_from_base.pose;
-  const Eigen::Matrix3d velocity_covariance =
-      covariance_.bottomRightCorner<3, 3>() -
+  const Eigen::Matrix<double, kRest, kRest> rest =
+      covariance_.bottomRightCorner<kRest, kRest>() -
       gain * (predicted - map_from_base.covariance) * gain.transpose();
-  covariance_.topLeftCorner<3, 3>() = map_from_base.covariance;
-  covariance_.bottomLeftCorner<3, 3>() = gain * map_from_base.covariance;
-  covariance_.topRightCorner<3, 3>() = covariance_.bottomLeftCorner<3, 3>().transpose();
-  covariance_.bottomRightCorner<3, 3>() =
-      0.5 * (velocity_covariance + velocity_covariance.transpose());
+  covariance_.topLeftCorner<6, 6>() = map_from_base.covariance;
+  covariance_.bottomLeftCorner<kRest, 6>() = gain * map_from_base.covariance;
+  covariance_.topRightCorner<6, kRest>() = covariance_.bottomLeftCorner<kRest, 6>().transpose();
+  covariance_.bottomRightCorner<kRest, kRest>() = 0.5 * (rest + rest.transpose());
+  shared_ = map_from_base.shared;
   corrected_stamp_ = stamp_;
   known_stamp_ = stamp_;
   is_given_ = false;
+}
+
+PosePrior MotionModel::standing(const std::optional<Pose>& odom_from_base) const {
+  if (!isOnFloor()) return {};
+  const FloorConfig& floor = config_.floor;
+  const Eigen::Matrix3d slow = slowCovariance();
+  return PosePrior::standing(
+      leanAt(odom_from_base), std::hypot(floor.height_deviation, std::sqrt(slow(0, 0))),
+      std::hypot(floor.lean_deviation, std::sqrt(std::max(slow(1, 1), slow(2, 2)))));
 }
 
 bool MotionModel::isTrustworthy() const {
@@ -112,52 +184,109 @@ bool MotionModel::isTrustworthy() const {
   return is_certain && without_knowledge <= config_.max_dead_reckoning_time;
 }
 
-void MotionModel::moveByOdometry(const Pose2& motion) {
-  const double distance = std::hypot(motion.x, motion.y);
-  const double turn = std::abs(motion.yaw);
+void MotionModel::moveByOdometry(const Pose& motion) {
+  const Eigen::Isometry3d isometry = motion.toIsometry();
+  const double distance = isometry.translation().norm();
+  const double turn = std::abs(Eigen::AngleAxisd(isometry.linear()).angle());
   const auto variance = [](double a, double b) { return a * a + b * b; };
   const double translation_variance = variance(config_.odometry_translation_per_metre * distance,
                                                config_.odometry_translation_per_rotation * turn);
   const double rotation_variance = variance(config_.odometry_rotation_per_rotation * turn,
                                             config_.odometry_rotation_per_metre * distance);
-  const Pose2 moved = pose_ * motion;
-  Eigen::Matrix3d by_pose = Eigen::Matrix3d::Identity();
-  by_pose(0, 2) = -(moved.y - pose_.y);
-  by_pose(1, 2) = moved.x - pose_.x;
-  Eigen::Matrix3d pose_covariance =
-      by_pose * covariance_.topLeftCorner<3, 3>() * by_pose.transpose();
-  pose_covariance.diagonal() +=
-      Eigen::Vector3d(translation_variance, translation_variance, rotation_variance);
+  Covariance noise = Covariance::Zero();
+  noise.diagonal().head<3>() << translation_variance, translation_variance, rotation_variance;
+  if (!isOnFloor()) {
+    noise.diagonal().segment<3>(3) << translation_variance, rotation_variance, rotation_variance;
+  }
+  move(motion, Covariance::Identity(), noise);
   // Odometry tells the motion whatever the velocity; should it fail, the velocity starts unknown.
-  restart({moved, pose_covariance});
+  const Eigen::Matrix<double, 6, 3> pose_and_slow = covariance_.topRightCorner<6, 3>();
+  restart(estimate());
+  if (!isOnFloor()) return;
+  covariance_.topRightCorner<6, 3>() = pose_and_slow;
+  covariance_.bottomLeftCorner<3, 6>() = pose_and_slow.transpose();
 }
 
 void MotionModel::moveByVelocity(double interval) {
-  const double turn = velocity_.z() * interval;
-  const double heading = pose_.yaw + 0.5 * turn;
-  const Eigen::Matrix2d map_from_heading = Eigen::Rotation2Dd(heading).toRotationMatrix();
-  const Eigen::Vector2d way = map_from_heading * velocity_.head<2>() * interval;
-  const Eigen::Vector2d across(-way.y(), way.x());
+  const Eigen::Vector3d turn = rotationPart(velocity_) * interval;
+  const auto turned = [](const Eigen::Vector3d& rotation) {
+    const double angle = rotation.norm();
+    return angle > 0.0 ? Eigen::Matrix3d(Eigen::AngleAxisd(angle, rotation / angle))
+                       : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+  };
+  // Along an arc, about: in the direction of its middle.
+  const Eigen::Matrix3d halfway = turned(0.5 * turn);
+  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
+  motion.linear() = turned(turn);
+  motion.translation() = halfway * translationPart(velocity_) * interval;
 
+  const Eigen::Isometry3d pose = pose_.toIsometry();
+  const PoseMatrix map_from_velocity = mapFromBase(pose.linear() * halfway);
   Covariance transition = Covariance::Identity();
-  transition.block<2, 1>(0, 2) = across;
-  transition.block<2, 2>(0, 3) = map_from_heading * interval;
-  transition.block<2, 1>(0, 5) = 0.5 * interval * across;
-  transition(2, 5) = interval;
+  transition.block<6, 6>(0, 6) = interval * map_from_velocity;
+  for (int i = 0; i < 6; ++i) {
+    // A turn takes the second half of the way aside.
+    const Eigen::Vector3d rotation = rotationPart(PoseVector::Unit(i));
+    transition.block<6, 1>(0, 6 + i) +=
+        poseVector(0.5 * interval * pose.linear() * rotation.cross(motion.translation()),
+                   Eigen::Vector3d::Zero());
+  }
 
   // An acceleration that is constant between two images and independent of the one before.
-  Eigen::Matrix<double, 6, 3> by_acceleration = Eigen::Matrix<double, 6, 3>::Zero();
-  by_acceleration.block<2, 2>(0, 0) = 0.5 * interval * interval * map_from_heading;
-  by_acceleration(2, 2) = 0.5 * interval * interval;
-  by_acceleration.bottomRows<3>() = interval * Eigen::Matrix3d::Identity();
-  const Eigen::Vector3d deviations(config_.acceleration_deviation, config_.acceleration_deviation,
-                                   config_.angular_acceleration_deviation);
-
-  pose_ = {pose_.x + way.x(), pose_.y + way.y(), normalizeAngle(pose_.yaw + turn)};
-  covariance_ = transition * covariance_ * transition.transpose() +
-                by_acceleration * deviations.cwiseAbs2().asDiagonal() * by_acceleration.transpose();
+  Eigen::Matrix<double, kSize, 6> by_acceleration = Eigen::Matrix<double, kSize, 6>::Zero();
+  by_acceleration.topRows<6>() = 0.5 * interval * interval * map_from_velocity;
+  by_acceleration.middleRows<6>(6) = interval * PoseMatrix::Identity();
+  PoseVector deviations = PoseVector::Zero();
+  deviations.head<3>() << config_.acceleration_deviation, config_.acceleration_deviation,
+      config_.angular_acceleration_deviation;
+  if (!isOnFloor()) {
+    deviations.tail<3>() << config_.acceleration_deviation, config_.angular_acceleration_deviation,
+        config_.angular_acceleration_deviation;
+  }
+  move(Pose::fromIsometry(motion), transition,
+       by_acceleration * deviations.cwiseAbs2().asDiagonal() * by_acceleration.transpose());
 }
 
-PoseEstimate MotionModel::estimate() const { return {pose_, covariance_.topLeftCorner<3, 3>()}; }
+void MotionModel::move(const Pose& motion, const Covariance& transition, const Covariance& noise) {
+  const PoseMatrix by_pose = byPose(pose_.toIsometry(), motion.toIsometry());
+  Covariance whole = transition;
+  whole.topLeftCorner<6, 6>() = by_pose;
+  pose_ = pose_ * motion;
+  covariance_ = whole * covariance_ * whole.transpose() + noise;
+  shared_ = by_pose * shared_ * by_pose.transpose();
+}
+
+void MotionModel::standAnew(double interval, const std::optional<Pose>& odom_from_base) {
+  const Pose lean = leanAt(odom_from_base);
+  pose_.z = lean.z;
+  pose_.roll = lean.roll;
+  pose_.pitch = lean.pitch;
+  const Eigen::Vector3d fast(config_.floor.height_deviation, config_.floor.lean_deviation,
+                             config_.floor.lean_deviation);
+  const Eigen::Vector3d whole = fast.cwiseAbs2();
+  auto slow = covariance_.bottomRightCorner<3, 3>();
+  slow.diagonal() += whole * (interval / config_.floor.settling_time);
+  slow.diagonal() = slow.diagonal().cwiseMin(whole).eval();
+  // This image's height, roll and pitch are the slow part and one that is drawn anew.
+  Covariance take = Covariance::Identity();
+  take.middleRows<3>(3).setZero();
+  take.block<3, 3>(3, kSize - 3).setIdentity();
+  covariance_ = take * covariance_ * take.transpose();
+  covariance_.diagonal().segment<3>(3) += whole;
+  shared_.bottomRows<3>().setZero();
+  shared_.rightCols<3>().setZero();
+}
+
+Pose MotionModel::leanAt(const std::optional<Pose>& odom_from_base) const {
+  Pose lean;
+  lean.z = slow_lean_.x();
+  lean.roll = slow_lean_.y() + (odom_from_base ? odom_from_base->roll : 0.0);
+  lean.pitch = slow_lean_.z() + (odom_from_base ? odom_from_base->pitch : 0.0);
+  return lean;
+}
+
+PoseEstimate MotionModel::estimate() const {
+  return {pose_, covariance_.topLeftCorner<6, 6>(), shared_};
+}
 
 }  // namespace omnitag

@@ -20,11 +20,11 @@ std::vector<Relocalization> startsFrom(const std::vector<MarkerReading>& reading
                                        const TrackingTools& tools, const MountedCamera& camera) {
   const LocalizerConfig& config = tools.config;
   if (config.estimation.kind == EstimatorKind::kPhotometric) {
-    return roughPoses(tools.map, camera, readings, config.estimation.reprojection,
-                      config.estimation.max_residual, config.relocalization);
+    return roughPoses(tools.map, camera, readings, tools.standing, config.estimation,
+                      config.relocalization);
   }
-  Relocalization found = relocalize(tools.map, camera, readings, config.estimation.reprojection,
-                                    config.estimation.max_residual, config.relocalization);
+  Relocalization found = relocalize(tools.map, camera, readings, tools.standing, config.estimation,
+                                    config.relocalization);
   if (!found.map_from_base) return {};
   return {std::move(found)};
 }
@@ -38,7 +38,7 @@ PoseEstimate sharpened(PoseEstimate pose, const std::vector<std::size_t>& explai
     PhotometricConfig rough = tools.config.estimation.photometric;
     rough.max_final_pixels = rough.max_pixels;
     const auto fit = refinePhotometrically(panorama, tools.map, camera, tools.patterns, explaining,
-                                           pose.pose, std::nullopt, rough);
+                                           pose.pose, tools.standing, rough);
     if (fit) return fit->map_from_base;
   }
   pose.covariance *= kDoubt * kDoubt;
@@ -67,6 +67,7 @@ std::optional<FrameResult> lookFrom(const Relocalization& found, const Glance& s
                                     const MountedCamera& camera, Timings* timings) {
   FrameResult around;
   around.stamp = frame.stamp;
+  around.is_on_floor = tools.config.motion.pose_model == PoseModel::kFloor;
   // The tracker adds those of all markers where people want to look at them.
   if (!frame.wants_views) {
     around.views = seen.views;
@@ -97,17 +98,17 @@ std::optional<FrameResult> lookFrom(const Relocalization& found, const Glance& s
 /// Whether a marker that was found speaks against a pose, while others that are not found may be
 /// with it.
 bool isDisputed(const FrameResult& seen, const TrackingTools& tools) {
-  return contradictions(seen, tools.map) > 0 && !isBeyondDoubt(seen, tools.config.estimation);
+  return contradictions(seen, tools.map) > 0 && !isBeyondDoubt(seen);
 }
 
 }  // namespace
 
-bool isBeyondDoubt(const FrameResult& seen, const EstimatorConfig& config) {
-  std::vector<double> residuals;
+bool isBeyondDoubt(const FrameResult& seen) {
+  std::vector<Misfit> misfits;
   for (const MarkerDetection& detection : seen.detections) {
-    if (detection.accepted) residuals.push_back(detection.residual);
+    if (detection.accepted) misfits.push_back({detection.residual, detection.deviations});
   }
-  return 2 * sharplyAgreeing(residuals, config) > seen.predicted.size();
+  return 2 * sharplyAgreeing(misfits) > seen.predicted.size();
 }
 
 std::optional<FrameResult> confirm(const Glance& seen, bool (*isEnough)(const FrameResult&),

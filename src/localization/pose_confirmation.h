@@ -9,7 +9,7 @@ namespace omnitag {
 
 /// Whether nothing that is still unseen could speak against what was seen from a pose: more than
 /// half of what should be seen agrees with it sharply, and what was moved as one is fewer.
-bool isBeyondDoubt(const FrameResult& seen, const EstimatorConfig& config);
+bool isBeyondDoubt(const FrameResult& seen);
 
 /// The pose that a few readings lead to, however uncertain or ambiguous by themselves, with what is
 /// seen from there as in tracking, where that is enough to be sure. Nothing where it is not, where

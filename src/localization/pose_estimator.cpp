@@ -13,6 +13,9 @@
 namespace omnitag {
 namespace {
 
+/// Standard deviations (Misfit) that a marker in its place is off at most, nearly always.
+constexpr double kSharp = 1.2;
+
 std::vector<MarkerObservation> chosen(const std::vector<MarkerObservation>& observations,
                                       const std::vector<bool>& used) {
   std::vector<MarkerObservation> subset;
@@ -24,11 +27,14 @@ std::vector<MarkerObservation> chosen(const std::vector<MarkerObservation>& obse
 
 /// The line of sight of an observation's centre, seen from above.
 std::optional<LandmarkSight> sightOf(const MarkerObservation& observation, const MarkerMap& map,
-                                     const MountedCamera& camera, double corner_noise) {
+                                     const MountedCamera& camera, const PosePrior& prior,
+                                     double corner_noise) {
   const std::optional<Ray> ray = camera.rayInBase(observation.center);
   if (!ray || ray->direction.head<2>().norm() < 1e-6) return std::nullopt;
   LandmarkSight sight;
-  sight.landmark = map.markers[observation.map_entry].center().head<2>();
+  const Marker& marker = map.markers[observation.map_entry];
+  sight.landmark = marker.center().head<2>();
+  sight.landmark_deviation = marker.deviation;
   sight.viewpoint = ray->origin.head<2>();
   sight.bearing = std::atan2(ray->direction.y(), ray->direction.x());
   // A pixel at this radius turns that far. The centre is where the diagonals meet, each of which
@@ -36,18 +42,39 @@ std::optional<LandmarkSight> sightOf(const MarkerObservation& observation, const
   const ImagePlane& plane = camera.model().imagePlane();
   const double radius = (observation.center - plane.principalPoint()).norm();
   sight.bearing_deviation = corner_noise / std::max(radius, 1.0);
+  // A robot that leans sees what is above or below it aside.
+  const double lean_information = prior.information(4, 4);
+  const double slope = ray->direction.z() / ray->direction.head<2>().norm();
+  if (lean_information > 0.0) {
+    sight.bearing_deviation =
+        std::hypot(sight.bearing_deviation, slope / std::sqrt(lean_information));
+  }
   return sight;
+}
+
+/// A pose on the floor with the height and the lean that the prior has.
+PoseEstimate withLean(const PoseEstimate& on_floor, const PosePrior& prior) {
+  PoseEstimate estimate = on_floor;
+  estimate.pose.z = prior.pose.z;
+  estimate.pose.roll = prior.pose.roll;
+  estimate.pose.pitch = prior.pose.pitch;
+  for (int i = 3; i < 6; ++i) {
+    if (prior.information(i, i) > 0.0) estimate.covariance(i, i) = 1.0 / prior.information(i, i);
+  }
+  return estimate;
 }
 
 /// Triangulates, first with equal confidence, then again with sights counting less whose corners
 /// are off. As long as one is beyond the limit and more than three are left, the worst is left out.
 std::optional<PoseSolution> triangulateRobustly(const MarkerMap& map, const MountedCamera& camera,
                                                 const std::vector<MarkerObservation>& observations,
-                                                double initial_yaw, const EstimatorConfig& config) {
+                                                const PosePrior& prior,
+                                                const EstimatorConfig& config) {
   constexpr int kRounds = 3;
+  const double initial_yaw = prior.pose.yaw;
   std::vector<LandmarkSight> sights;
   for (const MarkerObservation& observation : observations) {
-    const auto sight = sightOf(observation, map, camera, config.reprojection.corner_noise);
+    const auto sight = sightOf(observation, map, camera, prior, config.reprojection.corner_noise);
     if (!sight) return std::nullopt;
     sights.push_back(*sight);
   }
@@ -65,19 +92,21 @@ std::optional<PoseSolution> triangulateRobustly(const MarkerMap& map, const Moun
     for (int round = 0; round < kRounds; ++round) {
       const std::optional<PoseEstimate> estimate = triangulate(used_sights, yaw);
       if (!estimate) return std::nullopt;
-      solution.map_from_base = *estimate;
-      solution.residuals = reprojectionResiduals(map, camera, observations, estimate->pose);
-      yaw = estimate->pose.yaw;
+      solution.map_from_base = withLean(*estimate, prior);
+      const Pose& pose = solution.map_from_base.pose;
+      solution.misfits =
+          misfitsAt(map, camera, observations, pose, CameraError::Zero(), config.reprojection);
+      yaw = pose.yaw;
       for (std::size_t k = 0; k < used.size(); ++k) {
-        const double ratio = solution.residuals[used[k]] / config.reprojection.robust_width;
+        const double ratio = solution.misfits[used[k]].deviations / kSharp;
         used_sights[k].weight = 1.0 / (1.0 + ratio * ratio);
       }
     }
     const std::size_t worst =
         *std::max_element(used.begin(), used.end(), [&solution](std::size_t a, std::size_t b) {
-          return solution.residuals[a] < solution.residuals[b];
+          return solution.misfits[a].deviations < solution.misfits[b].deviations;
         });
-    if (solution.residuals[worst] <= config.max_residual) return solution;
+    if (solution.misfits[worst].deviations <= config.max_misfit) return solution;
     if (used.size() <= 3) return std::nullopt;
     solution.used[worst] = false;
   }
@@ -85,20 +114,20 @@ std::optional<PoseSolution> triangulateRobustly(const MarkerMap& map, const Moun
 
 /// How badly observations fit a pose. One that agrees well counts much more than one that hardly
 /// does: a pose between two that fit well would otherwise win with the markers of both.
-double misfit(const std::vector<double>& residuals, const EstimatorConfig& config) {
+double misfitOf(const std::vector<Misfit>& misfits) {
   double sum = 0.0;
-  for (const double residual : residuals) {
-    const double ratio = config.reprojection.robust_width / residual;
+  for (const Misfit& misfit : misfits) {
+    const double ratio = kSharp / misfit.deviations;
     sum += 1.0 / (1.0 + ratio * ratio);
   }
   return sum;
 }
 
 /// Which observations agree with a pose, at least a little.
-std::vector<bool> agreeing(const std::vector<double>& residuals, const EstimatorConfig& config) {
+std::vector<bool> agreeing(const std::vector<Misfit>& misfits, const EstimatorConfig& config) {
   std::vector<bool> agree;
-  agree.reserve(residuals.size());
-  for (const double residual : residuals) agree.push_back(residual <= config.max_residual);
+  agree.reserve(misfits.size());
+  for (const Misfit& misfit : misfits) agree.push_back(misfit.deviations <= config.max_misfit);
   return agree;
 }
 
@@ -122,33 +151,35 @@ std::vector<std::array<std::size_t, 2>> pairsOf(std::size_t count) {
 /// hang in their places tell the right one. The residuals are those of all observations.
 std::optional<ReprojectionFit> refineFromPairs(const MarkerMap& map, const MountedCamera& camera,
                                                const std::vector<MarkerObservation>& observations,
-                                               const PoseEstimate& prior,
+                                               const PosePrior& prior,
                                                const EstimatorConfig& config) {
-  // Pixels: both of a pair are to be met, however far off they are.
-  constexpr double kAny = 16.0;
+  // Standard deviations: both of a pair are to be met, however far off they are.
+  constexpr double kAny = 250.0;
   ReprojectionConfig trusting = config.reprojection;
-  trusting.robust_width = std::max(kAny, trusting.robust_width);
-  Pose2 best;
+  trusting.robust_misfit = std::max(kAny, trusting.robust_misfit);
+  Pose best;
   std::vector<bool> agree;
   double least = std::numeric_limits<double>::infinity();
   for (const auto& [i, j] : pairsOf(observations.size())) {
     const auto pair = refineByReprojection(map, camera, {observations[i], observations[j]},
-                                           prior.pose, std::nullopt, trusting);
+                                           prior.pose, prior.withoutPlace(), trusting);
     if (!pair) continue;
-    const std::vector<double> residuals =
-        reprojectionResiduals(map, camera, observations, pair->map_from_base.pose);
-    const double sum = misfit(residuals, config);
+    const std::vector<Misfit> misfits =
+        misfitsAt(map, camera, observations, pair->map_from_base.pose, pair->camera_error,
+                  config.reprojection);
+    const double sum = misfitOf(misfits);
     if (!(sum < least)) continue;
     least = sum;
     best = pair->map_from_base.pose;
-    agree = agreeing(residuals, config);
+    agree = agreeing(misfits, config);
   }
   if (std::count(agree.begin(), agree.end(), true) < 2) return std::nullopt;
   auto fit = refineByReprojection(map, camera, chosen(observations, agree), best, prior,
                                   config.reprojection);
   if (!fit) return std::nullopt;
-  fit->residuals = reprojectionResiduals(map, camera, observations, fit->map_from_base.pose);
-  const std::vector<bool> then = agreeing(fit->residuals, config);
+  fit->misfits = misfitsAt(map, camera, observations, fit->map_from_base.pose, fit->camera_error,
+                           config.reprojection);
+  const std::vector<bool> then = agreeing(fit->misfits, config);
   if (std::find(then.begin(), then.end(), false) != then.end()) return fit;
   return refineByReprojection(map, camera, observations, fit->map_from_base.pose, prior,
                               config.reprojection);
@@ -156,71 +187,64 @@ std::optional<ReprojectionFit> refineFromPairs(const MarkerMap& map, const Mount
 
 std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera& camera,
                                       const std::vector<MarkerObservation>& observations,
-                                      const std::optional<PoseEstimate>& prior,
-                                      const EstimatorConfig& config) {
+                                      const PosePrior& prior, const EstimatorConfig& config) {
   std::optional<ReprojectionFit> best;
   const auto keepBetter = [&](std::optional<ReprojectionFit> fit) {
-    if (fit && (!best || misfit(fit->residuals, config) < misfit(best->residuals, config))) {
+    if (fit && (!best || misfitOf(fit->misfits) < misfitOf(best->misfits))) {
       best = std::move(fit);
     }
   };
   const auto areAllGood = [&] {
-    const double good_residual = 2.0 * config.reprojection.robust_width;
-    return best && std::all_of(best->residuals.begin(), best->residuals.end(),
-                               [good_residual](double r) { return r <= good_residual; });
+    constexpr double kGood = 2.0 * kSharp;
+    return best && std::all_of(best->misfits.begin(), best->misfits.end(),
+                               [](const Misfit& misfit) { return misfit.deviations <= kGood; });
   };
-  if (prior) {
-    keepBetter(refineFromAfar(map, camera, observations, prior->pose, prior, config.reprojection));
+  if (prior.knows_place) {
+    keepBetter(refineFromAfar(map, camera, observations, prior.pose, prior, config.reprojection));
   }
   if (!areAllGood()) {
-    const auto triangulated =
-        triangulateRobustly(map, camera, observations, prior ? prior->pose.yaw : 0.0, config);
+    const auto triangulated = triangulateRobustly(map, camera, observations, prior, config);
     if (triangulated) {
       keepBetter(refineFromAfar(map, camera, observations, triangulated->map_from_base.pose, prior,
                                 config.reprojection));
     }
   }
-  if (prior && !areAllGood()) {
+  if (prior.knows_place && !areAllGood()) {
     // Each marker alone says where the others should be.
     for (const MarkerObservation& observation : observations) {
       const auto alone =
-          refineByReprojection(map, camera, {observation}, prior->pose, prior, config.reprojection);
+          refineByReprojection(map, camera, {observation}, prior.pose, prior, config.reprojection);
       if (!alone) continue;
       keepBetter(refineByReprojection(map, camera, observations, alone->map_from_base.pose, prior,
                                       config.reprojection));
     }
   }
-  const bool is_sure =
-      best && (areAllGood() ||
-               isLargeMajority(sharplyAgreeing(best->residuals, config), observations.size()));
-  if (prior && observations.size() > 2 && !is_sure) {
-    keepBetter(refineFromPairs(map, camera, observations, *prior, config));
+  const bool is_sure = best && (areAllGood() || isLargeMajority(sharplyAgreeing(best->misfits),
+                                                                observations.size()));
+  if (prior.knows_place && observations.size() > 2 && !is_sure) {
+    keepBetter(refineFromPairs(map, camera, observations, prior, config));
   }
   if (!best) return std::nullopt;
 
-  const auto solutionOf = [](const ReprojectionFit& fit, std::vector<double> residuals,
-                             std::vector<bool> used) {
-    PoseSolution solution{fit.map_from_base, std::move(residuals), std::move(used)};
-    solution.map_from_base.covariance *= varianceFactor(fit);
-    return solution;
-  };
   const auto standingOn = [&](const std::vector<bool>& used,
-                              const Pose2& start) -> std::optional<PoseSolution> {
+                              const Pose& start) -> std::optional<PoseSolution> {
     const auto fit = refineByReprojection(map, camera, chosen(observations, used), start, prior,
                                           config.reprojection);
     if (!fit) return std::nullopt;
-    const Pose2& pose = fit->map_from_base.pose;
-    return solutionOf(*fit, reprojectionResiduals(map, camera, observations, pose), used);
+    return PoseSolution{fit->map_from_base, fit->camera_error,
+                        misfitsAt(map, camera, observations, fit->map_from_base.pose,
+                                  fit->camera_error, config.reprojection),
+                        used, fit->excess};
   };
-  const std::vector<bool> used = agreeing(best->residuals, config);
+  const std::vector<bool> used = agreeing(best->misfits, config);
   if (std::count(used.begin(), used.end(), true) == 0) return std::nullopt;
   if (std::count(used.begin(), used.end(), false) == 0) {
-    return solutionOf(*best, best->residuals, used);
+    return PoseSolution{best->map_from_base, best->camera_error, best->misfits, used, best->excess};
   }
   // What disagrees is left out altogether, which may bring others back into agreement.
   auto solution = standingOn(used, best->map_from_base.pose);
   if (!solution) return std::nullopt;
-  std::vector<bool> more = agreeing(solution->residuals, config);
+  std::vector<bool> more = agreeing(solution->misfits, config);
   std::transform(used.begin(), used.end(), more.begin(), more.begin(), std::logical_or<>());
   if (more == used) return solution;
   auto fuller = standingOn(more, solution->map_from_base.pose);
@@ -230,26 +254,29 @@ std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera&
 }  // namespace
 
 EstimatorConfig readEstimatorConfig(const YamlReader& reader) {
-  reader.allowOnly({"corner_noise", "robust_width", "max_residual", "blur", "min_noise",
-                    "placement_deviation", "alignment_deviation", "max_pixels",
-                    "max_final_pixels"});
+  const std::string deviations = "estimation/max_misfit (standard deviations)";
+  reader.refuseReplaced("max_residual", deviations);
+  reader.refuseReplaced("robust_width", "estimation/robust_misfit (standard deviations)");
+  reader.refuseReplaced("placement_deviation", "deviation in the map file");
+  reader.allowOnly({"corner_noise", "poor_corner_noise", "robust_misfit", "max_misfit", "blur",
+                    "min_noise", "alignment_deviation", "max_pixels", "max_final_pixels"});
   EstimatorConfig config;
   reader.read("corner_noise", &config.reprojection.corner_noise, kPositive);
-  reader.read("robust_width", &config.reprojection.robust_width, kPositive);
-  reader.read("max_residual", &config.max_residual, kPositive);
+  reader.read("poor_corner_noise", &config.reprojection.poor_corner_noise, kPositive);
+  reader.read("robust_misfit", &config.reprojection.robust_misfit, kPositive);
+  reader.read("max_misfit", &config.max_misfit, kPositive);
   reader.read("blur", &config.photometric.blur, {0.0, 5.0});
   reader.read("min_noise", &config.photometric.min_noise, kPositive);
-  reader.read("placement_deviation", &config.photometric.placement_deviation, kNonNegative);
   reader.read("alignment_deviation", &config.photometric.alignment_deviation, kNonNegative);
   reader.read("max_pixels", &config.photometric.max_pixels, {50, 1000000});
   reader.read("max_final_pixels", &config.photometric.max_final_pixels, {50, 1000000});
   return config;
 }
 
-std::size_t sharplyAgreeing(const std::vector<double>& residuals, const EstimatorConfig& config) {
-  const double sharp = config.reprojection.robust_width;
-  return static_cast<std::size_t>(std::count_if(
-      residuals.begin(), residuals.end(), [sharp](double residual) { return residual <= sharp; }));
+std::size_t sharplyAgreeing(const std::vector<Misfit>& misfits) {
+  return static_cast<std::size_t>(
+      std::count_if(misfits.begin(), misfits.end(),
+                    [](const Misfit& misfit) { return misfit.deviations <= kSharp; }));
 }
 
 bool isLargeMajority(std::size_t agreeing, std::size_t expected) {
@@ -258,13 +285,12 @@ bool isLargeMajority(std::size_t agreeing, std::size_t expected) {
 
 std::optional<PoseSolution> estimatePose(const MarkerMap& map, const MountedCamera& camera,
                                          const std::vector<MarkerObservation>& observations,
-                                         const std::optional<PoseEstimate>& prior,
-                                         const EstimatorConfig& config) {
+                                         const PosePrior& prior, const EstimatorConfig& config) {
   if (observations.empty()) return std::nullopt;
   constexpr std::size_t kFewestToTriangulate = 3;
-  const bool are_enough = observations.size() >= kFewestToTriangulate || !prior;
+  const bool are_enough = observations.size() >= kFewestToTriangulate || !prior.knows_place;
   if (config.kind == EstimatorKind::kTriangulation && are_enough) {
-    return triangulateRobustly(map, camera, observations, prior ? prior->pose.yaw : 0.0, config);
+    return triangulateRobustly(map, camera, observations, prior, config);
   }
   return reproject(map, camera, observations, prior, config);
 }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "omnitag/localization/marker_pose.h"
+#include "omnitag/measurement/marker_misplacement.h"
 
 namespace omnitag {
 namespace {
@@ -155,7 +156,7 @@ class Search {
   void addSeeds(std::size_t reading, std::size_t entry, std::vector<Seed>* seeds) const {
     for (const ReprojectionFit& fit :
          posesFromMarker(problem_.map, problem_.camera, problem_.observation(reading, entry),
-                         problem_.reprojection, problem_.max_residual)) {
+                         problem_.standing, problem_.estimation)) {
       Seed seed{fit.map_from_base, Assignment(problem_.readings.size()), 0};
       for (std::size_t j = 0; j < problem_.readings.size(); ++j) {
         seed.entries[j] =
@@ -175,14 +176,17 @@ class Search {
     double least = std::numeric_limits<double>::infinity();
     for (const std::size_t entry : problem_.candidates[reading]) {
       if (!areSeenTogether(seed, {reading, entry})) continue;
-      Eigen::Matrix<double, 2, 3> by_pose;
-      const auto center =
-          problem_.camera.pixelFromMap(pose.pose, problem_.map.markers[entry].center(), &by_pose);
+      FrameJacobian by_frame;
+      const Marker& marker = problem_.map.markers[entry];
+      const auto center = problem_.camera.pixelFromMap(pose.pose, marker.center(), &by_frame);
       if (!center) continue;
-      const double variance = (by_pose * pose.covariance * by_pose.transpose()).trace();
-      const double reach = problem_.max_residual +
-                           0.5 * meanEdge(problem_.readings[reading].corners) +
-                           kDeviations * std::sqrt(variance);
+      const auto by_pose = by_frame.leftCols<6>();
+      const PoseMatrix covariance =
+          pose.covariance + misplacementOf(marker, pose.pose, marker.deviation, 0.0);
+      const double variance = (by_pose * covariance * by_pose.transpose()).trace() +
+                              by_frame.rightCols<6>().squaredNorm();
+      const double reach =
+          0.5 * meanEdge(problem_.readings[reading].corners) + kDeviations * std::sqrt(variance);
       const double offset = (*center - problem_.readings[reading].center).norm();
       if (offset <= reach && offset < least) {
         least = offset;
@@ -197,7 +201,7 @@ class Search {
     constexpr int kRounds = 4;
     PoseHypothesis hypothesis;
     hypothesis.entries = seed.entries;
-    Pose2 pose = seed.map_from_base.pose;
+    Pose pose = seed.map_from_base.pose;
     for (int round = 0; round < kRounds; ++round) {
       std::vector<MarkerObservation> observations;
       for (std::size_t i = 0; i < problem_.readings.size(); ++i) {
@@ -205,13 +209,13 @@ class Search {
         observations.push_back(problem_.observation(i, *hypothesis.entries[i]));
       }
       if (observations.empty()) return std::nullopt;
-      auto fit = refine(problem_.map, problem_.camera, observations, pose, std::nullopt,
-                        problem_.reprojection);
+      auto fit = refine(problem_.map, problem_.camera, observations, pose, problem_.standing,
+                        problem_.estimation.reprojection);
       if (!fit) return std::nullopt;
       hypothesis.fit = std::move(*fit);
       pose = hypothesis.fit.map_from_base.pose;
       const Assignment before = hypothesis.entries;
-      explain(pose, &hypothesis);
+      explain(&hypothesis);
       if (hypothesis.entries == before) break;
     }
     if (hypothesis.explained == 0) return std::nullopt;
@@ -219,28 +223,31 @@ class Search {
     return hypothesis;
   }
 
-  void explain(const Pose2& pose, PoseHypothesis* hypothesis) const {
+  void explain(PoseHypothesis* hypothesis) const {
+    const Pose& pose = hypothesis->fit.map_from_base.pose;
+    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
     hypothesis->entries.assign(problem_.readings.size(), std::nullopt);
-    hypothesis->residuals.assign(problem_.readings.size(),
-                                 std::numeric_limits<double>::quiet_NaN());
+    hypothesis->misfits.assign(problem_.readings.size(), {kNaN, kNaN});
     hypothesis->explained = 0;
     hypothesis->cost = 0.0;
     hypothesis->saturated_cost = 0.0;
     const Eigen::Vector3d viewpoint = problem_.camera.mapFromCamera(pose).translation();
     std::vector<std::size_t> claimed;
     for (std::size_t i = 0; i < problem_.readings.size(); ++i) {
-      double least = problem_.max_residual;
+      Misfit least{kNaN, problem_.estimation.max_misfit};
       for (const std::size_t entry : problem_.candidates[i]) {
         const Marker& marker = problem_.map.markers[entry];
         if ((marker.center() - viewpoint).norm() > farthest_[i] * marker.size) continue;
         // No entry is in two places at once.
         if (std::find(claimed.begin(), claimed.end(), entry) != claimed.end()) continue;
-        const double residual = reprojectionResiduals(problem_.map, problem_.camera,
-                                                      {problem_.observation(i, entry)}, pose)[0];
-        if (residual > least) continue;
-        least = residual;
+        const Misfit misfit =
+            misfitsAt(problem_.map, problem_.camera, {problem_.observation(i, entry)}, pose,
+                      hypothesis->fit.camera_error, problem_.estimation.reprojection)
+                .front();
+        if (misfit.deviations > least.deviations) continue;
+        least = misfit;
         hypothesis->entries[i] = entry;
-        hypothesis->residuals[i] = residual;
+        hypothesis->misfits[i] = misfit;
       }
       if (!hypothesis->entries[i]) {
         hypothesis->saturated_cost += kCostOfUnexplained;
@@ -248,15 +255,15 @@ class Search {
       }
       claimed.push_back(*hypothesis->entries[i]);
       ++hypothesis->explained;
-      hypothesis->cost += costOf(least, problem_.config);
-      hypothesis->saturated_cost += saturated(costOf(least, problem_.config));
+      hypothesis->cost += costOf(least);
+      hypothesis->saturated_cost += saturated(costOf(least));
     }
   }
 
   bool isBelievableAlone(const PoseHypothesis& hypothesis) const {
     for (std::size_t i = 0; i < problem_.readings.size(); ++i) {
       if (!hypothesis.entries[i]) continue;
-      return hypothesis.residuals[i] <= problem_.config.max_residual_of_one &&
+      return hypothesis.misfits[i].deviations <= problem_.config.max_misfit_of_one &&
              problem_.readings[i].hamming <= problem_.config.max_hamming_of_one;
     }
     return false;
@@ -297,10 +304,9 @@ std::vector<std::vector<std::size_t>> candidatesOf(const std::vector<MarkerReadi
   return candidates;
 }
 
-double costOf(double residual, const RelocalizationConfig& config) {
-  // Of four corners with two coordinates each, of which the residual is the RMS distance.
-  const double ratio = residual / config.corner_noise;
-  return 0.5 * 4.0 * ratio * ratio;
+double costOf(const Misfit& misfit) {
+  constexpr double kCoordinates = 8.0;  // of four corners
+  return 0.5 * kCoordinates * misfit.deviations * misfit.deviations;
 }
 
 std::vector<PoseHypothesis> poseHypotheses(const RelocalizationProblem& problem) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "omnitag/camera/mounted_camera.h"
+#include "omnitag/localization/pose_estimator.h"
 #include "omnitag/localization/relocalization_config.h"
 #include "omnitag/localization/reprojection.h"
 #include "omnitag/marker/marker_map.h"
@@ -17,8 +18,8 @@ struct RelocalizationProblem {
   const MarkerMap& map;
   const MountedCamera& camera;
   const std::vector<MarkerReading>& readings;
-  const ReprojectionConfig& reprojection;
-  double max_residual;
+  const PosePrior& standing;
+  const EstimatorConfig& estimation;
   const RelocalizationConfig& config;
   /// For each reading the entries that it may be.
   std::vector<std::vector<std::size_t>> candidates;
@@ -32,9 +33,9 @@ std::vector<std::vector<std::size_t>> candidatesOf(const std::vector<MarkerReadi
 /// A pose and the readings that it explains.
 struct PoseHypothesis {
   ReprojectionFit fit;
-  /// For each reading the entry that it is taken for, and its residual (NaN without one).
+  /// For each reading the entry that it is taken for, and its misfit (NaN without one).
   std::vector<std::optional<std::size_t>> entries;
-  std::vector<double> residuals;
+  std::vector<Misfit> misfits;
   std::size_t explained = 0;
   /// Negative logarithm of the likelihood of the explained readings, but for a constant.
   double cost = 0.0;
@@ -43,8 +44,8 @@ struct PoseHypothesis {
   double saturated_cost = 0.0;
 };
 
-/// What a reading adds to a hypothesis' cost that leaves it such a residual (pixels).
-double costOf(double residual, const RelocalizationConfig& config);
+/// What a reading adds to a hypothesis' cost that is so far off.
+double costOf(const Misfit& misfit);
 
 /// All poses worth comparing, the best first: those that it does not clearly surpass.
 std::vector<PoseHypothesis> poseHypotheses(const RelocalizationProblem& problem);

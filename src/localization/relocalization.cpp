@@ -44,19 +44,31 @@ std::optional<PoseHypothesis> likeliest(const RelocalizationProblem& problem, st
   return std::move(all.front());
 }
 
-/// The covariance that corners leave. Nothing but they tell, and few of them hardly tell how good
-/// they are.
-Eigen::Matrix3d covarianceOf(const PoseHypothesis& hypothesis,
-                             const RelocalizationProblem& problem) {
-  const double rise = problem.config.corner_noise / problem.reprojection.corner_noise;
-  return std::max(rise * rise, varianceFactor(hypothesis.fit)) *
-         hypothesis.fit.map_from_base.covariance;
+/// The corners of a few markers hardly tell how good they are: they are taken for poor ones.
+ReprojectionConfig poorCorners(const RelocalizationProblem& problem) {
+  ReprojectionConfig config = problem.estimation.reprojection;
+  config.corner_noise = std::max(config.corner_noise, config.poor_corner_noise);
+  return config;
 }
 
-/// The covariance of a pose that stands on one marker. Along the way around a marker that is seen
-/// from its front, the corners hardly change, and by no means as a straight line: how far the
-/// robot may be off along the least certain direction is found by going there.
-Eigen::Matrix3d spread(const PoseHypothesis& hypothesis, const RelocalizationProblem& problem) {
+/// The pose that a hypothesis comes to by corners alone.
+PoseEstimate poseOf(const PoseHypothesis& hypothesis, const RelocalizationProblem& problem) {
+  std::vector<MarkerObservation> observations;
+  for (std::size_t i = 0; i < hypothesis.entries.size(); ++i) {
+    if (!hypothesis.entries[i]) continue;
+    observations.push_back(problem.observation(i, *hypothesis.entries[i]));
+  }
+  const PoseEstimate& found = hypothesis.fit.map_from_base;
+  const auto fit = refineByReprojection(problem.map, problem.camera, observations, found.pose,
+                                        problem.standing, poorCorners(problem));
+  return fit ? PoseEstimate{found.pose, fit->map_from_base.covariance, fit->map_from_base.shared}
+             : found;
+}
+
+/// The pose of one marker. Along the way around a marker that is seen from its front, the corners
+/// hardly change, and by no means as a straight line: how far the robot may be off along the least
+/// certain direction on the floor is found by going there.
+PoseEstimate spread(const PoseHypothesis& hypothesis, const RelocalizationProblem& problem) {
   constexpr double kDeviations = 3.0;
   constexpr double kFirstStep = 0.5;  // deviations
   constexpr double kFarthest = 5.0;   // m
@@ -64,80 +76,80 @@ Eigen::Matrix3d spread(const PoseHypothesis& hypothesis, const RelocalizationPro
   std::size_t reading = 0;
   while (!hypothesis.entries[reading]) ++reading;
   const MarkerObservation observation = problem.observation(reading, *hypothesis.entries[reading]);
-  const double rise = problem.config.corner_noise / problem.reprojection.corner_noise;
-  const Eigen::Matrix3d covariance = rise * rise * hypothesis.fit.map_from_base.covariance;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance);
+  PoseEstimate estimate = poseOf(hypothesis, problem);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(floorCovariance(estimate));
   const Eigen::Vector3d axis = eigen.eigenvectors().col(2);
   const double deviation = std::sqrt(eigen.eigenvalues()(2));
 
   double reach = kDeviations * deviation;
   for (const double side : {-1.0, 1.0}) {
-    Pose2 pose = hypothesis.fit.map_from_base.pose;
+    Pose pose = estimate.pose;
     double offset = 0.0;
     for (int step = 0; step < kMaxSteps && offset < kFarthest; ++step) {
       offset += kFirstStep * deviation;
-      const Eigen::Vector3d shift = side * offset * axis;
-      const Pose2& optimum = hypothesis.fit.map_from_base.pose;
-      PoseEstimate pinned;
-      pinned.pose = {optimum.x + shift.x(), optimum.y + shift.y(), optimum.yaw + shift.z()};
-      constexpr double kFree = 1e4;
-      constexpr double kPinned = 1e-10;
-      pinned.covariance =
-          kFree * Eigen::Matrix3d::Identity() + (kPinned - kFree) * axis * axis.transpose();
+      PoseVector shift = PoseVector::Zero();
+      shift.head<3>() = side * offset * axis;
+      constexpr double kPinned = 1e10;
+      PosePrior pinned = problem.standing;
+      const Pose there = moved(estimate.pose, shift);
+      pinned.pose.x = there.x;
+      pinned.pose.y = there.y;
+      pinned.pose.yaw = there.yaw;
+      pinned.information.topLeftCorner<3, 3>() = kPinned * axis * axis.transpose();
+      pinned.knows_place = true;
       const auto fit = refineByReprojection(problem.map, problem.camera, {observation}, pose,
-                                            pinned, problem.reprojection);
+                                            pinned, problem.estimation.reprojection);
       if (!fit) break;
       pose = fit->map_from_base.pose;
-      if (costOf(fit->residuals[0], problem.config) - hypothesis.cost >
-          0.5 * kDeviations * kDeviations)
-        break;
+      if (costOf(fit->misfits[0]) - hypothesis.cost > 0.5 * kDeviations * kDeviations) break;
       reach = std::max(reach, offset);
     }
   }
   const double stretched = reach / kDeviations;
-  return covariance + (stretched * stretched - deviation * deviation) * axis * axis.transpose();
+  estimate.covariance.topLeftCorner<3, 3>() +=
+      (stretched * stretched - deviation * deviation) * axis * axis.transpose();
+  return estimate;
 }
 
-Relocalization explained(const PoseHypothesis& hypothesis, const Eigen::Matrix3d& covariance) {
-  return {PoseEstimate{hypothesis.fit.map_from_base.pose, covariance}, "", hypothesis.entries,
-          hypothesis.residuals};
+Relocalization explained(const PoseHypothesis& hypothesis, const PoseEstimate& pose) {
+  return {pose, "", hypothesis.fit.camera_error, hypothesis.entries, hypothesis.misfits};
 }
 
 Relocalization unexplained(std::size_t readings, std::string reason) {
-  return {std::nullopt, std::move(reason), std::vector<std::optional<std::size_t>>(readings),
-          std::vector<double>(readings, std::numeric_limits<double>::quiet_NaN())};
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  return {std::nullopt, std::move(reason), CameraError::Zero(),
+          std::vector<std::optional<std::size_t>>(readings),
+          std::vector<Misfit>(readings, {kNaN, kNaN})};
 }
 
 }  // namespace
 
 Relocalization relocalize(const MarkerMap& map, const MountedCamera& camera,
-                          const std::vector<MarkerReading>& readings,
-                          const ReprojectionConfig& reprojection, double max_residual,
-                          const RelocalizationConfig& config) {
+                          const std::vector<MarkerReading>& readings, const PosePrior& standing,
+                          const EstimatorConfig& estimation, const RelocalizationConfig& config) {
   const RelocalizationProblem problem{
-      map, camera, readings, reprojection, max_residual, config, candidatesOf(readings, map)};
+      map, camera, readings, standing, estimation, config, candidatesOf(readings, map)};
   std::string reason;
   const std::optional<PoseHypothesis> best = likeliest(problem, &reason);
   if (!best) return unexplained(readings.size(), std::move(reason));
-  if (best->explained > 1) return explained(*best, covarianceOf(*best, problem));
-  const Eigen::Matrix3d covariance = spread(*best, problem);
-  if (covariance.topLeftCorner<2, 2>().trace() >
-      config.max_deviation_of_one * config.max_deviation_of_one) {
+  if (best->explained > 1) return explained(*best, poseOf(*best, problem));
+  const PoseEstimate alone = spread(*best, problem);
+  if (positionDeviation(alone) > config.max_deviation_of_one) {
     return unexplained(readings.size(), "the only marker that was read leaves the pose uncertain");
   }
-  return explained(*best, covariance);
+  return explained(*best, alone);
 }
 
 std::vector<Relocalization> roughPoses(const MarkerMap& map, const MountedCamera& camera,
                                        const std::vector<MarkerReading>& readings,
-                                       const ReprojectionConfig& reprojection, double max_residual,
+                                       const PosePrior& standing, const EstimatorConfig& estimation,
                                        const RelocalizationConfig& config) {
   // What others are to confirm need not be believable alone.
   RelocalizationConfig trusting = config;
-  trusting.max_residual_of_one = max_residual;
+  trusting.max_misfit_of_one = estimation.max_misfit;
   trusting.max_hamming_of_one = std::numeric_limits<int>::max();
   const RelocalizationProblem problem{
-      map, camera, readings, reprojection, max_residual, trusting, candidatesOf(readings, map)};
+      map, camera, readings, standing, estimation, trusting, candidatesOf(readings, map)};
   std::size_t mapped = 0;
   std::size_t candidates = 0;
   for (const std::vector<std::size_t>& entries : problem.candidates) {
@@ -154,7 +166,7 @@ std::vector<Relocalization> roughPoses(const MarkerMap& map, const MountedCamera
   std::vector<Relocalization> poses;
   poses.reserve(hypotheses.size());
   for (const PoseHypothesis& hypothesis : hypotheses) {
-    poses.push_back(explained(hypothesis, covarianceOf(hypothesis, problem)));
+    poses.push_back(explained(hypothesis, poseOf(hypothesis, problem)));
   }
   return poses;
 }

@@ -2,170 +2,275 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
-#include "omnitag/common/angle.h"
+#include "omnitag/measurement/frame_equations.h"
+#include "omnitag/measurement/marker_misplacement.h"
 
 namespace omnitag {
 namespace {
 
-/// The problem linearised at a pose: J^T W J, J^T W r and the cost that the step should lower.
+constexpr double kCoordinates = 8.0;  // of four corners
+
+using CornerJacobian = Eigen::Matrix<double, 8, kFrameUnknowns>;
+using CornerResiduals = Eigen::Matrix<double, 8, 1>;
+
+/// What is estimated.
+struct State {
+  Pose pose;
+  CameraError error = CameraError::Zero();
+};
+
+/// An observation's corners less where a state has them, and by what they change.
+struct Projection {
+  CornerResiduals residuals;
+  CornerJacobian by_frame;
+};
+
+/// Takes corners' coordinates to independent ones of standard deviation 1. Where a marker is as a
+/// whole is measured to a corner's noise, its shape only as well as it was known before.
+template <typename Rows>
+Rows whitened(const Rows& rows, double noise, double shape_deviation) {
+  const auto mean = 0.25 * (rows.template middleRows<2>(0) + rows.template middleRows<2>(2) +
+                            rows.template middleRows<2>(4) + rows.template middleRows<2>(6));
+  const Eigen::Matrix<double, 2, Rows::ColsAtCompileTime> middle = mean;
+  const double per_shape = 1.0 / std::hypot(noise, shape_deviation);
+  Rows white = rows;
+  for (int k = 0; k < 8; k += 2) {
+    white.template middleRows<2>(k) =
+        per_shape * (rows.template middleRows<2>(k) - middle) + middle / noise;
+  }
+  return white;
+}
+
+/// r^T (1 + J M J^T)^-1 r of white residuals, by the matrix inversion lemma.
+double chiSquare(double squares, const PoseVector& gradient, const PoseMatrix& information,
+                 const PoseMatrix& misplacement) {
+  const PoseMatrix factor = PoseMatrix::Identity() + information * misplacement;
+  return std::max(0.0, squares - gradient.dot(misplacement * factor.inverse() * gradient));
+}
+
+/// The problem linearised at a state, and what it costs there.
 struct Linearization {
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+  FrameEquations markers;
   double cost = 0.0;
+  /// Sum over the markers of their squared residuals in standard deviations, each with its robust
+  /// weight.
   double weighted_squares = 0.0;
-  std::vector<double> residuals;
+  int seen = 0;
 };
 
 class Problem {
  public:
   Problem(const MarkerMap& map, const MountedCamera& camera,
-          const std::vector<MarkerObservation>& observations,
-          const std::optional<PoseEstimate>& prior, const ReprojectionConfig& config)
-      : camera_(camera), observations_(observations), prior_(prior), config_(config) {
+          const std::vector<MarkerObservation>& observations, const PosePrior& prior,
+          const ReprojectionConfig& config)
+      : map_(map), camera_(camera), observations_(observations), prior_(prior), config_(config) {
     corners_.reserve(observations.size());
     for (const MarkerObservation& observation : observations) {
       corners_.push_back(map.markers[observation.map_entry].corners());
     }
-    if (prior_) prior_information_ = prior_->covariance.inverse();
   }
 
-  Linearization linearize(const Pose2& pose) const {
+  Linearization linearize(const State& state) const {
     Linearization linear;
-    if (prior_) {
-      const Eigen::Vector3d error = difference(pose, prior_->pose);
-      linear.information = prior_information_;
-      linear.gradient = prior_information_ * error;
-      linear.cost = 0.5 * error.dot(prior_information_ * error);
+    const PoseVector error = prior_.errorOf(state.pose);
+    linear.cost = 0.5 * (error.dot(prior_.information * error) + state.error.squaredNorm());
+    const MountedCamera camera = camera_.withError(state.error);
+    const Eigen::Isometry3d isometry = state.pose.toIsometry();
+    for (std::size_t i = 0; i < observations_.size(); ++i) {
+      addMarker(i, project(camera, isometry, i), state.pose, &linear);
     }
-    for (std::size_t i = 0; i < observations_.size(); ++i) addMarker(pose, i, &linear);
     return linear;
   }
 
- private:
-  void addMarker(const Pose2& pose, std::size_t index, Linearization* linear) const {
-    const double noise_square = config_.corner_noise * config_.corner_noise;
-    const double width_square = config_.robust_width * config_.robust_width;
-    double squares = 0.0;
-    for (std::size_t k = 0; k < corners_[index].size(); ++k) {
-      Eigen::Matrix<double, 2, 3> by_pose;
-      const auto pixel = camera_.pixelFromMap(pose, corners_[index][k], &by_pose);
-      Eigen::Vector2d residual(kHiddenResidual, 0.0);
-      if (pixel) {
-        residual = *pixel - observations_[index].corners[k];
-        // The derivative of Cauchy's function below by half of the square.
-        const double weight = 1.0 / ((1.0 + residual.squaredNorm() / width_square) * noise_square);
-        linear->information += weight * by_pose.transpose() * by_pose;
-        linear->gradient += weight * by_pose.transpose() * residual;
-        linear->weighted_squares += weight * residual.squaredNorm();
-        squares += residual.squaredNorm();
-      } else {
-        squares = std::numeric_limits<double>::infinity();
-      }
-      linear->cost +=
-          0.5 * width_square / noise_square * std::log1p(residual.squaredNorm() / width_square);
-    }
-    linear->residuals.push_back(std::sqrt(squares / 4.0));
+  FrameEquations withPriors(const Linearization& linear, const State& state) const {
+    return omnitag::withPriors(linear.markers, prior_, state.pose, state.error);
   }
 
-  /// Pixels; a corner that the pose hides costs as much as one this far off.
-  static constexpr double kHiddenResidual = 1e3;
+  std::vector<Misfit> misfits(const State& state) const {
+    const MountedCamera camera = camera_.withError(state.error);
+    const Eigen::Isometry3d isometry = state.pose.toIsometry();
+    std::vector<Misfit> misfits;
+    misfits.reserve(observations_.size());
+    for (std::size_t i = 0; i < observations_.size(); ++i) {
+      const auto projection = project(camera, isometry, i);
+      if (!projection) {
+        constexpr double kInfinity = std::numeric_limits<double>::infinity();
+        misfits.push_back({kInfinity, kInfinity});
+        continue;
+      }
+      const double shape = observations_[i].shape_deviation;
+      const CornerResiduals white =
+          whitened(projection->residuals, config_.poor_corner_noise, shape);
+      const CornerJacobian by_frame =
+          whitened(projection->by_frame, config_.poor_corner_noise, shape);
+      const Eigen::Matrix<double, 8, 6> by_pose = by_frame.leftCols<6>();
+      const double chi_square =
+          chiSquare(white.squaredNorm(), by_pose.transpose() * white, by_pose.transpose() * by_pose,
+                    misplacement(i, state.pose));
+      misfits.push_back({projection->residuals.norm() / 2.0, std::sqrt(chi_square / kCoordinates)});
+    }
+    return misfits;
+  }
 
+ private:
+  std::optional<Projection> project(const MountedCamera& camera, const Eigen::Isometry3d& pose,
+                                    std::size_t index) const {
+    Projection projection;
+    for (int k = 0; k < 4; ++k) {
+      const auto corner = static_cast<std::size_t>(k);
+      FrameJacobian by_frame;
+      const auto pixel = camera.pixelFromMap(pose, corners_[index][corner], &by_frame);
+      if (!pixel) return std::nullopt;
+      projection.residuals.segment<2>(2 * k) = observations_[index].corners[corner] - *pixel;
+      projection.by_frame.middleRows<2>(2 * k) = by_frame;
+    }
+    return projection;
+  }
+
+  PoseMatrix misplacement(std::size_t index, const Pose& pose) const {
+    const Marker& marker = map_.markers[observations_[index].map_entry];
+    if (marker.deviation == 0.0 && marker.orientation_deviation == 0.0) return PoseMatrix::Zero();
+    return misplacementOf(marker, pose, marker.deviation, marker.orientation_deviation);
+  }
+
+  void addMarker(std::size_t index, const std::optional<Projection>& projection, const Pose& pose,
+                 Linearization* linear) const {
+    const double width = kCoordinates * config_.robust_misfit * config_.robust_misfit;
+    if (!projection) {
+      linear->cost += 0.5 * width * std::log1p(kHiddenChiSquare / width);
+      return;
+    }
+    const double shape = observations_[index].shape_deviation;
+    const CornerResiduals white = whitened(projection->residuals, config_.corner_noise, shape);
+    const CornerJacobian by_frame = whitened(projection->by_frame, config_.corner_noise, shape);
+    FrameEquations marker;
+    marker.information.noalias() = by_frame.transpose() * by_frame;
+    marker.gradient.noalias() = by_frame.transpose() * white;
+    marker.by_chance = marker.information;
+    double chi_square = white.squaredNorm();
+    const Marker& entry = map_.markers[observations_[index].map_entry];
+    if (entry.deviation > 0.0 || entry.orientation_deviation > 0.0) {
+      const PoseMatrix misplaced = misplacement(index, pose);
+      chi_square = chiSquare(chi_square, marker.gradient.head<6>(),
+                             marker.information.topLeftCorner<6, 6>(), misplaced);
+      marker = withMisplacement(marker, misplaced);
+    }
+    // The derivative of Cauchy's function by half of the square.
+    const double weight = 1.0 / (1.0 + chi_square / width);
+    linear->markers.add(marker, weight);
+    linear->cost += 0.5 * width * std::log1p(chi_square / width);
+    linear->weighted_squares += weight * chi_square;
+    ++linear->seen;
+  }
+
+  /// A marker that the pose hides costs as much as one whose corners are this far off.
+  static constexpr double kHiddenChiSquare = 1e9;
+
+  const MarkerMap& map_;
   const MountedCamera& camera_;
   const std::vector<MarkerObservation>& observations_;
-  std::optional<PoseEstimate> prior_;
+  PosePrior prior_;
   ReprojectionConfig config_;
   std::vector<Corners<Eigen::Vector3d>> corners_;
-  Eigen::Matrix3d prior_information_ = Eigen::Matrix3d::Zero();
 };
+
+State moved(const State& state, const FrameVector& change) {
+  return {omnitag::moved(state.pose, change.head<6>()), state.error + change.tail<6>()};
+}
 
 /// Levenberg-Marquardt until a step, which is still taken, is shorter than the tolerance (m and
 /// rad); nothing where the pose is not determined.
-std::optional<Pose2> descend(const Problem& problem, const Pose2& initial, double tolerance) {
+std::optional<State> descend(const Problem& problem, const State& initial, double tolerance) {
   constexpr int kMaxIterations = 100;
-  Pose2 pose = initial;
-  Linearization linear = problem.linearize(pose);
+  State state = initial;
+  Linearization linear = problem.linearize(state);
   double damping = 1e-6;
   for (int i = 0; i < kMaxIterations; ++i) {
-    Eigen::Matrix3d damped = linear.information;
-    damped.diagonal() *= 1.0 + damping;
-    const Eigen::LLT<Eigen::Matrix3d> factors(damped);
-    if (factors.info() != Eigen::Success) return std::nullopt;
-    const Eigen::Vector3d step = -factors.solve(linear.gradient);
-    if (!step.allFinite()) return std::nullopt;
-    const Pose2 next{pose.x + step.x(), pose.y + step.y(), normalizeAngle(pose.yaw + step.z())};
-    if (step.norm() < tolerance) return next;
+    FrameEquations damped = problem.withPriors(linear, state);
+    damped.information.diagonal() *= 1.0 + damping;
+    const auto step = solutionOf(damped);
+    if (!step) return std::nullopt;
+    const State next = moved(state, *step);
+    if (step->head<6>().norm() < tolerance) return next;
     Linearization there = problem.linearize(next);
     if (there.cost <= linear.cost) {
-      pose = next;
+      state = next;
       linear = std::move(there);
       damping = std::max(damping * 0.1, 1e-9);
     } else {
       damping = std::max(damping * 10.0, 1e-4);
     }
   }
-  return pose;
+  return state;
+}
+
+/// Whether markers and prior tell of every direction on the floor.
+bool isDetermined(const PoseEstimate& estimate) {
+  constexpr double kSmallestRatio = 1e-9;
+  const Eigen::Matrix3d covariance = floorCovariance(estimate);
+  if (!covariance.allFinite()) return false;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance);
+  return eigen.eigenvalues()(0) > kSmallestRatio * eigen.eigenvalues()(2);
 }
 
 }  // namespace
 
 std::optional<ReprojectionFit> refineByReprojection(
     const MarkerMap& map, const MountedCamera& camera,
-    const std::vector<MarkerObservation>& observations, const Pose2& initial,
-    const std::optional<PoseEstimate>& prior, const ReprojectionConfig& config) {
+    const std::vector<MarkerObservation>& observations, const Pose& initial, const PosePrior& prior,
+    const ReprojectionConfig& config) {
   // What is left then is far less.
   constexpr double kTolerance = 1e-6;
   const Problem problem(map, camera, observations, prior, config);
-  const std::optional<Pose2> pose = descend(problem, initial, kTolerance);
-  if (!pose) return std::nullopt;
-  Linearization linear = problem.linearize(*pose);
+  const std::optional<State> state = descend(problem, {initial, CameraError::Zero()}, kTolerance);
+  if (!state) return std::nullopt;
+  const Linearization linear = problem.linearize(*state);
+  if (!solutionOf(problem.withPriors(linear, *state))) return std::nullopt;
 
-  // An information matrix without a direction says nothing about the pose along it.
-  constexpr double kSmallestEigenvalue = 1e-9;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(linear.information);
-  if (!(eigen.eigenvalues()(0) > kSmallestEigenvalue * eigen.eigenvalues()(2))) {
-    return std::nullopt;
-  }
   ReprojectionFit fit;
-  fit.map_from_base.pose = *pose;
-  fit.map_from_base.covariance = linear.information.inverse();
-  fit.residuals = std::move(linear.residuals);
-  fit.weighted_squares = linear.weighted_squares;
+  constexpr double kPoseUnknowns = 6.0;
+  // Of each of its modes the camera has an error of standard deviation 1.
+  const double modes = state->error.isZero(0.0) ? 0.0 : static_cast<double>(state->error.size());
+  const double freedom = kCoordinates * linear.seen - kPoseUnknowns + modes;
+  if (linear.seen > 0) {
+    const double squares = linear.weighted_squares + state->error.squaredNorm();
+    fit.excess = std::max(1.0, squares / freedom);
+  }
+  fit.map_from_base = estimateOf(linear.markers, prior, state->pose, fit.excess);
+  if (!isDetermined(fit.map_from_base)) return std::nullopt;
+  fit.camera_error = state->error;
+  fit.misfits = problem.misfits(*state);
   return fit;
 }
 
 std::optional<ReprojectionFit> refineFromAfar(const MarkerMap& map, const MountedCamera& camera,
                                               const std::vector<MarkerObservation>& observations,
-                                              const Pose2& initial,
-                                              const std::optional<PoseEstimate>& prior,
+                                              const Pose& initial, const PosePrior& prior,
                                               const ReprojectionConfig& config) {
-  constexpr std::array<double, 2> kWidths = {16.0, 2.0};  // pixels
+  constexpr std::array<double, 2> kWidths = {250.0, 30.0};  // standard deviations
   // From where the next one finds its way.
   constexpr double kTolerance = 1e-3;
-  Pose2 pose = initial;
+  State state{initial, CameraError::Zero()};
   for (const double width : kWidths) {
     ReprojectionConfig wide = config;
-    wide.robust_width = std::max(width, config.robust_width);
-    const auto end = descend(Problem(map, camera, observations, prior, wide), pose, kTolerance);
-    if (end) pose = *end;
+    wide.robust_misfit = std::max(width, config.robust_misfit);
+    const auto end = descend(Problem(map, camera, observations, prior, wide), state, kTolerance);
+    if (end) state = *end;
   }
-  return refineByReprojection(map, camera, observations, pose, prior, config);
+  return refineByReprojection(map, camera, observations, state.pose, prior, config);
 }
 
-double varianceFactor(const ReprojectionFit& fit) {
-  constexpr double kResidualsPerMarker = 8.0;
-  const double freedom = kResidualsPerMarker * static_cast<double>(fit.residuals.size()) - 3.0;
-  return std::max(1.0, fit.weighted_squares / freedom);
-}
-
-std::vector<double> reprojectionResiduals(const MarkerMap& map, const MountedCamera& camera,
-                                          const std::vector<MarkerObservation>& observations,
-                                          const Pose2& map_from_base) {
-  return Problem(map, camera, observations, std::nullopt, {}).linearize(map_from_base).residuals;
+std::vector<Misfit> misfitsAt(const MarkerMap& map, const MountedCamera& camera,
+                              const std::vector<MarkerObservation>& observations,
+                              const Pose& map_from_base, const CameraError& error,
+                              const ReprojectionConfig& config) {
+  return Problem(map, camera, observations, PosePrior{}, config).misfits({map_from_base, error});
 }
 
 }  // namespace omnitag

@@ -99,18 +99,17 @@ std::optional<PoseEstimate> triangulate(const std::vector<LandmarkSight>& sights
   for (Eigen::Index i = 0; i < count; ++i) {
     const LandmarkSight& sight = sights[static_cast<std::size_t>(i)];
     const double range = (position + rotation(yaw) * sight.viewpoint - sight.landmark).norm();
-    deviations(i) = std::sqrt(sight.weight) * range * sight.bearing_deviation;
+    deviations(i) = std::sqrt(sight.weight) *
+                    std::hypot(range * sight.bearing_deviation, sight.landmark_deviation);
   }
   const Eigen::FullPivLU<Eigen::Matrix3d> factors(jacobian.transpose() * jacobian);
   if (!factors.isInvertible()) return std::nullopt;
   const Eigen::Matrix3Xd gain = factors.inverse() * jacobian.transpose();
   const double freedom = std::max(1.0, static_cast<double>(sights.size()) - 3.0);
   const double squares = (distance.array() / deviations.array()).square().sum();
-  PoseEstimate estimate;
-  estimate.pose = {position.x(), position.y(), normalizeAngle(yaw)};
-  estimate.covariance = std::max(1.0, squares / freedom) * gain *
-                        deviations.cwiseAbs2().asDiagonal() * gain.transpose();
-  return estimate;
+  return floorEstimate({position.x(), position.y(), normalizeAngle(yaw)},
+                       std::max(1.0, squares / freedom) * gain *
+                           deviations.cwiseAbs2().asDiagonal() * gain.transpose());
 }
 
 }  // namespace omnitag

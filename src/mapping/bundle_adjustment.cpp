@@ -91,7 +91,7 @@ class CornersCost : public ceres::SizedCostFunction<8, 3, 3, 3, 1> {
 
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override {
-    const Pose2 pose = poseOf(parameters[0]);
+    const Pose pose = poseOf(parameters[0]);
     const MarkerIncrement increment = MarkerBlocks::incrementOf(parameters[1], parameters[2]);
     const double size = parameters[3][0];
     if (!(size > 0.0)) return false;
@@ -107,7 +107,7 @@ class CornersCost : public ceres::SizedCostFunction<8, 3, 3, 3, 1> {
     using By3 = Eigen::Matrix<double, 8, 3, Eigen::RowMajor>;
     if (jacobians[0] != nullptr) {
       Eigen::Map<By3> by_pose(jacobians[0]);
-      by_pose = whitening * projection->by_pose;
+      by_pose = whitening * projection->by_pose.leftCols<3>();
     }
     const auto pick = [&](double* jacobian, const std::array<int, 3>& columns) {
       if (jacobian == nullptr) return;
@@ -138,12 +138,12 @@ class MotionCost : public ceres::SizedCostFunction<3, 3, 3> {
 
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override {
-    const Pose2 from = poseOf(parameters[0]);
-    const Pose2 to = poseOf(parameters[1]);
-    const Pose2 moved = inverse(from) * to;
+    const Pose from = poseOf(parameters[0]);
+    const Pose to = poseOf(parameters[1]);
+    const Pose moved = inverse(from) * to;
     const Eigen::Vector3d weights = motion_.deviations.cwiseInverse();
     Eigen::Map<Eigen::Vector3d> residual(residuals);
-    residual = weights.cwiseProduct(difference(moved, motion_.from_from_to));
+    residual = weights.cwiseProduct(difference(moved, motion_.from_from_to).head<3>());
     if (jacobians == nullptr) return true;
 
     const double c = std::cos(from.yaw);
@@ -308,8 +308,8 @@ std::optional<BundleCovariances> covariances(const Bundle& bundle, const BundleC
   return result;
 }
 
-std::vector<Misfit> misfits(const Bundle& bundle) {
-  std::vector<Misfit> result;
+std::vector<ReadingMisfit> misfits(const Bundle& bundle) {
+  std::vector<ReadingMisfit> result;
   for (const Bundle::Observation& observation : bundle.observations) {
     const Bundle::Frame& frame = bundle.frames[observation.frame];
     const auto projection = projectMarker(bundle.landmarks[observation.landmark].marker,

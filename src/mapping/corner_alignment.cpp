@@ -124,7 +124,7 @@ Unknowns fitLight(const std::vector<Footprint>& footprints, const cv::Mat& panor
 
 std::optional<AlignedCorners> alignCorners(const cv::Mat& panorama, const Marker& marker,
                                            const TagPattern& pattern, const MountedCamera& camera,
-                                           const Pose2& map_from_base, double blur) {
+                                           const Pose& map_from_base, double blur) {
   const auto projection = projectMarker(marker, camera, map_from_base);
   if (!projection) return std::nullopt;
   MarkerPatch::Choice choice;

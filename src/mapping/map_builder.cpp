@@ -49,7 +49,7 @@ std::size_t referenceOf(const Recording& recording) {
 }
 
 /// Where a marker has its map's frame: on the floor below its centre, x along its normal's heading.
-Pose2 frameOn(const Marker& marker) {
+Pose frameOn(const Marker& marker) {
   constexpr double kLying = 0.7;  // of the normal's height
   const bool is_lying = std::abs(marker.normal().z()) > kLying;
   const Eigen::Vector3d along = marker.map_from_marker.linear().col(is_lying ? 0 : 2);
@@ -58,7 +58,7 @@ Pose2 frameOn(const Marker& marker) {
 
 /// Expresses all in the frame of one of its markers.
 void transformTo(std::size_t reference, Recording* recording) {
-  const Pose2 new_from_old = inverse(frameOn(recording->markers[reference].marker));
+  const Pose new_from_old = inverse(frameOn(recording->markers[reference].marker));
   for (RecordedFrame& frame : recording->frames) {
     if (frame.map_from_base) frame.map_from_base->pose = new_from_old * frame.map_from_base->pose;
   }
@@ -216,7 +216,7 @@ class MapBuilder {
   void scaleCovariances() {
     // Robustly, as those that moved have no say.
     std::vector<double> squares;
-    for (const Misfit& each : misfits(indexed_.bundle)) {
+    for (const ReadingMisfit& each : misfits(indexed_.bundle)) {
       if (std::isfinite(each.square)) squares.push_back(each.square);
     }
     if (squares.empty()) return;
@@ -295,7 +295,7 @@ class MapBuilder {
 
   BuiltMap result() {
     BuiltMap built;
-    const std::vector<Misfit> off = misfits(indexed_.bundle);
+    const std::vector<ReadingMisfit> off = misfits(indexed_.bundle);
     std::vector<std::size_t> counts(recording_->markers.size());
     std::vector<double> squares(recording_->markers.size());
     for (std::size_t i = 0; i < off.size(); ++i) {

@@ -25,7 +25,7 @@ MarkerEstimateConfig estimateConfig(const MapBuilderConfig& config) {
   return {config.corner_noise, config.estimates_sizes};
 }
 
-Eigen::Vector3d deviationsOf(const Pose2& motion, const MotionModelConfig& config) {
+Eigen::Vector3d deviationsOf(const Pose& motion, const MotionModelConfig& config) {
   const double distance = std::hypot(motion.x, motion.y);
   const double turn = std::abs(motion.yaw);
   const double translation = std::hypot(config.odometry_translation_per_metre * distance,
@@ -64,6 +64,15 @@ std::vector<MarkerObservation> observationsOf(const RecordedFrame& frame, const 
   return observations;
 }
 
+EstimatorConfig estimatorFor(const MapBuilderConfig& config) {
+  EstimatorConfig estimator;
+  estimator.kind = EstimatorKind::kReprojection;
+  // Of both coordinates of a corner.
+  estimator.max_misfit =
+      config.max_residual / (std::sqrt(2.0) * estimator.reprojection.poor_corner_noise);
+  return estimator;
+}
+
 /// A pose from a neighbour's by odometry, which tells the two optima of a single marker apart.
 std::optional<PoseEstimate> poseFromNeighbour(const Recording& recording, std::size_t index,
                                               const MarkerMap& map,
@@ -75,15 +84,12 @@ std::optional<PoseEstimate> poseFromNeighbour(const Recording& recording, std::s
     if (!other.map_from_base || !other.input.odom_from_base || !frame.input.odom_from_base) {
       continue;
     }
-    const Pose2 motion = inverse(*other.input.odom_from_base) * *frame.input.odom_from_base;
+    const Pose motion = inverse(*other.input.odom_from_base) * *frame.input.odom_from_base;
     const Eigen::Vector3d deviations = 3.0 * deviationsOf(motion, config.motion);
     PoseEstimate prior{other.map_from_base->pose * motion, other.map_from_base->covariance};
-    prior.covariance.diagonal() += deviations.cwiseAbs2();
-    EstimatorConfig estimator;
-    estimator.kind = EstimatorKind::kReprojection;
-    estimator.max_residual = config.max_residual;
-    const auto solution =
-        estimatePose(map, frame.camera, observationsOf(frame, map), prior, estimator);
+    prior.covariance.diagonal().head<3>() += deviations.cwiseAbs2();
+    const auto solution = estimatePose(map, frame.camera, observationsOf(frame, map),
+                                       PosePrior::about(prior), estimatorFor(config));
     const bool is_seen = solution && std::find(solution->used.begin(), solution->used.end(),
                                                true) != solution->used.end();
     if (is_seen) return solution->map_from_base;
@@ -105,9 +111,9 @@ std::size_t localizeFrames(Recording* recording, const MapBuilderConfig& config)
                    return !entriesOf(map, reading.family, reading.id).empty();
                  });
     if (readings.empty()) continue;
-    frame.map_from_base =
-        relocalize(map, frame.camera, readings, {}, config.max_residual, config.relocalization)
-            .map_from_base;
+    frame.map_from_base = relocalize(map, frame.camera, readings, PosePrior::upright(),
+                                     estimatorFor(config), config.relocalization)
+                              .map_from_base;
     if (!frame.map_from_base) frame.map_from_base = poseFromNeighbour(*recording, f, map, config);
     if (!frame.map_from_base) continue;
     assignSeeds(*recording, &frame);
@@ -184,7 +190,7 @@ IndexedBundle bundleOf(const Recording& recording, std::optional<std::size_t> he
     indexed.frame_indices.push_back(f);
     indexed.bundle.frames.push_back({frame.camera, frame.map_from_base->pose, held_frame == f});
     if (follows && frame.input.odom_from_base && recording.frames[before].input.odom_from_base) {
-      const Pose2 motion =
+      const Pose motion =
           inverse(*recording.frames[before].input.odom_from_base) * *frame.input.odom_from_base;
       indexed.bundle.motions.push_back(
           {index - 1, index, motion, deviationsOf(motion, config.motion)});

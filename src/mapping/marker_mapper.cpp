@@ -146,15 +146,15 @@ std::vector<MarkerReading> MarkerMapper::unknownReadings(const FrameResult& resu
 
 PoseEstimate MarkerMapper::honestPose(const FrameResult& result) const {
   PoseEstimate pose = *result.map_from_base;
-  Eigen::Matrix3d own = Eigen::Matrix3d::Zero();
+  PoseVector own = PoseVector::Zero();
   for (const MarkerDetection& detection : result.detections) {
     if (!detection.accepted || !detection.map_entry) continue;
     const Marker& marker = map_.markers[*detection.map_entry];
     const double variance = marker.deviation * marker.deviation;
     const double range = std::max(0.1, std::isfinite(detection.range) ? detection.range : 0.1);
-    own += Eigen::Vector3d(variance, variance, variance / (range * range)).asDiagonal();
+    own.head<3>() += Eigen::Vector3d(variance, variance, variance / (range * range));
   }
-  pose.covariance += own / std::max(1, result.acceptedMarkers());
+  pose.covariance.diagonal() += own / std::max(1, result.acceptedMarkers());
   return pose;
 }
 

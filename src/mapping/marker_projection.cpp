@@ -46,18 +46,18 @@ CornerPixels stacked(const Corners<Eigen::Vector2d>& corners) {
 }
 
 std::optional<MarkerProjection> projectMarker(const Marker& marker, const MountedCamera& camera,
-                                              const Pose2& map_from_base) {
+                                              const Pose& map_from_base) {
   const Corners<Eigen::Vector3d> corners = marker.corners();
   MarkerProjection projection;
   for (std::size_t k = 0; k < corners.size(); ++k) {
-    Eigen::Matrix<double, 2, 3> by_pose;
+    FrameJacobian by_frame;
     Eigen::Matrix<double, 2, 3> by_point;
-    const auto pixel = camera.pixelFromMap(map_from_base, corners[k], &by_pose, &by_point);
+    const auto pixel = camera.pixelFromMap(map_from_base, corners[k], &by_frame, &by_point);
     if (!pixel) return std::nullopt;
     const Eigen::Vector3d from_center = corners[k] - marker.center();
     const auto row = static_cast<Eigen::Index>(2 * k);
     projection.pixels.segment<2>(row) = *pixel;
-    projection.by_pose.middleRows<2>(row) = by_pose;
+    projection.by_pose.middleRows<2>(row) = by_frame.leftCols<6>();
     projection.by_marker.block<2, 3>(row, 0) = by_point;
     projection.by_marker.block<2, 3>(row, 3) = -by_point * crossMatrix(from_center);
     projection.by_size.segment<2>(row) = by_point * from_center / marker.size;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "omnitag/camera/mounted_camera.h"
-#include "omnitag/common/pose2.h"
+#include "omnitag/common/pose.h"
 #include "omnitag/localization/frame_readings.h"
 #include "omnitag/mapping/bundle_adjustment.h"
 #include "omnitag/mapping/corner_alignment.h"

@@ -4,6 +4,7 @@
 #include <optional>
 #include <set>
 
+#include "omnitag/common/angle.h"
 #include "omnitag/common/yaml_reader.h"
 #include "omnitag/marker/tag_family.h"
 
@@ -14,6 +15,9 @@ namespace {
 struct Defaults {
   std::optional<std::string> family;
   std::optional<double> size;
+  // Of a careful survey with a tape.
+  double deviation = 0.005;
+  double orientation_deviation = 0.0175;
 };
 
 std::string readFamily(const YamlReader& reader) {
@@ -60,9 +64,15 @@ Eigen::Quaterniond readOrientation(const YamlReader& reader) {
   return orientation.normalized();
 }
 
+void readDeviations(const YamlReader& reader, double* deviation, double* orientation_deviation) {
+  constexpr Interval kRadians{0.0, 0.5 * kPi};
+  reader.read("deviation", deviation, kNonNegative);
+  reader.read("orientation_deviation", orientation_deviation, kRadians);
+}
+
 Marker readMarker(const YamlReader& reader, const Defaults& defaults) {
-  reader.allowOnly(
-      {"id", "name", "family", "size", "position", "yaw", "roll", "orientation", "deviation"});
+  reader.allowOnly({"id", "name", "family", "size", "position", "yaw", "roll", "orientation",
+                    "deviation", "orientation_deviation"});
   Marker marker;
   marker.family = defaults.family && !reader.has("family") ? *defaults.family : readFamily(reader);
   marker.id = readId(reader, marker.family);
@@ -74,12 +84,14 @@ Marker readMarker(const YamlReader& reader, const Defaults& defaults) {
   const std::vector<double> position = reader.numbers("position", 3);
   marker.map_from_marker.translation() << position[0], position[1], position[2];
   marker.map_from_marker.linear() = readOrientation(reader).toRotationMatrix();
-  reader.read("deviation", &marker.deviation, kNonNegative);
+  marker.deviation = defaults.deviation;
+  marker.orientation_deviation = defaults.orientation_deviation;
+  readDeviations(reader, &marker.deviation, &marker.orientation_deviation);
   return marker;
 }
 
 MarkerMap readMarkerMap(const YamlReader& reader) {
-  reader.allowOnly({"frame_id", "family", "size", "markers"});
+  reader.allowOnly({"frame_id", "family", "size", "deviation", "orientation_deviation", "markers"});
   MarkerMap map;
   reader.read("frame_id", &map.frame_id);
   if (map.frame_id.empty()) reader.refuse("frame_id", "the name of a frame");
@@ -89,6 +101,9 @@ MarkerMap readMarkerMap(const YamlReader& reader) {
   if (reader.has("size")) defaults.size = readSize(reader);
   map.default_family = defaults.family.value_or("");
   map.default_size = defaults.size.value_or(0.0);
+  readDeviations(reader, &defaults.deviation, &defaults.orientation_deviation);
+  map.default_deviation = defaults.deviation;
+  map.default_orientation_deviation = defaults.orientation_deviation;
 
   std::set<std::string> names;
   for (const YamlReader& entry : reader.mappings("markers")) {

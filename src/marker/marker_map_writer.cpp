@@ -50,19 +50,26 @@ std::string orientationText(const Marker& marker) {
   return "orientation: " + list({q.x(), q.y(), q.z(), q.w()}, 8);
 }
 
-std::string entryText(const Marker& marker, const std::string& family, double size) {
+/// `defaults`: the map's, which an entry that is like them does not repeat.
+std::string entryText(const Marker& marker, const MarkerMap& defaults) {
   std::string text = "{id: " + std::to_string(marker.id);
   if (!marker.name.empty()) {
     YAML::Emitter name;
     name << YAML::DoubleQuoted << marker.name;
     text += std::string(", name: ") + name.c_str();
   }
-  if (marker.family != family) text += ", family: " + marker.family;
-  if (number(marker.size) != number(size)) text += ", size: " + number(marker.size);
+  if (marker.family != defaults.default_family) text += ", family: " + marker.family;
+  if (number(marker.size) != number(defaults.default_size))
+    text += ", size: " + number(marker.size);
   const Eigen::Vector3d center = marker.center();
   text += ", position: " + list({center.x(), center.y(), center.z()}, 6) + ", " +
           orientationText(marker);
-  if (marker.deviation > 0.0) text += ", deviation: " + number(marker.deviation);
+  if (number(marker.deviation) != number(defaults.default_deviation)) {
+    text += ", deviation: " + number(marker.deviation);
+  }
+  if (number(marker.orientation_deviation) != number(defaults.default_orientation_deviation)) {
+    text += ", orientation_deviation: " + number(marker.orientation_deviation);
+  }
   return text + "}";
 }
 
@@ -167,6 +174,8 @@ bool isSame(const Marker& a, const Marker& b) {
   constexpr double kTolerance = 2e-6;  // what the digits leave
   return a.family == b.family && a.id == b.id && a.name == b.name &&
          std::abs(a.size - b.size) < kTolerance &&
+         std::abs(a.deviation - b.deviation) < kTolerance &&
+         std::abs(a.orientation_deviation - b.orientation_deviation) < kTolerance &&
          a.map_from_marker.isApprox(b.map_from_marker, kTolerance);
 }
 
@@ -217,10 +226,17 @@ void writeThrough(const std::string& path, const std::string& text) {
 std::string newMapText(const std::string& frame_id, const std::vector<MapEntry>& entries) {
   if (entries.empty()) throw InputError("a map needs a marker");
   const Marker& first = entries.front().marker;
+  MarkerMap defaults;
+  defaults.default_family = first.family;
+  defaults.default_size = first.size;
+  defaults.default_deviation = first.deviation;
+  defaults.default_orientation_deviation = first.orientation_deviation;
   std::string text = "frame_id: " + frame_id + "\nfamily: " + first.family +
-                     "\nsize: " + number(first.size) + "\nmarkers:\n";
+                     "\nsize: " + number(first.size) + "\ndeviation: " + number(first.deviation) +
+                     "\norientation_deviation: " + number(first.orientation_deviation) +
+                     "\nmarkers:\n";
   for (const MapEntry& entry : entries) {
-    text += "  - " + entryText(entry.marker, first.family, first.size) + remarkText(entry) + "\n";
+    text += "  - " + entryText(entry.marker, defaults) + remarkText(entry) + "\n";
   }
   checkResult(text, {}, entries, "new map");
   return text;
@@ -234,7 +250,7 @@ std::string withEntries(const std::string& text, const std::vector<MapEntry>& en
   std::vector<std::string> items;
   items.reserve(entries.size());
   for (const MapEntry& entry : entries) {
-    items.push_back(entryText(entry.marker, before.default_family, before.default_size));
+    items.push_back(entryText(entry.marker, before));
   }
   std::string result;
   if (sequence.Style() == YAML::EmitterStyle::Flow) {

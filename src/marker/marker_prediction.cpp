@@ -24,20 +24,34 @@ std::optional<PredictedMarker> predict(const Marker& marker, const MountedCamera
       std::atan2(marker.normal().cross(to_camera).norm(), marker.normal().dot(to_camera));
   if (predicted.incidence > config.max_incidence) return std::nullopt;
 
-  Eigen::Matrix<double, 2, 3> center_by_pose;
-  const auto center = camera.pixelFromMap(map_from_base.pose, marker.center(), &center_by_pose);
+  const bool is_certain = map_from_base.covariance.isZero(0.0);
+  const Eigen::Isometry3d isometry = map_from_base.pose.toIsometry();
+  FrameJacobian center_by_frame;
+  Eigen::Matrix<double, 2, 3> center_by_point;
+  const auto center =
+      camera.pixelFromMap(isometry, marker.center(), &center_by_frame, &center_by_point);
   if (!center) return std::nullopt;
   predicted.center = *center;
   const Corners<Eigen::Vector3d> corners = marker.corners();
+  double shape_variance = 0.0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    const auto pixel = camera.pixelFromMap(map_from_base.pose, corners[i]);
+    FrameJacobian by_frame;
+    const auto pixel = camera.pixelFromMap(isometry, corners[i], is_certain ? nullptr : &by_frame);
     if (!pixel) return std::nullopt;
     predicted.corners[i] = *pixel;
+    if (is_certain) continue;
+    const Eigen::Matrix<double, 2, 6> apart = (by_frame - center_by_frame).leftCols<6>();
+    shape_variance += (apart * map_from_base.covariance * apart.transpose()).trace() / 8.0;
   }
+  predicted.shape_deviation = std::sqrt(std::max(0.0, shape_variance));
   if (longestEdge(predicted.corners) < config.min_edge_pixels) return std::nullopt;
 
+  const auto center_by_pose = center_by_frame.leftCols<6>();
+  const auto center_by_error = center_by_frame.rightCols<6>();
   const Eigen::Matrix2d covariance =
-      center_by_pose * map_from_base.covariance * center_by_pose.transpose();
+      center_by_pose * map_from_base.covariance * center_by_pose.transpose() +
+      marker.deviation * marker.deviation * center_by_point * center_by_point.transpose() +
+      center_by_error * center_by_error.transpose();
   const Eigen::Vector2d from_axis = predicted.center - camera.model().imagePlane().principalPoint();
   // On the axis any direction will do.
   const Eigen::Vector2d radial =

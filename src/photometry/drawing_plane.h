@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "omnitag/camera/camera_model.h"
-#include "omnitag/common/pose2.h"
+#include "omnitag/common/pose.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/marker/tag_pattern.h"
 
@@ -14,17 +14,16 @@ namespace omnitag {
 /// The plane of a marker's drawing (TagPattern: modules, y down) before a robot.
 class DrawingPlane {
  public:
-  DrawingPlane(const Marker& marker, const TagPattern& pattern, const Pose2& map_from_base)
-      : half_(0.5 * pattern.width()),
-        map_from_base_(Eigen::AngleAxisd(map_from_base.yaw, Eigen::Vector3d::UnitZ())) {
+  DrawingPlane(const Marker& marker, const TagPattern& pattern, const Pose& map_from_base)
+      : half_(0.5 * pattern.width()) {
+    const Eigen::Isometry3d isometry = map_from_base.toIsometry();
     // The drawing's y runs down.
     const double modules_per_metre = pattern.widthBetweenCorners() / marker.size;
     const Eigen::Vector3d scale(modules_per_metre, -modules_per_metre, 1.0);
     const Eigen::Isometry3d marker_from_map = marker.map_from_marker.inverse();
     drawing_from_map_ = scale.asDiagonal() * marker_from_map.linear();
-    drawing_from_base_ = drawing_from_map_ * map_from_base_;
-    translation_ = scale.cwiseProduct(marker_from_map *
-                                      Eigen::Vector3d(map_from_base.x, map_from_base.y, 0.0));
+    drawing_from_base_ = drawing_from_map_ * isometry.linear();
+    translation_ = scale.cwiseProduct(marker_from_map * isometry.translation());
   }
 
   /// Where a line of sight meets the plane from its front; nothing where it does not.
@@ -37,23 +36,27 @@ class DrawingPlane {
                            half_ + origin.y() + range * direction.y());
   }
 
-  /// Derivative of meet() by the pose of the base (x, y, yaw): what is seen moves as the line of
+  /// Derivative of meet() by the pose of the base (a PoseVector): what is seen moves as the line of
   /// sight does, which moves with the base, and along it back to the plane. Only where it meets.
-  Eigen::Matrix<double, 2, 3> derivative(const Ray& in_base) const {
+  Eigen::Matrix<double, 2, 6> derivative(const Ray& in_base) const {
     const Eigen::Vector3d origin = drawing_from_base_ * in_base.origin + translation_;
     const Eigen::Vector3d direction = drawing_from_base_ * in_base.direction;
     const double range = -origin.z() / direction.z();
-    const Eigen::Vector3d from_base = map_from_base_ * (in_base.origin + range * in_base.direction);
-    Eigen::Matrix3d moved;
-    moved << 1.0, 0.0, -from_base.y(), 0.0, 1.0, from_base.x(), 0.0, 0.0, 0.0;
-    const Eigen::Matrix3d in_drawing = drawing_from_map_ * moved;
+    // What is turned with the base moves by rotation x place.
+    const Eigen::Vector3d place = in_base.origin + range * in_base.direction;
+    Eigen::Matrix3d by_rotation;
+    by_rotation << 0.0, place.z(), -place.y(), -place.z(), 0.0, place.x(), place.y(), -place.x(),
+        0.0;
+    const Eigen::Matrix3d turned = drawing_from_base_ * by_rotation;
+    Eigen::Matrix<double, 3, 6> in_drawing;
+    in_drawing << drawing_from_map_.leftCols<2>(), turned.col(2), drawing_from_map_.col(2),
+        turned.leftCols<2>();
     return in_drawing.topRows<2>() -
            direction.head<2>() / direction.z() * in_drawing.bottomRows<1>();
   }
 
  private:
   double half_;
-  Eigen::Matrix3d map_from_base_;
   Eigen::Matrix3d drawing_from_map_;
   Eigen::Matrix3d drawing_from_base_;
   Eigen::Vector3d translation_;

@@ -13,24 +13,25 @@ namespace {
 
 /// Pixels of the corners of so many facets along either side, each projected.
 NodeGrid projectedNodes(const Marker& marker, const TagPattern& pattern,
-                        const MountedCamera& camera, const Pose2& map_from_base, int facets) {
+                        const MountedCamera& camera, const Pose& map_from_base, int facets) {
   const double metres_per_module = marker.size / pattern.widthBetweenCorners();
   const double half = 0.5 * pattern.width();
   const double width = static_cast<double>(pattern.width()) / facets;
+  const Eigen::Isometry3d isometry = map_from_base.toIsometry();
   NodeGrid nodes;
   nodes.reserve(gridIndex(0, facets + 1, facets + 1));
   for (int row = 0; row <= facets; ++row) {
     for (int column = 0; column <= facets; ++column) {
       const Eigen::Vector3d in_marker =
           metres_per_module * Eigen::Vector3d(width * column - half, half - width * row, 0.0);
-      nodes.push_back(camera.pixelFromMap(map_from_base, marker.map_from_marker * in_marker));
+      nodes.push_back(camera.pixelFromMap(isometry, marker.map_from_marker * in_marker));
     }
   }
   return nodes;
 }
 
 NodeGrid nodesOf(const Marker& marker, const TagPattern& pattern, const MountedCamera& camera,
-                 const Pose2& map_from_base, int facets) {
+                 const Pose& map_from_base, int facets) {
   // A drawing images so smoothly that a few nodes tell where all others are.
   if (facets > kProjectedFacets) {
     auto nodes = interpolated(
@@ -56,7 +57,7 @@ PixelBox boxAround(const NodeGrid& nodes, const ImageSize& size) {
 }  // namespace
 
 FacetGrid::FacetGrid(const Marker& marker, const TagPattern& pattern, const MountedCamera& camera,
-                     const Pose2& map_from_base, double blur, int facets_along)
+                     const Pose& map_from_base, double blur, int facets_along)
     : facets_along_(facets_along),
       facets_per_module_(static_cast<double>(facets_along) / pattern.width()) {
   const NodeGrid nodes = nodesOf(marker, pattern, camera, map_from_base, facets_along);
@@ -81,12 +82,15 @@ FacetGrid::FacetGrid(const Marker& marker, const TagPattern& pattern, const Moun
           *lower_left + *lower_right - *upper_left - *upper_right;
       pixel_by_position *= 0.5 * facets_per_module_;
       if (std::abs(pixel_by_position.determinant()) < 1e-6) continue;
-      const auto ray = camera.tabulatedRayInBase(
-          0.25 * (*upper_left + *upper_right + *lower_left + *lower_right));
+      const Eigen::Vector2d middle =
+          0.25 * (*upper_left + *upper_right + *lower_left + *lower_right);
+      const auto ray = camera.tabulatedRayInBase(middle);
       if (!ray || !plane.meet(*ray)) continue;
       facet.is_visible = true;
       facet.by_pixel = pixel_by_position.inverse();
-      facet.by_pose = plane.derivative(*ray);
+      // A pixel shows what a camera without its error would show where the error takes it from.
+      facet.by_frame << plane.derivative(*ray),
+          -facet.by_pixel * camera.model().displacementByError(middle);
       facet.window =
           TagPattern::Window(stretch * facet.by_pixel.col(0), stretch * facet.by_pixel.col(1));
     }

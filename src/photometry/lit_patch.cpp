@@ -25,9 +25,9 @@ double contrastAt(const Eigen::Vector2d& position, const Light& light) {
          light[6] * y * y;
 }
 
-/// Derivative of a pixel's grey level by the pose, in this light.
-Eigen::RowVector3d greyByPose(const MarkerPixel& pixel, const Light& light) {
-  return contrastAt(pixel.position, light) * pixel.white_by_pose;
+/// Derivative of a pixel's grey level by the position on the drawing, in this light.
+Eigen::Vector2d greyByPosition(const MarkerPixel& pixel, const Light& light) {
+  return contrastAt(pixel.position, light) * pixel.white_by_position;
 }
 
 bool isSaturated(const MarkerPixel& pixel, const PixelResidual& residual) {
@@ -59,58 +59,78 @@ std::optional<Light> roughLight(const std::vector<MarkerPixel>& pixels) {
   return factors ? std::optional<Light>(factors->solve(gradient)) : std::nullopt;
 }
 
-/// A pixel's part in least squares in the light, the pose, and the residual.
+/// A pixel's part in least squares in the light, the position on the drawing, and the residual.
 struct Terms {
   double weight = 0.0;
+  int facet = 0;
   /// What the grey level is a sum of in some light, and the residual.
   Eigen::Matrix<double, kLightTerms + 1, 1> light;
-  /// The derivatives by the pose, and the residual.
-  Eigen::Vector4d change;
+  /// The derivatives by the position.
+  Eigen::Vector2d position;
 };
 
 Terms termsOf(const MarkerPixel& pixel, const Light& light, const PixelNoise& noise,
-              const Eigen::Vector3d& expected_change) {
-  const double residual = residualOf(pixel, light, Eigen::Vector3d::Zero()).grey;
+              const Eigen::Vector2d& expected_change) {
+  const double residual = residualOf(pixel, light, Eigen::Vector2d::Zero()).grey;
   const PixelResidual expected = residualOf(pixel, light, expected_change);
   Terms terms;
   terms.weight = isSaturated(pixel, expected) ? 0.0 : weightOf(expected, noise);
+  terms.facet = pixel.facet;
   terms.light << regressorsOf(pixel), residual;
-  terms.change << greyByPose(pixel, light).transpose(), residual;
+  terms.position = greyByPosition(pixel, light);
   return terms;
 }
 
+/// Sums over a facet's pixels. All of them see the drawing move alike: what depends on the unknowns
+/// is worked out once for each facet.
+template <int kTerms>
+struct FacetSums {
+  Eigen::Matrix<double, kTerms, 2> mixed = Eigen::Matrix<double, kTerms, 2>::Zero();
+  Eigen::Matrix2d of_position = Eigen::Matrix2d::Zero();
+};
+
 }  // namespace
 
-std::optional<LitPatch> fitLight(const std::vector<MarkerPixel>& pixels, const PixelNoise& noise,
+std::optional<LitPatch> fitLight(const MarkerPixels& pixels, const PixelNoise& noise,
                                  const std::optional<Light>& start,
-                                 const Eigen::Vector3d& expected_change) {
+                                 const FrameVector& expected_change) {
   constexpr std::size_t kFewestPixels = 24;
-  if (pixels.size() < kFewestPixels) return std::nullopt;
-  const std::optional<Light> rough = start ? start : roughLight(pixels);
+  const std::vector<MarkerPixel>& all = pixels.pixels;
+  if (all.size() < kFewestPixels) return std::nullopt;
+  const std::optional<Light> rough = start ? start : roughLight(all);
   if (!rough) return std::nullopt;
 
+  const std::vector<Eigen::Vector2d> expected = pixels.positionChanges(expected_change);
   Eigen::Matrix<double, kLightTerms + 1, kLightTerms + 1> of_light;
-  Eigen::Matrix<double, kLightTerms + 1, 4> mixed;
-  Eigen::Matrix4d of_change;
   of_light.setZero();
-  mixed.setZero();
-  of_change.setZero();
+  std::vector<FacetSums<kLightTerms + 1>> facets(pixels.by_frame.size());
   // To write a vector number by number and read it at once as a whole would take most of the time:
   // many are written before the first is read.
   std::array<Terms, 64> terms;
-  for (std::size_t first = 0; first < pixels.size(); first += terms.size()) {
-    const std::size_t count = std::min(terms.size(), pixels.size() - first);
-    for (std::size_t i = 0; i < count; ++i)
-      terms[i] = termsOf(pixels[first + i], *rough, noise, expected_change);
+  for (std::size_t first = 0; first < all.size(); first += terms.size()) {
+    const std::size_t count = std::min(terms.size(), all.size() - first);
+    for (std::size_t i = 0; i < count; ++i) {
+      const MarkerPixel& pixel = all[first + i];
+      terms[i] = termsOf(pixel, *rough, noise, expected[static_cast<std::size_t>(pixel.facet)]);
+    }
     for (std::size_t i = 0; i < count; ++i) {
       const Eigen::Matrix<double, kLightTerms + 1, 1> light = terms[i].weight * terms[i].light;
-      const Eigen::Vector4d change = terms[i].weight * terms[i].change;
+      FacetSums<kLightTerms + 1>& facet = facets[static_cast<std::size_t>(terms[i].facet)];
       of_light.noalias() += light * terms[i].light.transpose();
-      mixed.noalias() += light * terms[i].change.transpose();
-      of_change.noalias() += change * terms[i].change.transpose();
+      facet.mixed.noalias() += light * terms[i].position.transpose();
+      facet.of_position.noalias() +=
+          terms[i].weight * terms[i].position * terms[i].position.transpose();
     }
   }
-  const auto light_and_pose = mixed.topLeftCorner<kLightTerms, 3>();
+  Eigen::Matrix<double, kLightTerms + 1, kFrameUnknowns> mixed;
+  mixed.setZero();
+  FrameMatrix of_frame = FrameMatrix::Zero();
+  for (std::size_t f = 0; f < facets.size(); ++f) {
+    const FrameJacobian& by_frame = pixels.by_frame[f];
+    mixed.noalias() += facets[f].mixed * by_frame;
+    of_frame.noalias() += by_frame.transpose() * (facets[f].of_position * by_frame);
+  }
+  const auto light_and_frame = mixed.topRows<kLightTerms>();
   const auto light_and_residual = of_light.topRightCorner<kLightTerms, 1>();
   const auto factors = factorsOf(of_light.topLeftCorner<kLightTerms, kLightTerms>());
   if (!factors) return std::nullopt;
@@ -119,39 +139,51 @@ std::optional<LitPatch> fitLight(const std::vector<MarkerPixel>& pixels, const P
   patch.light = *rough + factors->solve(light_and_residual);
   constexpr double kLowestContrast = 8.0;
   if (patch.light[1] < kLowestContrast) return std::nullopt;
-  // The light is free: what it could explain says nothing about the pose.
-  patch.light_by_pose = -factors->solve(light_and_pose);
-  patch.information =
-      of_change.topLeftCorner<3, 3>() + light_and_pose.transpose() * patch.light_by_pose;
+  // The light is free: what it could explain says nothing about the unknowns.
+  patch.light_by_frame = -factors->solve(light_and_frame);
+  patch.information = of_frame + light_and_frame.transpose() * patch.light_by_frame;
   patch.gradient =
-      of_change.topRightCorner<3, 1>() + patch.light_by_pose.transpose() * light_and_residual;
+      mixed.bottomRows<1>().transpose() + patch.light_by_frame.transpose() * light_and_residual;
   return patch;
 }
 
 PixelResidual residualOf(const MarkerPixel& pixel, const Light& light,
-                         const Eigen::Vector3d& change) {
+                         const Eigen::Vector2d& position_change) {
   const double contrast = contrastAt(pixel.position, light);
-  const double white = pixel.white + pixel.white_by_pose.dot(change);
+  const double white = pixel.white + pixel.white_by_position.dot(position_change);
   return {pixel.grey - light[0] - white * contrast, pixel.gradient, contrast * pixel.gradient};
 }
 
-Eigen::Matrix3d gradientCovariance(const std::vector<MarkerPixel>& pixels, const LitPatch& patch,
-                                   const PixelNoise& noise, const Eigen::Vector3d& change) {
+FrameMatrix gradientCovariance(const MarkerPixels& pixels, const LitPatch& patch,
+                               const PixelNoise& noise, const FrameVector& change) {
   const Light light = patch.lightAfter(change);
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  const std::vector<Eigen::Vector2d> changes = pixels.positionChanges(change);
+  LightInformation of_light = LightInformation::Zero();
+  std::vector<FacetSums<kLightTerms>> facets(pixels.by_frame.size());
   int count = 0;
-  for (const MarkerPixel& pixel : pixels) {
-    const PixelResidual residual = residualOf(pixel, light, change);
+  for (const MarkerPixel& pixel : pixels.pixels) {
+    const auto number = static_cast<std::size_t>(pixel.facet);
+    const PixelResidual residual = residualOf(pixel, light, changes[number]);
     if (isSaturated(pixel, residual)) continue;
-    // The light gives way to a change of the pose.
-    const Eigen::RowVector3d by_pose =
-        greyByPose(pixel, light) + regressorsOf(pixel).transpose() * patch.light_by_pose;
-    const Eigen::RowVector3d gradient = weightOf(residual, noise) * residual.grey * by_pose;
-    covariance.noalias() += gradient.transpose() * gradient;
+    const double error = weightOf(residual, noise) * residual.grey;
+    const Light regressors = error * regressorsOf(pixel);
+    const Eigen::Vector2d by_position = error * greyByPosition(pixel, light);
+    of_light.noalias() += regressors * regressors.transpose();
+    facets[number].mixed.noalias() += regressors * by_position.transpose();
+    facets[number].of_position.noalias() += by_position * by_position.transpose();
     ++count;
   }
+  // The light gives way to a change of the unknowns.
+  const auto& light_by_frame = patch.light_by_frame;
+  FrameMatrix covariance = light_by_frame.transpose() * of_light * light_by_frame;
+  for (std::size_t f = 0; f < facets.size(); ++f) {
+    const FrameJacobian& by_frame = pixels.by_frame[f];
+    const FrameMatrix mixed = light_by_frame.transpose() * (facets[f].mixed * by_frame);
+    covariance +=
+        mixed + mixed.transpose() + by_frame.transpose() * (facets[f].of_position * by_frame);
+  }
   // What was fitted takes its share of the residuals.
-  constexpr int kFitted = kLightTerms + 3;
+  constexpr int kFitted = kLightTerms + 6;
   return covariance * count / std::max(count - kFitted, 1);
 }
 

@@ -1,12 +1,12 @@
 #include "marker_fitter.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <utility>
 
 #include "omnitag/common/parallel.h"
+#include "omnitag/measurement/marker_misplacement.h"
 
 namespace omnitag {
 namespace {
@@ -21,38 +21,36 @@ constexpr std::size_t kFitWorthAThread = 700;
 /// Pixels of a marker, whatever the others need.
 constexpr std::size_t kLeastPixels = 75;
 
-/// Covariance of the pose, as a single marker gives it, that comes from where the marker is: it
-/// does not hang exactly where the map says, nor exactly even, and all of its pixels together image
-/// a little beside where they should.
-Eigen::Matrix3d misplacementOf(const Marker& marker, const MountedCamera& camera, const Pose2& pose,
-                               const PhotometricConfig& config) {
-  Eigen::Matrix<double, 2, 3> pixel_by_pose;
-  if (!camera.pixelFromMap(pose, marker.center(), &pixel_by_pose)) return Eigen::Matrix3d::Zero();
-  const double pixels_per_metre = std::max(1e-3, pixel_by_pose.leftCols<2>().norm());
-  const double placement_deviation = std::max(config.placement_deviation, marker.deviation);
-  const double variance = placement_deviation * placement_deviation +
-                          std::pow(config.alignment_deviation / pixels_per_metre, 2);
-  const Eigen::Vector2d from_marker = Eigen::Vector2d(pose.x, pose.y) - marker.center().head<2>();
-  const Eigen::Vector3d by_turn(-from_marker.y(), from_marker.x(), 1.0);
-  Eigen::Matrix3d covariance = by_turn * by_turn.transpose() / (marker.size * marker.size);
-  covariance.topLeftCorner<2, 2>() += Eigen::Matrix2d::Identity();
-  return variance * covariance;
+/// By how much a marker seems to hang elsewhere (misplacementOf): where the map may be wrong, and
+/// since all of its pixels together image a little beside where they should, as no pattern and no
+/// camera is perfect.
+PoseMatrix misplacementOf(const Marker& marker, const MountedCamera& camera, const Pose& pose,
+                          const PhotometricConfig& config) {
+  FrameJacobian by_frame;
+  if (!camera.pixelFromMap(pose, marker.center(), &by_frame)) return PoseMatrix::Zero();
+  const double pixels_per_metre = std::max(1e-3, by_frame.leftCols<2>().norm());
+  const double alignment_deviation = config.alignment_deviation / pixels_per_metre;
+  return omnitag::misplacementOf(
+      marker, pose, std::hypot(marker.deviation, alignment_deviation),
+      std::hypot(marker.orientation_deviation, alignment_deviation / marker.size));
 }
 
 }  // namespace
 
-Eigen::Matrix3d MarkerFit::gradientCovariance(const PixelNoise& noise,
-                                              const Eigen::Vector3d& change) const {
-  const Eigen::Matrix3d by_misplacement = patch.information * misplacement * patch.information;
-  return share * (omnitag::gradientCovariance(pixels, patch, noise, change) + by_misplacement) *
-         share.transpose();
+FrameEquations MarkerFit::equationsWithErrors(const PixelNoise& noise,
+                                              const FrameVector& change) const {
+  FrameEquations of_pixels;
+  of_pixels.information = patch.information;
+  of_pixels.gradient = patch.gradient;
+  of_pixels.by_chance = gradientCovariance(pixels, patch, noise, change);
+  return withMisplacement(of_pixels, misplacement);
 }
 
-std::vector<MarkerPatch> MarkerFitter::roughPatches(const Pose2& pose) const {
+std::vector<MarkerPatch> MarkerFitter::roughPatches(const Pose& pose) const {
   MarkerPatch::Choice choice;
   choice.tolerance = 0.1;
   choice.facets = 2;
-  return patches(pose, config_.max_pixels, choice, kRoughWorthAThread);
+  return patches(camera_, pose, config_.max_pixels, choice, kRoughWorthAThread);
 }
 
 MarkerFitter::Fits MarkerFitter::fits(const std::vector<MarkerPatch>& patches,
@@ -60,17 +58,20 @@ MarkerFitter::Fits MarkerFitter::fits(const std::vector<MarkerPatch>& patches,
                                       const Alignment& alignment) const {
   Fits fits(patches.size());
   forEachIndex(fits.size(), threads_, kRoughWorthAThread, [&](std::size_t i) {
-    fits[i] = fitOf(i, patches[i].pixels(panorama_, lines[i], alignment.pose), alignment);
+    fits[i] = fitOf(i, patches[i].pixels(panorama_, lines[i], alignment.pose, alignment.error),
+                    alignment);
   });
   return fits;
 }
 
-std::vector<MarkerPixels> MarkerFitter::finePixels(const Pose2& pose) const {
+std::vector<MarkerPixels> MarkerFitter::finePixels(const Pose& pose,
+                                                   const CameraError& error) const {
   MarkerPatch::Choice choice;
   choice.reach = 0.0;
   choice.facets = 6;
+  const MountedCamera camera = camera_.withError(error);
   const std::vector<MarkerPatch> fine =
-      patches(pose, config_.max_final_pixels, choice, kFineWorthAThread);
+      patches(camera, pose, config_.max_final_pixels, choice, kFineWorthAThread);
   std::vector<MarkerPixels> pixels(fine.size());
   forEachIndex(fine.size(), threads_, kFineWorthAThread,
                [&](std::size_t i) { pixels[i] = fine[i].pixels(panorama_); });
@@ -82,11 +83,13 @@ std::vector<MarkerPixels> MarkerFitter::someOf(const std::vector<MarkerPixels>& 
   some.reserve(pixels.size());
   const std::size_t share = static_cast<std::size_t>(config_.max_pixels) / pixels.size();
   const std::size_t enough = std::max(kLeastPixels, share);
-  for (const MarkerPixels& all : pixels) {
+  for (const MarkerPixels& of_marker : pixels) {
+    const std::vector<MarkerPixel>& all = of_marker.pixels;
     const std::size_t every = std::max<std::size_t>(1, all.size() / enough);
     MarkerPixels& part = some.emplace_back();
-    part.reserve(all.size() / every + 1);
-    for (std::size_t i = 0; i < all.size(); i += every) part.push_back(all[i]);
+    part.by_frame = of_marker.by_frame;
+    part.pixels.reserve(all.size() / every + 1);
+    for (std::size_t i = 0; i < all.size(); i += every) part.pixels.push_back(all[i]);
   }
   return some;
 }
@@ -95,24 +98,27 @@ MarkerFitter::Fits MarkerFitter::fits(std::vector<MarkerPixels> pixels,
                                       const Alignment& alignment) const {
   Fits fits(pixels.size());
   std::size_t count = 1;
-  for (const MarkerPixels& of_marker : pixels) count += of_marker.size();
+  for (const MarkerPixels& of_marker : pixels) count += of_marker.pixels.size();
   const std::size_t worth_a_thread = 1 + kFitWorthAThread * pixels.size() / count;
   forEachIndex(fits.size(), threads_, worth_a_thread,
                [&](std::size_t i) { fits[i] = fitOf(i, std::move(pixels[i]), alignment); });
   return fits;
 }
 
-PixelNoise MarkerFitter::noise(const Fits& fits, const Eigen::Vector3d& change) const {
+PixelNoise MarkerFitter::noise(const Fits& fits, const FrameVector& change) const {
   constexpr std::size_t kEnough = 1000;
   std::size_t count = 0;
-  for (const auto& fit : fits) count += fit ? fit->pixels.size() : 0;
+  for (const auto& fit : fits) count += fit ? fit->pixels.pixels.size() : 0;
   const std::size_t every = 1 + count / kEnough;
   std::vector<PixelResidual> residuals;
   for (const auto& fit : fits) {
     if (!fit) continue;
     const Light light = fit->patch.lightAfter(change);
-    for (std::size_t i = 0; i < fit->pixels.size(); i += every) {
-      residuals.push_back(residualOf(fit->pixels[i], light, change));
+    const std::vector<Eigen::Vector2d> changes = fit->pixels.positionChanges(change);
+    const std::vector<MarkerPixel>& pixels = fit->pixels.pixels;
+    for (std::size_t i = 0; i < pixels.size(); i += every) {
+      const auto facet = static_cast<std::size_t>(pixels[i].facet);
+      residuals.push_back(residualOf(pixels[i], light, changes[facet]));
     }
   }
   return noiseOf(std::move(residuals), config_.min_noise);
@@ -123,16 +129,17 @@ std::optional<MarkerFit> MarkerFitter::fitOf(std::size_t index, MarkerPixels pix
   const std::optional<LitPatch> lit =
       fitLight(pixels, alignment.noise, alignment.lights[index], alignment.expected_change);
   if (!lit) return std::nullopt;
-  const Eigen::Matrix3d misplacement =
+  const PoseMatrix misplacement =
       misplacementOf(map_.markers[entries_[index]], camera_, alignment.pose, config_);
-  // (information^-1 + misplacement)^-1, also where the information has no inverse.
-  const Eigen::Matrix3d share =
-      (Eigen::Matrix3d::Identity() + lit->information * misplacement).inverse();
-  return MarkerFit{std::move(pixels), *lit, misplacement, share};
+  FrameEquations of_pixels;
+  of_pixels.information = lit->information;
+  of_pixels.gradient = lit->gradient;
+  return MarkerFit{std::move(pixels), *lit, misplacement,
+                   withMisplacement(of_pixels, misplacement)};
 }
 
-std::vector<MarkerPatch> MarkerFitter::patches(const Pose2& pose, int max_pixels,
-                                               const MarkerPatch::Choice& choice,
+std::vector<MarkerPatch> MarkerFitter::patches(const MountedCamera& camera, const Pose& pose,
+                                               int max_pixels, const MarkerPatch::Choice& choice,
                                                std::size_t worth_a_thread) const {
   constexpr std::size_t kEnoughForLight = 60;
   // So many more are looked at to find those at edges.
@@ -148,7 +155,7 @@ std::vector<MarkerPatch> MarkerFitter::patches(const Pose2& pose, int max_pixels
         std::max(kLeastPixels, static_cast<std::size_t>(max_pixels * areas[i] / whole));
     own.max_on_even_ground = std::min(own.max_at_edges / 8, kEnoughForLight);
     own.max_considered = kLookedAt * own.max_at_edges;
-    made[i].emplace(marker, patterns_.of(marker), camera_, pose, config_.blur, own);
+    made[i].emplace(marker, patterns_.of(marker), camera, pose, config_.blur, own);
   });
   std::vector<MarkerPatch> patches;
   patches.reserve(made.size());
@@ -156,7 +163,7 @@ std::vector<MarkerPatch> MarkerFitter::patches(const Pose2& pose, int max_pixels
   return patches;
 }
 
-double MarkerFitter::areaOf(const Marker& marker, const Pose2& pose) const {
+double MarkerFitter::areaOf(const Marker& marker, const Pose& pose) const {
   const Corners<Eigen::Vector3d> corners = marker.corners();
   Corners<Eigen::Vector2d> pixels;
   for (std::size_t k = 0; k < corners.size(); ++k) {

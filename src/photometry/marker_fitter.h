@@ -8,37 +8,35 @@
 
 #include "lit_patch.h"
 #include "omnitag/camera/mounted_camera.h"
-#include "omnitag/common/pose2.h"
+#include "omnitag/common/pose.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/marker/tag_pattern.h"
+#include "omnitag/measurement/frame_equations.h"
 #include "omnitag/photometry/marker_patch.h"
 #include "omnitag/photometry/photometric_refinement.h"
 #include "omnitag/photometry/pixel_noise.h"
 
 namespace omnitag {
 
-using MarkerPixels = std::vector<MarkerPixel>;
-
-/// One marker's share in the estimate of the pose.
+/// One marker's share in the estimate of a frame's unknowns.
 struct MarkerFit {
   MarkerPixels pixels;
   LitPatch patch;
-  /// Because of its misplacement the marker says the pose that much less exactly than its pixels.
-  Eigen::Matrix3d misplacement;
-  Eigen::Matrix3d share;
+  /// Because of its misplacement the marker tells less than its pixels.
+  PoseMatrix misplacement;
+  FrameEquations equations;
 
-  Eigen::Matrix3d information() const { return share * patch.information; }
-  Eigen::Vector3d gradient() const { return share * patch.gradient; }
-  /// Once the pose changes so.
-  Eigen::Matrix3d gradientCovariance(const PixelNoise& noise, const Eigen::Vector3d& change) const;
+  /// The same equations with what they err by once the unknowns change so.
+  FrameEquations equationsWithErrors(const PixelNoise& noise, const FrameVector& change) const;
 };
 
 /// What is estimated, and what is learnt on the way.
 struct Alignment {
-  Pose2 pose;
-  /// What the pose is expected to change by still: pixels count by how well they are explained
+  Pose pose;
+  CameraError error = CameraError::Zero();
+  /// What the unknowns are expected to change by still: pixels count by how well they are explained
   /// then.
-  Eigen::Vector3d expected_change = Eigen::Vector3d::Zero();
+  FrameVector expected_change = FrameVector::Zero();
   PixelNoise noise;
   /// One for each marker; no light where it was not seen yet.
   std::vector<double> weights;
@@ -65,16 +63,16 @@ class MarkerFitter {
 
   /// The parts of the panorama that show the markers, to find the pose from an initial one: where
   /// their pixels look is to be asked of their lines of sight.
-  std::vector<MarkerPatch> roughPatches(const Pose2& pose) const;
+  std::vector<MarkerPatch> roughPatches(const Pose& pose) const;
 
-  /// What each marker says at the alignment's pose, near that of the patches. `lines` are the
-  /// patches'.
+  /// What each marker says at the alignment's pose and camera error, near those of the patches.
+  /// `lines` are the patches'.
   Fits fits(const std::vector<MarkerPatch>& patches, const std::vector<LinesOfSight>& lines,
             const Alignment& alignment) const;
 
   /// The pixels of each marker from a pose that is hardly to change any more: only those tell more
   /// of it that have an edge in them.
-  std::vector<MarkerPixels> finePixels(const Pose2& pose) const;
+  std::vector<MarkerPixels> finePixels(const Pose& pose, const CameraError& error) const;
 
   /// About as many of them, all together, as rough patches have.
   std::vector<MarkerPixels> someOf(const std::vector<MarkerPixels>& pixels) const;
@@ -84,18 +82,18 @@ class MarkerFitter {
 
   /// What all markers' residuals say about the pixels' noise once the pose changes so; some marker
   /// must be seen.
-  PixelNoise noise(const Fits& fits, const Eigen::Vector3d& change) const;
+  PixelNoise noise(const Fits& fits, const FrameVector& change) const;
 
  private:
   std::optional<MarkerFit> fitOf(std::size_t index, MarkerPixels pixels,
                                  const Alignment& alignment) const;
   /// With so many pixels at edges at most, all together, but for what a marker needs. Large markers
   /// get more of them: they are near, and each of their pixels tells more of the pose.
-  std::vector<MarkerPatch> patches(const Pose2& pose, int max_pixels,
+  std::vector<MarkerPatch> patches(const MountedCamera& camera, const Pose& pose, int max_pixels,
                                    const MarkerPatch::Choice& choice,
                                    std::size_t worth_a_thread) const;
   /// Of a marker between its corners, in pixels, about; 0 where one of them is not seen.
-  double areaOf(const Marker& marker, const Pose2& pose) const;
+  double areaOf(const Marker& marker, const Pose& pose) const;
 
   const cv::Mat& panorama_;
   const MarkerMap& map_;

@@ -8,8 +8,15 @@
 
 namespace omnitag {
 
+std::vector<Eigen::Vector2d> MarkerPixels::positionChanges(const FrameVector& change) const {
+  std::vector<Eigen::Vector2d> changes;
+  changes.reserve(by_frame.size());
+  for (const FrameJacobian& jacobian : by_frame) changes.emplace_back(jacobian * change);
+  return changes;
+}
+
 MarkerPatch::MarkerPatch(const Marker& marker, const TagPattern& pattern,
-                         const MountedCamera& camera, const Pose2& map_from_base, double blur,
+                         const MountedCamera& camera, const Pose& map_from_base, double blur,
                          const Choice& choice)
     : marker_(marker),
       pattern_(pattern),
@@ -49,8 +56,17 @@ inline MarkerPixel MarkerPatch::pixelAt(const cv::Mat& panorama, const PixelPosi
   pixel.white = white.share;
   pixel.gradient = (white.by_position.transpose() * facet.by_pixel).norm();
   pixel.position = place.position / pattern_.width() - Eigen::Vector2d(0.5, 0.5);
-  pixel.white_by_pose = white.by_position.transpose() * facet.by_pose;
+  pixel.white_by_position = white.by_position;
+  pixel.facet = facets_.numberOf(facet);
   return pixel;
+}
+
+MarkerPixels MarkerPatch::emptyPixels(std::size_t at_most) const {
+  MarkerPixels pixels;
+  pixels.pixels.reserve(at_most);
+  pixels.by_frame.reserve(facets_.facets().size());
+  for (const Facet& facet : facets_.facets()) pixels.by_frame.push_back(facet.by_frame);
+  return pixels;
 }
 
 std::vector<Footprint> MarkerPatch::footprints() const {
@@ -63,12 +79,11 @@ std::vector<Footprint> MarkerPatch::footprints() const {
   return footprints;
 }
 
-std::vector<MarkerPixel> MarkerPatch::pixels(const cv::Mat& panorama) const {
-  std::vector<MarkerPixel> pixels;
-  pixels.reserve(places_.size());
+MarkerPixels MarkerPatch::pixels(const cv::Mat& panorama) const {
+  MarkerPixels pixels = emptyPixels(places_.size());
   for (const PixelPosition& place : places_) {
     const Facet* const facet = facetWithinDrawing(place.position);
-    if (facet != nullptr) pixels.push_back(pixelAt(panorama, place, *facet));
+    if (facet != nullptr) pixels.pixels.push_back(pixelAt(panorama, place, *facet));
   }
   return pixels;
 }
@@ -82,16 +97,20 @@ LinesOfSight MarkerPatch::linesOfSight() const {
   return lines;
 }
 
-std::vector<MarkerPixel> MarkerPatch::pixels(const cv::Mat& panorama, const LinesOfSight& lines,
-                                             const Pose2& map_from_base) const {
+MarkerPixels MarkerPatch::pixels(const cv::Mat& panorama, const LinesOfSight& lines,
+                                 const Pose& map_from_base, const CameraError& error_change) const {
   const DrawingPlane plane(marker_, pattern_, map_from_base);
-  std::vector<MarkerPixel> pixels;
-  pixels.reserve(places_.size());
+  const bool has_error = !error_change.isZero(0.0);
+  MarkerPixels pixels = emptyPixels(places_.size());
   for (std::size_t i = 0; i < places_.size(); ++i) {
-    const auto position = lines[i] ? plane.meet(*lines[i]) : std::nullopt;
+    auto position = lines[i] ? plane.meet(*lines[i]) : std::nullopt;
+    if (position && has_error) {
+      *position += facets_.at(*position).by_frame.rightCols<6>() * error_change;
+    }
     const Facet* const facet = position ? facetWithinDrawing(*position) : nullptr;
     if (facet == nullptr) continue;
-    pixels.push_back(pixelAt(panorama, {places_[i].column, places_[i].row, *position}, *facet));
+    pixels.pixels.push_back(
+        pixelAt(panorama, {places_[i].column, places_[i].row, *position}, *facet));
   }
   return pixels;
 }

@@ -274,6 +274,7 @@ Recognition recognitionOf(const PredictedMarker& predicted, const Placement& pla
     const Eigen::Vector2d& corner = predicted.corners[k];
     recognition.corners[k] = corner + placement.displacementAt(corner);
   }
+  recognition.is_stretched = !placement.stretch.isZero(0.0);
   recognition.correlation = comparison.correlation;
   recognition.threshold = correlationThreshold(comparison.dimensions, false_accept_rate);
   return recognition;
@@ -303,7 +304,7 @@ double largestMargin(const PredictedMarker& predicted, const TagPattern& pattern
 
 std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& marker,
                                      const TagPattern& pattern, const MountedCamera& camera,
-                                     const Pose2& map_from_base, const PredictedMarker& predicted,
+                                     const Pose& map_from_base, const PredictedMarker& predicted,
                                      double blur, const RecognitionConfig& config) {
   const double module = moduleOf(predicted, pattern);
   const double margin = std::max(predicted.tangential_margin, predicted.radial_margin);

@@ -1,15 +1,15 @@
 #include "omnitag/ros/conversions.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "omnitag/common/error.h"
 
 namespace omnitag {
 namespace {
-
-constexpr double kFloorVariance = 1e-6;
 
 /// Where x, y and yaw stand among (x, y, z, roll, pitch, yaw).
 constexpr std::array<std::size_t, 3> kPlanarIndices = {0, 1, 5};
@@ -56,12 +56,12 @@ geometry_msgs::Quaternion toMessage(const Eigen::Quaterniond& rotation) {
   return message;
 }
 
-geometry_msgs::Pose toMessage(const Pose2& pose) {
+geometry_msgs::Pose toMessage(const Pose& pose) {
   geometry_msgs::Pose message;
   message.position.x = pose.x;
   message.position.y = pose.y;
-  message.orientation.w = std::cos(pose.yaw / 2.0);
-  message.orientation.z = std::sin(pose.yaw / 2.0);
+  message.position.z = pose.z;
+  message.orientation = toMessage(Eigen::Quaterniond(pose.toIsometry().linear()));
   return message;
 }
 
@@ -77,13 +77,17 @@ geometry_msgs::Transform toMessage(const Eigen::Isometry3d& target_from_source) 
 geometry_msgs::PoseWithCovariance toMessage(const PoseEstimate& estimate) {
   geometry_msgs::PoseWithCovariance message;
   message.pose = toMessage(estimate.pose);
-  for (std::size_t i = 0; i < 6; ++i) message.covariance[7 * i] = kFloorVariance;
-  const Eigen::Matrix3d covariance = estimate.covariance.selfadjointView<Eigen::Upper>();
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) {
-      message.covariance[covarianceIndex(row, column)] = covariance(row, column);
-    }
+  // Of rotations about the axes of the map, as ROS has it.
+  const Eigen::Matrix3d map_from_base = estimate.pose.toIsometry().linear();
+  Eigen::Matrix<double, 6, 6> turned;
+  for (int i = 0; i < 6; ++i) {
+    const PoseVector unit = PoseVector::Unit(i);
+    turned.col(i) << translationPart(unit), map_from_base * rotationPart(unit);
   }
+  const Eigen::Matrix<double, 6, 6> covariance = turned * estimate.covariance * turned.transpose();
+  const Eigen::Matrix<double, 6, 6, Eigen::RowMajor> symmetric =
+      0.5 * (covariance + covariance.transpose());
+  std::copy_n(symmetric.data(), message.covariance.size(), message.covariance.begin());
   return message;
 }
 
@@ -159,6 +163,10 @@ LocalizationStatus toMessage(const std_msgs::Header& header, const FrameResult& 
   message.mode = toMessage(result.mode);
   message.has_pose = static_cast<std::uint8_t>(result.map_from_base.has_value());
   message.remark = result.remark;
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  message.height = result.map_from_base ? result.map_from_base->pose.z : kNaN;
+  message.roll = result.map_from_base ? result.map_from_base->pose.roll : kNaN;
+  message.pitch = result.map_from_base ? result.map_from_base->pose.pitch : kNaN;
   message.markers_predicted = static_cast<std::uint32_t>(result.predicted.size());
   message.markers_detected = static_cast<std::uint32_t>(result.detections.size());
   message.markers_used = static_cast<std::uint32_t>(result.acceptedMarkers());

@@ -208,7 +208,7 @@ void DebugImagePainter::paintTitle(const FrameResult& result, cv::Mat* canvas) {
     writeText(result.remark, pen, color, kTextSize, canvas);
     return;
   }
-  const Pose2& pose = result.map_from_base->pose;
+  const Pose pose = result.publishedPose().pose;
   std::snprintf(words.data(), words.size(),
                 "x %.3f m  y %.3f m  yaw %.2f deg  sigma %.2g mm, %.2g deg", pose.x, pose.y,
                 degrees(pose.yaw), 1e3 * positionDeviation(*result.map_from_base),

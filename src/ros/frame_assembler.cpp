@@ -64,7 +64,7 @@ AssembledFrame FrameAssembler::assemble(const cv_bridge::CvImageConstPtr& image,
     try {
       assembled.odom_from_base =
           lookUp(transforms, frames_.odom, frames_.base, image->header.stamp);
-      assembled.frame.odom_from_base = Pose2::fromIsometry(*assembled.odom_from_base);
+      assembled.frame.odom_from_base = Pose::fromIsometry(*assembled.odom_from_base);
     } catch (const TransformError& error) {
       assembled.odometry_problem = error.what();
     }

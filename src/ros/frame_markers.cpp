@@ -37,8 +37,8 @@ RvizMarker text(const std::string& frame, const std::string& name_space,
 }
 
 /// Where the line of sight of a detection ends: at the marker's range and height, as measured.
-Eigen::Vector3d endOfSight(const MarkerDetection& detection, const MarkerMap& map,
-                           const Pose2& pose, const Eigen::Vector3d& camera) {
+Eigen::Vector3d endOfSight(const MarkerDetection& detection, const MarkerMap& map, const Pose& pose,
+                           const Eigen::Vector3d& camera) {
   const double range = std::isfinite(detection.range) ? detection.range : kUnknownRange;
   const double azimuth = pose.yaw + detection.bearing;
   Eigen::Vector3d end = camera + range * Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), 0.0);
@@ -73,7 +73,7 @@ void addBearings(const std::string& frame, const FrameResult& result, const Mark
   }
 }
 
-void addRobot(const std::string& frame, const Pose2& pose, double radius,
+void addRobot(const std::string& frame, const Pose& pose, double radius,
               const Eigen::Vector3d& camera, RvizMarkers* markers) {
   const double height = std::max(0.05, 0.4 * camera.z());
   RvizMarker body = rvizMarker(frame, "robot", RvizMarker::CYLINDER, color(0.25, 0.45, 0.75, 0.9));
@@ -98,7 +98,7 @@ void addRobot(const std::string& frame, const Pose2& pose, double radius,
   markers->insert(markers->end(), {body, mast, heading});
 }
 
-RvizMarker ellipse(const std::string& frame, const std::string& name_space, const Pose2& pose,
+RvizMarker ellipse(const std::string& frame, const std::string& name_space, const Pose& pose,
                    const Eigen::Vector2d& half_axes, const Eigen::Matrix2d& directions,
                    const std_msgs::ColorRGBA& color) {
   constexpr int kSegments = 48;
@@ -119,7 +119,7 @@ void addCovariance(const std::string& frame, const PoseEstimate& estimate, doubl
   const EigenPairs eigen = eigenPairs(estimate.covariance.topLeftCorner<2, 2>());
   const Eigen::Vector2d half_axes = 3.0 * eigen.values.cwiseMax(0.0).cwiseSqrt();
   const double yaw = degrees(3.0 * std::sqrt(std::max(0.0, estimate.covariance(2, 2))));
-  const Pose2& pose = estimate.pose;
+  const Pose& pose = estimate.pose;
   const std_msgs::ColorRGBA yellow = color(1.0, 0.9, 0.3);
   markers->push_back(ellipse(frame, "covariance", pose, half_axes, eigen.vectors, yellow));
 
@@ -162,7 +162,7 @@ visualization_msgs::MarkerArray FrameMarkers::draw(const LocalizedImage& localiz
                                                    const MarkerMap& map) {
   visualization_msgs::MarkerArray array;
   if (localized.result.map_from_base) {
-    const PoseEstimate& estimate = *localized.result.map_from_base;
+    const PoseEstimate estimate = localized.result.publishedPose();
     const Eigen::Isometry3d map_from_camera =
         estimate.pose.toIsometry() * localized.input.frame.base_from_camera;
     const Eigen::Vector3d camera = map_from_camera.translation();

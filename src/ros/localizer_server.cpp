@@ -48,7 +48,7 @@ Eigen::Matrix3d rotated(const Eigen::Matrix3d& covariance,
                         const Eigen::Isometry3d& map_from_frame) {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   rotation.topLeftCorner<2, 2>() =
-      Eigen::Rotation2Dd(Pose2::fromIsometry(map_from_frame).yaw).toRotationMatrix();
+      Eigen::Rotation2Dd(Pose::fromIsometry(map_from_frame).yaw).toRotationMatrix();
   return rotation * covariance * rotation.transpose();
 }
 
@@ -289,14 +289,14 @@ void LocalizerServer::onInitialPose(const geometry_msgs::PoseWithCovarianceStamp
 
 void LocalizerServer::takePose(const geometry_msgs::PoseWithCovarianceStamped& message) {
   const Eigen::Isometry3d map_from_frame = mapFrom(message.header.frame_id);
-  const Pose2 pose = Pose2::fromIsometry(map_from_frame * fromMessage(message.pose.pose));
+  const Pose pose = Pose::fromIsometry(map_from_frame * fromMessage(message.pose.pose));
   const std::optional<Eigen::Matrix3d> covariance = planarCovariance(message.pose);
   const ros::Time stamp = message.header.stamp;
   request([this, pose, covariance, map_from_frame, stamp](ImageLocalizer* it) {
-    const std::optional<Pose2> odometry = odometryAt(stamp);
+    const std::optional<Pose> odometry = odometryAt(stamp);
     it->beforeNextImage([=](Localizer* localizer) {
       if (covariance) {
-        localizer->setPose({pose, rotated(*covariance, map_from_frame)}, odometry);
+        localizer->setPose(floorEstimate(pose, rotated(*covariance, map_from_frame)), odometry);
       } else {
         localizer->setPose(pose, odometry);
       }
@@ -318,13 +318,13 @@ Eigen::Isometry3d LocalizerServer::mapFrom(const std::string& frame) const {
   }
 }
 
-std::optional<Pose2> LocalizerServer::odometryAt(const ros::Time& stamp) const {
+std::optional<Pose> LocalizerServer::odometryAt(const ros::Time& stamp) const {
   const FrameNames& frames = localizer_.frames();
   if (frames.odom.empty()) return std::nullopt;
   const tf2::BufferCore& buffer = transforms_.buffer();
   const bool is_known = buffer.canTransform(frames.odom, frames.base, stamp);
   try {
-    return Pose2::fromIsometry(
+    return Pose::fromIsometry(
         fromMessage(buffer.lookupTransform(frames.odom, frames.base, is_known ? stamp : ros::Time())
                         .transform));
   } catch (const tf2::TransformException&) {

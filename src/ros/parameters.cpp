@@ -15,13 +15,13 @@ void readFrame(const YamlReader& reader, const std::string& key, std::string* fr
 }
 
 /// An empty list stands for none.
-std::optional<Pose2> readInitialPose(const YamlReader& reader) {
+std::optional<Pose> readInitialPose(const YamlReader& reader) {
   const std::string key = "initial_pose";
   if (!reader.has(key)) return std::nullopt;
   const std::vector<double> pose = reader.numbers(key);
   if (pose.empty()) return std::nullopt;
   if (pose.size() != 3) reader.refuse(key, "[x, y, yaw] or an empty list");
-  return Pose2{pose[0], pose[1], pose[2]};
+  return Pose{pose[0], pose[1], pose[2]};
 }
 
 /// Where a list was given on a command line (`_initial_pose:=[1,2,0]`), it arrives as text. Other
@@ -47,7 +47,7 @@ LocalizerParameters readParameters(const YamlReader& reader) {
                     "transform_tolerance", "transform_period", "restart_time_jump", "path_min_step",
                     "path_max_poses", "robot_radius", "visibility", "view", "detector",
                     "association", "recognition", "estimation", "look_around", "relocalization",
-                    "motion", "threads", "estimator", "mapping", "mapper",
+                    "motion", "floor", "pose_model", "threads", "estimator", "mapping", "mapper",
                     // Read by nodelet in the same namespace.
                     "num_worker_threads"});
   LocalizerParameters parameters;

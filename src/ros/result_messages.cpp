@@ -6,13 +6,13 @@ namespace omnitag {
 namespace {
 
 std::optional<geometry_msgs::TransformStamped> robotTransform(const AssembledFrame& input,
-                                                              const Pose2& pose,
+                                                              const FrameResult& result,
                                                               const FrameNames& frames,
                                                               double transform_tolerance) {
   geometry_msgs::TransformStamped message;
   message.header.frame_id = frames.map;
   message.header.stamp = input.header.stamp;
-  const Eigen::Isometry3d map_from_base = pose.toIsometry();
+  const Eigen::Isometry3d map_from_base = result.publishedPose().pose.toIsometry();
   if (frames.odom.empty()) {
     message.child_frame_id = frames.base;
     message.transform = toMessage(map_from_base);
@@ -21,7 +21,11 @@ std::optional<geometry_msgs::TransformStamped> robotTransform(const AssembledFra
   if (!input.odom_from_base) return std::nullopt;
   message.header.stamp += ros::Duration(transform_tolerance);
   message.child_frame_id = frames.odom;
-  const Eigen::Isometry3d map_from_odom = map_from_base * input.odom_from_base->inverse();
+  // On a floor, what odometry says of leaning stays with odometry.
+  const Eigen::Isometry3d odom_from_base =
+      result.is_on_floor ? Pose::fromIsometry(*input.odom_from_base).onFloor().toIsometry()
+                         : *input.odom_from_base;
+  const Eigen::Isometry3d map_from_odom = map_from_base * odom_from_base.inverse();
   message.transform = toMessage(map_from_odom);
   return message;
 }
@@ -38,14 +42,15 @@ ResultMessages toMessages(const LocalizedImage& localized, const MarkerMap& map,
 
   std_msgs::Header map_header = image_header;
   map_header.frame_id = frames.map;
-  const PoseEstimate& estimate = *localized.result.map_from_base;
+  const PoseEstimate estimate = localized.result.publishedPose();
   messages.pose.emplace();
   messages.pose->header = map_header;
   messages.pose->pose = toMessage(estimate.pose);
   messages.pose_with_covariance.emplace();
   messages.pose_with_covariance->header = map_header;
   messages.pose_with_covariance->pose = toMessage(estimate);
-  messages.transform = robotTransform(localized.input, estimate.pose, frames, transform_tolerance);
+  messages.transform =
+      robotTransform(localized.input, localized.result, frames, transform_tolerance);
   return messages;
 }
 

@@ -83,7 +83,7 @@ class PatternPixelsTest : public testing::Test {
     map_.markers.push_back(marker);
   }
 
-  cv::Mat render(const Pose2& map_from_base) const {
+  cv::Mat render(const Pose& map_from_base) const {
     constexpr int kSamples = 24;
     return test::renderPanorama(map_, camera_, map_from_base, kSamples);
   }
@@ -93,7 +93,7 @@ class PatternPixelsTest : public testing::Test {
     return patternPixels(image, camera_, kPose, marker, TagPattern(marker.family, marker.id), 4);
   }
 
-  static constexpr Pose2 kPose{0.1, -0.2, 0.3};
+  static constexpr Pose kPose{0.1, -0.2, 0.3};
   MarkerMap map_;
   MountedCamera camera_{test::sphericalCamera(), test::lookingDown()};
 };
@@ -114,10 +114,10 @@ TEST_F(PatternPixelsTest, HaveTheGreysOfARenderedImage) {
 
 TEST_F(PatternPixelsTest, ChangeAsRenderedImagesDo) {
   // About a fifth of a pixel from one to the other.
-  const std::vector<Pose2> steps{{0.002, 0.0, 0.0}, {0.0, 0.002, 0.0}, {0.0, 0.0, 0.0007}};
+  const std::vector<Pose> steps{{0.002, 0.0, 0.0}, {0.0, 0.002, 0.0}, {0.0, 0.0, 0.0007}};
   const Light light = fitLight(pixelsOf(render(kPose)), 0.0);
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    const Pose2& step = steps[i];
+    const Pose& step = steps[i];
     const double length = step.x + step.y + step.yaw;
     const auto after = pixelsOf(render({kPose.x + step.x, kPose.y + step.y, kPose.yaw + step.yaw}));
     const auto before =

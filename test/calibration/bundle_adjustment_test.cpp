@@ -40,7 +40,7 @@ TEST_P(PerturbedCamerasTest, DerivativesAreThoseOfTheProjection) {
   const std::vector<double> offsets(model.parameters().size(), 0.0);
   ASSERT_TRUE(cameras.moveTo(offsets.data(), true));
   const Eigen::Vector3d point(2.0, 1.5, 0.4);
-  const Pose2 pose{0.2, -0.3, 0.8};
+  const Pose pose{0.2, -0.3, 0.8};
   Eigen::Matrix2Xd by_offsets;
   Eigen::Matrix<double, 2, 3> by_pose;
   ASSERT_TRUE(cameras.project(pose, point, &by_offsets, &by_pose));
@@ -65,8 +65,8 @@ TEST_P(PerturbedCamerasTest, DerivativesAreThoseOfTheProjection) {
   }
   for (int i = 0; i < 3; ++i) {
     const auto at = [&](double offset) {
-      const Pose2 moved{pose.x + (i == 0 ? offset : 0.0), pose.y + (i == 1 ? offset : 0.0),
-                        pose.yaw + (i == 2 ? offset : 0.0)};
+      const Pose moved{pose.x + (i == 0 ? offset : 0.0), pose.y + (i == 1 ? offset : 0.0),
+                       pose.yaw + (i == 2 ? offset : 0.0)};
       return *model.mounted(model.guess()).pixelFromMap(moved, point);
     };
     EXPECT_LT((by_pose.col(i) - difference(at, 1e-3)).norm(), 1e-4);
@@ -110,7 +110,7 @@ class BundleAdjustmentTest : public testing::Test {
   const Eigen::Isometry3d mounting = test::mounting(1.1, 0.1, -0.05);
   const MarkerMap map = test::roomMap();
   const CalibrationModel model = modelOf(kTrueSphere, mounting);
-  std::vector<Pose2> poses;
+  std::vector<Pose> poses;
   CalibrationData data;
 };
 
@@ -121,7 +121,7 @@ TEST_F(BundleAdjustmentTest, FindsBackToTheTruth) {
   for (const Eigen::Index index : config.free) {
     start.values(index) += 0.3 * model.parameters()[static_cast<std::size_t>(index)].scale;
   }
-  for (Pose2& pose : start.poses) pose.x += 0.02;
+  for (Pose& pose : start.poses) pose.x += 0.02;
   AdjustmentConfig wide = config;
   wide.robust_width = 30.0;
   const CalibrationState rough = adjustment.minimize(start, wide);

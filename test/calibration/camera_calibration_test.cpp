@@ -46,7 +46,7 @@ class CameraCalibrationTest : public testing::Test {
         result.base_from_camera);
     double squares = 0.0;
     int count = 0;
-    for (const Pose2& pose : test::posesInRoom(10, 2.5, &generator)) {
+    for (const Pose& pose : test::posesInRoom(10, 2.5, &generator)) {
       for (const Marker& marker : map.markers) {
         const auto expected = truth.pixelFromMap(pose, marker.center());
         const auto pixel = found.pixelFromMap(pose, marker.center());
@@ -211,8 +211,8 @@ TEST_F(CameraCalibrationTest, RefusesARobotThatStands) {
 TEST_F(CameraCalibrationTest, RefusesMarkersOnOneSide) {
   const MountedCamera truth = truthOf(kTruth, test::mounting(1.1, 0.0, 0.0));
   map.markers.resize(4);
-  std::vector<Pose2> poses = test::posesInRoom(40, 2.0, &generator);
-  for (Pose2& pose : poses) pose.yaw = 0.1;
+  std::vector<Pose> poses = test::posesInRoom(40, 2.0, &generator);
+  for (Pose& pose : poses) pose.yaw = 0.1;
   const auto frames = test::drive(map, truth, poses, kNoise, truth.baseFromCamera(), &generator);
   const std::string message = test::refusalOf(
       [&] { calibrateCamera(CameraTemplate::fromText(kTruth, "guess"), map, frames, {}); });

@@ -15,8 +15,8 @@ namespace omnitag::test {
 /// Camera files: a sphere of 500 x 500 pixels, whose circle is 190 pixels, and a hyperbola.
 inline std::string catadioptricFile(double fx, double cx, double cy, double apex_distance,
                                     const std::string& shape) {
-  return "model: catadioptric\nimage: {width: 500, height: 500}\nlens: {fx: " + std::to_string(fx) +
-         ", fy: " + std::to_string(fx) + ", cx: " + std::to_string(cx) +
+  return "model: catadioptric\nimage: {width: 500, height: 500}\nuncertainty: none\nlens: {fx: " +
+         std::to_string(fx) + ", fy: " + std::to_string(fx) + ", cx: " + std::to_string(cx) +
          ", cy: " + std::to_string(cy) +
          "}\nmirror: {apex_distance: " + std::to_string(apex_distance) + ", " + shape + "}\n";
 }
@@ -41,10 +41,10 @@ inline MarkerMap roomMap() {
 }
 
 /// Poses in a square about the room's middle, with all headings.
-inline std::vector<Pose2> posesInRoom(int count, double half_side, std::mt19937* generator) {
+inline std::vector<Pose> posesInRoom(int count, double half_side, std::mt19937* generator) {
   std::uniform_real_distribution<double> place(-half_side, half_side);
   std::uniform_real_distribution<double> heading(-kPi, kPi);
-  std::vector<Pose2> poses;
+  std::vector<Pose> poses;
   for (int i = 0; i < count; ++i) {
     const double x = place(*generator);
     const double y = place(*generator);
@@ -56,11 +56,11 @@ inline std::vector<Pose2> posesInRoom(int count, double half_side, std::mt19937*
 /// What a camera would read on the way, each corner off by `noise` pixels; the frames say that the
 /// camera is mounted at `believed_mounting`.
 inline std::vector<FrameReadings> drive(const MarkerMap& map, const MountedCamera& truth,
-                                        const std::vector<Pose2>& poses, double noise,
+                                        const std::vector<Pose>& poses, double noise,
                                         const Eigen::Isometry3d& believed_mounting,
                                         std::mt19937* generator) {
   std::vector<FrameReadings> frames;
-  for (const Pose2& pose : poses) {
+  for (const Pose& pose : poses) {
     FrameReadings frame;
     frame.stamp = 0.1 * static_cast<double>(frames.size());
     frame.base_from_camera = believed_mounting;

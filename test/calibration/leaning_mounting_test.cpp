@@ -37,10 +37,10 @@ TEST(LeaningMountingTest, TakesTfsAngles) {
 TEST(LeaningMountingTest, WhatItKeepsIsAnotherPoseOfTheRobot) {
   const auto camera = test::sphericalCamera();
   const Eigen::Isometry3d truth = test::mounting(1.1, 0.2, -0.1);
-  const Pose2 offset{0.3, -0.2, 0.4};
+  const Pose offset{0.3, -0.2, 0.4};
   const LeaningMounting believed(offset.toIsometry() * truth);
   const MountedCamera moved(camera, believed.at(believed.values()));
-  const Pose2 pose{1.0, 0.5, -0.7};
+  const Pose pose{1.0, 0.5, -0.7};
   const Eigen::Vector3d point(3.0, 2.0, 1.2);
   const auto expected = MountedCamera(camera, truth).pixelFromMap(pose, point);
   ASSERT_TRUE(expected);

@@ -13,7 +13,7 @@ namespace {
 using test::catadioptricFile;
 using test::kSphere;
 
-CalibrationFrame frameOf(const MarkerMap& map, const MountedCamera& truth, const Pose2& pose) {
+CalibrationFrame frameOf(const MarkerMap& map, const MountedCamera& truth, const Pose& pose) {
   CalibrationFrame frame;
   for (std::size_t i = 0; i < map.markers.size(); ++i) {
     const auto reading = test::exactReading(map.markers[i], truth, pose);
@@ -36,7 +36,7 @@ TEST_F(PoseFromBearingsTest, NeedsNoMirror) {
                                    "profile: parabolic, radius_of_curvature: 0.1, rim_radius: 0.1"),
                   "guess"),
       truth.baseFromCamera());
-  for (const Pose2& pose : test::posesInRoom(20, 2.5, &generator)) {
+  for (const Pose& pose : test::posesInRoom(20, 2.5, &generator)) {
     const auto found = poseFromBearings(map, guess, frameOf(map, truth, pose));
     ASSERT_TRUE(found);
     EXPECT_LT(test::positionError(*found, pose), 0.02);
@@ -47,7 +47,7 @@ TEST_F(PoseFromBearingsTest, NeedsNoMirror) {
 TEST_F(PoseFromBearingsTest, IsNearWithACentreTenPixelsOff) {
   const MountedCamera guess(parseCamera(catadioptricFile(1195, 257, 243, 0.21, kSphere), "guess"),
                             truth.baseFromCamera());
-  for (const Pose2& pose : test::posesInRoom(20, 2.5, &generator)) {
+  for (const Pose& pose : test::posesInRoom(20, 2.5, &generator)) {
     const auto found = poseFromBearings(map, guess, frameOf(map, truth, pose));
     ASSERT_TRUE(found);
     EXPECT_LT(test::positionError(*found, pose), 0.6);
@@ -58,7 +58,7 @@ TEST_F(PoseFromBearingsTest, IsNearWithACentreTenPixelsOff) {
 TEST_F(PoseFromBearingsTest, LeavesOutOneThatHangsElsewhere) {
   MarkerMap wrong = map;
   wrong.markers[3].map_from_marker.translation().x() -= 4.0;
-  const Pose2 pose{0.3, -0.5, 1.0};
+  const Pose pose{0.3, -0.5, 1.0};
   const auto found = poseFromBearings(wrong, truth, frameOf(map, truth, pose));
   ASSERT_TRUE(found);
   EXPECT_LT(test::positionError(*found, pose), 0.02);
@@ -72,7 +72,7 @@ TEST_F(PoseFromBearingsTest, HasNoneWhereTheMapIsAnother) {
     other.markers[i].map_from_marker = map.markers[source].map_from_marker;
   }
   int found = 0;
-  for (const Pose2& pose : test::posesInRoom(20, 2.5, &generator)) {
+  for (const Pose& pose : test::posesInRoom(20, 2.5, &generator)) {
     found += poseFromBearings(other, truth, frameOf(map, truth, pose)) ? 1 : 0;
   }
   EXPECT_LE(found, 10);

@@ -35,7 +35,7 @@ class ReadingAlignmentTest : public testing::Test {
   }
 
   MountedCamera camera_{test::sphericalCamera(), test::lookingDown()};
-  Pose2 pose_{0.2, -0.1, 0.4};
+  Pose pose_{0.2, -0.1, 0.4};
 };
 
 TEST_F(ReadingAlignmentTest, PlacesCornersWhereTheyImage) {

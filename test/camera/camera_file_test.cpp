@@ -196,6 +196,28 @@ TEST(CameraFile, namesTheToolboxsFileWhereThatIsWrong) {
             0U);
 }
 
+TEST(CameraFile, saysHowFarItMayBeOff) {
+  const auto uncertaintyWith = [](const std::string& text) {
+    const std::string image = "image: {width: 500, height: 400}\n";
+    return parseCamera(sphereWith(image, image + text), "camera.yaml")->uncertainty();
+  };
+  // Half a pixel where the image is 500 pixels high.
+  const CameraUncertainty usual = uncertaintyWith("");
+  for (const double mode : {usual.principal_point, usual.scale, usual.tilt, usual.rim}) {
+    EXPECT_DOUBLE_EQ(mode, 0.4);
+  }
+  EXPECT_TRUE(uncertaintyWith("uncertainty: none\n").isNone());
+  const CameraUncertainty stated = uncertaintyWith("uncertainty: {principal_point: 0.1, rim: 2}\n");
+  EXPECT_EQ(stated.principal_point, 0.1);
+  EXPECT_EQ(stated.scale, 0.0);
+  EXPECT_EQ(stated.tilt, 0.0);
+  EXPECT_EQ(stated.rim, 2.0);
+  for (const std::string bad : {"uncertainty: some\n", "uncertainty: {scale: -1}\n",
+                                "uncertainty: {centre: 1}\n", "uncertainty: [1, 2]\n"}) {
+    EXPECT_THROW(uncertaintyWith(bad), InputError) << bad;
+  }
+}
+
 TEST(CameraFile, isWhatTheDocumentationShows) {
   std::ifstream document(PACKAGE_DIR "/doc/camera_models.md");
   const std::string origin = writtenCamera(kOcam);

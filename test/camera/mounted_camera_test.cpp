@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <memory>
+
 #include "../support/sample_cameras.h"
+#include "omnitag/camera/catadioptric_camera.h"
 
 namespace omnitag {
 namespace {
@@ -10,7 +14,7 @@ namespace {
 class MountedCameraTest : public testing::TestWithParam<Eigen::Isometry3d> {
  protected:
   MountedCamera camera_{test::sphericalCamera(), GetParam()};
-  Pose2 pose_{1.3, -0.7, 2.1};
+  Pose pose_{1.3, -0.7, 2.1};
 };
 
 TEST_P(MountedCameraTest, SeesAPointOfTheMapWhereItsLineOfSightGoes) {
@@ -31,19 +35,50 @@ TEST_P(MountedCameraTest, SeesAPointOfTheMapWhereItsLineOfSightGoes) {
 
 TEST_P(MountedCameraTest, DerivativeByThePose) {
   const Eigen::Vector3d point(-1.0, 1.5, 1.2);
-  Eigen::Matrix<double, 2, 3> by_pose;
-  ASSERT_TRUE(camera_.pixelFromMap(pose_, point, &by_pose));
-  constexpr double kStep = 1e-6;
-  for (int i = 0; i < 3; ++i) {
-    Eigen::Vector3d step = Eigen::Vector3d::Zero();
-    step(i) = kStep;
-    const auto moved = [&](double sign) {
-      return *camera_.pixelFromMap(
-          {pose_.x + sign * step.x(), pose_.y + sign * step.y(), pose_.yaw + sign * step.z()},
-          point);
-    };
-    const Eigen::Vector2d numeric = (moved(1.0) - moved(-1.0)) / (2.0 * kStep);
-    EXPECT_LT((by_pose.col(i) - numeric).norm(), 1e-5 * by_pose.norm());
+  for (const Pose& pose : {pose_, Pose{pose_.x, pose_.y, pose_.yaw, 0.1, -0.2, 0.3}}) {
+    FrameJacobian by_frame;
+    ASSERT_TRUE(camera_.pixelFromMap(pose, point, &by_frame));
+    constexpr double kStep = 1e-6;
+    for (int i = 0; i < 6; ++i) {
+      const auto seenFrom = [&](double sign) {
+        return *camera_.pixelFromMap(moved(pose, sign * kStep * PoseVector::Unit(i)), point);
+      };
+      const Eigen::Vector2d numeric = (seenFrom(1.0) - seenFrom(-1.0)) / (2.0 * kStep);
+      EXPECT_LT((by_frame.col(i) - numeric).norm(), 1e-5 * by_frame.norm()) << i;
+    }
+  }
+}
+
+TEST_P(MountedCameraTest, AnErrorDisplacesWhatIsSeenAndTheLinesOfSight) {
+  auto model = std::make_shared<CatadioptricCamera>(
+      dynamic_cast<const CatadioptricCamera&>(camera_.model()));
+  model->setUncertainty({0.7, 1.5, 0.9, 2.0});
+  const MountedCamera camera(model, GetParam());
+  const Eigen::Vector3d point(-1.0, 1.5, 1.2);
+  FrameJacobian by_frame;
+  const auto pixel = camera.pixelFromMap(pose_, point, &by_frame);
+  ASSERT_TRUE(pixel);
+  // The modes as they are defined, by hand.
+  const Eigen::Vector2d center = model->imagePlane().principalPoint();
+  const Eigen::Vector2d n = (*pixel - center) / (model->imagePlane().scale() * model->maxRadius());
+  const std::array<Eigen::Vector2d, 6> modes = {
+      Eigen::Vector2d(0.7, 0.0), Eigen::Vector2d(0.0, 0.7),        1.5 * n,
+      0.9 * n.x() * n,           Eigen::Vector2d(0.9 * n.y() * n), 2.0 * n.squaredNorm() * n};
+  for (int i = 0; i < 6; ++i) {
+    const CameraError error = 1.3 * CameraError::Unit(i);
+    const Eigen::Vector2d& mode = modes[static_cast<std::size_t>(i)];
+    EXPECT_LT((by_frame.col(6 + i) - mode).norm(), 1e-12) << i;
+    const MountedCamera off = camera.withError(error);
+    const auto displaced = off.pixelFromMap(pose_, point);
+    ASSERT_TRUE(displaced);
+    EXPECT_LT((*displaced - *pixel - 1.3 * mode).norm(), 1e-12) << i;
+    // What is seen there lies on its line of sight.
+    const auto ray = off.rayInBase(*displaced);
+    ASSERT_TRUE(ray);
+    const Eigen::Vector3d in_base = pose_.toIsometry().inverse() * point;
+    const auto back = model->pixelFromPoint(camera.baseFromCamera().inverse() * in_base);
+    EXPECT_LT((in_base - ray->origin).cross(ray->direction).norm(), 1e-4) << i;
+    EXPECT_LT((*back - *pixel).norm(), 1e-12);
   }
 }
 

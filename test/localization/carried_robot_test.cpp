@@ -4,6 +4,7 @@
 #include <optional>
 #include <random>
 
+#include "../support/level_floor.h"
 #include "../support/panorama_renderer.h"
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
@@ -23,18 +24,18 @@ class CarriedRobotTest : public testing::TestWithParam<bool> {
     for (int i = 0; i < 5; ++i) ASSERT_EQ(process(image_at_start_).mode, Mode::kTracking);
   }
 
-  cv::Mat render(const MarkerMap& seen, const Pose2& pose) const {
+  cv::Mat render(const MarkerMap& seen, const Pose& pose) const {
     return test::renderPanorama(seen, {model_, mounting_}, pose);
   }
 
   FrameResult process(const cv::Mat& image) {
     Frame frame{kPeriod * frames_++, image, mounting_, std::nullopt};
-    if (has_odometry_) frame.odom_from_base = Pose2{3.0, 1.0, -0.5};
+    if (has_odometry_) frame.odom_from_base = Pose{3.0, 1.0, -0.5};
     return localizer_.process(frame);
   }
 
   /// No pose with a reason, or one that is right.
-  static void expectNoWrongPose(const FrameResult& result, const Pose2& truth, double tolerance) {
+  static void expectNoWrongPose(const FrameResult& result, const Pose& truth, double tolerance) {
     if (!result.map_from_base) {
       EXPECT_NE(result.remark, "");
       return;
@@ -46,9 +47,9 @@ class CarriedRobotTest : public testing::TestWithParam<bool> {
   const bool has_odometry_ = GetParam();
   std::shared_ptr<const CameraModel> model_ = test::sphericalCamera();
   Eigen::Isometry3d mounting_ = test::lookingDown();
-  Pose2 start_{0.3, -0.2, 0.5};
+  Pose start_{0.3, -0.2, 0.5};
   MarkerMap map_{"map", test::roomMarkers()};
-  Localizer localizer_{model_, map_, {}};
+  Localizer localizer_{model_, map_, test::onLevelFloor()};
   cv::Mat image_at_start_ = render(map_, start_);
   int frames_ = 0;
 };
@@ -60,8 +61,8 @@ TEST_P(CarriedRobotTest, IsFoundAtOnceHoweverFarItWasCarried) {
     for (const double yaw : {0.0, 0.02, 0.2}) {
       SCOPED_TRACE(testing::Message() << distance << " m, " << yaw << " rad");
       const double direction = turn(random);
-      const Pose2 there{start_.x + distance * std::cos(direction),
-                        start_.y + distance * std::sin(direction), start_.yaw + yaw};
+      const Pose there{start_.x + distance * std::cos(direction),
+                       start_.y + distance * std::sin(direction), start_.yaw + yaw};
       const cv::Mat image = render(map_, there);
       standAtStart();
       for (int i = 0; i < 2; ++i) {
@@ -81,8 +82,8 @@ TEST_P(CarriedRobotTest, HasNoWrongPoseWhereASingleMarkerIsInSight) {
     const Marker& marker = map_.markers[static_cast<std::size_t>(id)];
     const double azimuth =
         std::atan2(marker.normal().y(), marker.normal().x()) + radians(id % 4 == 1 ? 42.0 : -42.0);
-    const Pose2 there{marker.center().x() + 2.2 * std::cos(azimuth),
-                      marker.center().y() + 2.2 * std::sin(azimuth), 0.3 * id};
+    const Pose there{marker.center().x() + 2.2 * std::cos(azimuth),
+                     marker.center().y() + 2.2 * std::sin(azimuth), 0.3 * id};
     const cv::Mat image = render({"map", {marker}}, there);
     standAtStart();
     FrameResult result;

@@ -16,11 +16,11 @@ class DisplacementTest : public testing::TestWithParam<Eigen::Isometry3d> {
   std::optional<DisplacedMarker> displacementOf(const Marker& hanging, const MarkerMap& map) const {
     const MarkerReading reading = *test::exactReading(hanging, camera_, robot_);
     return displacement(map, camera_, reading.family, reading.id,
-                        {0, reading.corners, reading.center}, robot_, {});
+                        {0, reading.corners, reading.center}, robot_, PosePrior::upright(), {});
   }
 
   MountedCamera camera_{test::sphericalCamera(), GetParam()};
-  Pose2 robot_{0.4, -0.3, 2.1};
+  Pose robot_{0.4, -0.3, 2.1};
   Marker mapped_ = test::wallMarker(6, {2.5, 0.9, 1.3}, kPi + 0.2);
 };
 

@@ -58,7 +58,7 @@ class ExplorationTest : public testing::Test {
   MountedCamera camera_{model_, test::lookingDown()};
   ViewWarper warper_{model_, kWorkingDistance};
   LocalizerConfig config_;
-  Pose2 pose_{0.3, -0.2, 0.4};
+  Pose pose_{0.3, -0.2, 0.4};
   std::vector<View> all_ = viewsOfEverything(camera_, warper_.table(), config_.look_around);
   Exploration exploration_;
 };
@@ -157,7 +157,7 @@ TEST(ExploringLocalizerTest, ReadsMostOfWhatIsLargeAtAGlance) {
   config.exploring_views = 1;
   const auto camera = test::sphericalCamera();
   const Eigen::Isometry3d mounting = test::lookingDown();
-  const Pose2 pose{0.3, -0.2, 0.4};
+  const Pose pose{0.3, -0.2, 0.4};
   const cv::Mat image = test::renderPanorama({"map", all}, {camera, mounting}, pose, 2);
   Localizer localizer(camera, map, config);
   localizer.setPose(pose);
@@ -178,7 +178,7 @@ TEST(ExploringLocalizerTest, ReadsASoughtMarkerInTheNextFrame) {
   config.look_around.glance = false;
   const auto camera = test::sphericalCamera();
   const Eigen::Isometry3d mounting = test::lookingDown();
-  const Pose2 pose{0.3, -0.2, 0.4};
+  const Pose pose{0.3, -0.2, 0.4};
   const cv::Mat image = test::renderPanorama({"map", all}, {camera, mounting}, pose, 2);
   for (const Marker& sought : all) {
     MarkerMap map;
@@ -207,7 +207,7 @@ TEST(ExploringLocalizerTest, ADoubtfulLookAllAroundIsNotLostToExploring) {
   const auto camera = test::sphericalCamera();
   const Eigen::Isometry3d mounting = test::lookingDown();
   Localizer localizer(camera, map, config);
-  const Pose2 pose{0.3, -0.2, 0.4};
+  const Pose pose{0.3, -0.2, 0.4};
   const cv::Mat image = test::renderPanorama({"map", all}, {camera, mounting}, pose, 2);
   localizer.setPose(pose);
   const FrameResult result = localizer.process({0.0, image, mounting, std::nullopt});

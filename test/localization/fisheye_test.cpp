@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "../support/level_floor.h"
 #include "../support/panorama_renderer.h"
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
@@ -72,13 +73,13 @@ class FisheyeTest : public testing::TestWithParam<Setup> {
   std::shared_ptr<const CameraModel> model_ = GetParam().camera();
   MountedCamera camera_{model_, mountingOf(GetParam().looks_up)};
   MarkerMap map_ = mapOf(GetParam().looks_up);
-  Pose2 truth_{0.25, 0.22, 0.5};
+  Pose truth_{0.25, 0.22, 0.5};
   std::set<int> all_{1, 3, 6, 20, 21, 22, 23};
 };
 
 TEST_P(FisheyeTest, TracksWithMarkersAboveBelowAndAround) {
-  Localizer localizer(model_, map_, {});
-  localizer.setPose(Pose2{truth_.x + 0.05, truth_.y - 0.04, truth_.yaw + 0.03});
+  Localizer localizer(model_, map_, test::onLevelFloor());
+  localizer.setPose(Pose{truth_.x + 0.05, truth_.y - 0.04, truth_.yaw + 0.03});
   const FrameResult result = localizer.process(frame(1.0));
   EXPECT_EQ(result.mode, Mode::kTracking);
   EXPECT_EQ(acceptedIds(result), all_);
@@ -86,7 +87,7 @@ TEST_P(FisheyeTest, TracksWithMarkersAboveBelowAndAround) {
 }
 
 TEST_P(FisheyeTest, FindsThemAllAround) {
-  Localizer localizer(model_, map_, {});
+  Localizer localizer(model_, map_, test::onLevelFloor());
   const FrameResult result = localizer.process(frame(1.0));
   EXPECT_EQ(result.mode, Mode::kFound);
   EXPECT_EQ(acceptedIds(result), all_);
@@ -95,8 +96,8 @@ TEST_P(FisheyeTest, FindsThemAllAround) {
 
 TEST_P(FisheyeTest, TracksByTheOneRightAboveOrBelow) {
   map_.markers = {map_.markers[3]};
-  Localizer localizer(model_, map_, {});
-  localizer.setPose(Pose2{truth_.x + 0.02, truth_.y - 0.02, truth_.yaw + 0.01});
+  Localizer localizer(model_, map_, test::onLevelFloor());
+  localizer.setPose(Pose{truth_.x + 0.02, truth_.y - 0.02, truth_.yaw + 0.01});
   const FrameResult result = localizer.process(frame(1.0));
   EXPECT_EQ(acceptedIds(result), std::set<int>{20});
   ASSERT_TRUE(result.map_from_base);

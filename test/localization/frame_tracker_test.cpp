@@ -5,6 +5,7 @@
 #include <opencv2/core.hpp>
 #include <set>
 
+#include "../support/level_floor.h"
 #include "../support/panorama_renderer.h"
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
@@ -16,7 +17,7 @@ namespace {
 /// What a localizer finds in one frame of a robot that stands at a known place among markers.
 class FrameTrackerTest : public testing::TestWithParam<Eigen::Isometry3d> {
  protected:
-  static Pose2 truth() { return {0.25, -0.15, 0.6}; }
+  static Pose truth() { return {0.25, -0.15, 0.6}; }
 
   MountedCamera camera() const { return {model_, GetParam()}; }
 
@@ -33,7 +34,8 @@ class FrameTrackerTest : public testing::TestWithParam<Eigen::Isometry3d> {
 
   /// The panorama of `seen`, in which `map` is looked for from a prediction.
   FrameResult track(const MarkerMap& seen, const MarkerMap& map, const PoseEstimate& predicted,
-                    const LocalizerConfig& config = {}, bool wants_views = false) const {
+                    const LocalizerConfig& config = test::onLevelFloor(),
+                    bool wants_views = false) const {
     Localizer localizer(model_, map, config);
     localizer.setPose(predicted);
     Frame frame{0.0, test::renderPanorama(seen, camera(), truth(), 4), GetParam(), std::nullopt};
@@ -43,7 +45,7 @@ class FrameTrackerTest : public testing::TestWithParam<Eigen::Isometry3d> {
 
   static PoseEstimate nearby(double position, double heading) {
     const Eigen::Vector3d deviations(position, position, heading);
-    return {truth(), deviations.cwiseAbs2().asDiagonal()};
+    return floorEstimate(truth(), deviations.cwiseAbs2().asDiagonal());
   }
 
   /// A prediction that is off by as much as it says, toward `direction`, its heading to one side in
@@ -57,7 +59,7 @@ class FrameTrackerTest : public testing::TestWithParam<Eigen::Isometry3d> {
   }
 
   static LocalizerConfig decoding() {
-    LocalizerConfig config;
+    LocalizerConfig config = test::onLevelFloor();
     config.estimation.kind = EstimatorKind::kReprojection;
     return config;
   }
@@ -153,7 +155,7 @@ TEST_P(FrameTrackerTest, ShowsAViewOfEveryPredictedMarkerToWhoWantsThem) {
   MarkerMap map = ring();
   map.markers[2].size = 0.26;
   const PoseEstimate predicted = nearby(0.01, radians(0.3));
-  const FrameResult result = track(map, map, predicted, {}, true);
+  const FrameResult result = track(map, map, predicted, test::onLevelFloor(), true);
   ASSERT_EQ(result.predicted.size(), 7U);
   EXPECT_EQ(shown(result).size(), 7U);
   ASSERT_EQ(result.view_images.size(), result.views.size());

@@ -4,6 +4,7 @@
 #include <random>
 #include <sstream>
 
+#include "../support/level_floor.h"
 #include "../support/panorama_renderer.h"
 #include "../support/sample_cameras.h"
 #include "omnitag/localization/localizer.h"
@@ -48,7 +49,7 @@ class LargeMapTest : public testing::Test {
   }
 
   /// The robot drives through one room, whose walls hide all others.
-  static Pose2 routeAt(int frame) {
+  static Pose routeAt(int frame) {
     const double x = kRoom * (kHere % kRoomsPerSide);
     const double y = kRoom * (kHere / kRoomsPerSide);
     return {x + 0.7 + 0.08 * frame, y - 0.4 + 0.05 * frame, 0.4 + 0.06 * frame};
@@ -61,7 +62,7 @@ class LargeMapTest : public testing::Test {
   }
   static void expectPose(const FrameResult& result, int index) {
     ASSERT_TRUE(result.map_from_base) << result.remark;
-    const Eigen::Vector3d error = difference(result.map_from_base->pose, routeAt(index));
+    const Eigen::Vector3d error = difference(result.map_from_base->pose, routeAt(index)).head<3>();
     EXPECT_LT(error.head<2>().norm(), 5e-3);
     EXPECT_LT(std::abs(error.z()), 1e-3);
     for (const MarkerDetection& detection : result.detections) {
@@ -81,7 +82,7 @@ TEST_F(LargeMapTest, LoadsEveryMarker) {
 }
 
 TEST_F(LargeMapTest, Tracks) {
-  Localizer localizer(camera_, building(), {});
+  Localizer localizer(camera_, building(), test::onLevelFloor());
   localizer.setPose(routeAt(0));
   for (int i = 0; i < 3; ++i) {
     const FrameResult result = localizer.process(frameAt(i));
@@ -92,7 +93,7 @@ TEST_F(LargeMapTest, Tracks) {
 }
 
 TEST_F(LargeMapTest, FindsTheRoomAmongAll) {
-  Localizer localizer(camera_, building(), {});
+  Localizer localizer(camera_, building(), test::onLevelFloor());
   expectPose(localizer.process(frameAt(0)), 0);
 }
 

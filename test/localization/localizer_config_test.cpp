@@ -32,7 +32,13 @@ estimation: {corner_noise: 0.3, blur: 0.7}
 look_around: {step: 0.5}
 relocalization: {min_lead: 20}
 motion: {acceleration_deviation: 3}
+pose_model: free
+floor: {lean_deviation: 0.02, height_deviation: 0.01, settling_time: 5}
 )");
+  EXPECT_EQ(config.motion.pose_model, PoseModel::kFree);
+  EXPECT_EQ(config.motion.floor.lean_deviation, 0.02);
+  EXPECT_EQ(config.motion.floor.height_deviation, 0.01);
+  EXPECT_EQ(config.motion.floor.settling_time, 5.0);
   EXPECT_EQ(config.estimation.kind, EstimatorKind::kTriangulation);
   EXPECT_EQ(config.visibility.max_range, 7.0);
   EXPECT_EQ(config.view.oversampling, 2.0);
@@ -86,6 +92,25 @@ TEST(LocalizerConfigTest, RefusesWhatIsWrongAndNamesIt) {
             << "'" << fragment << "' not in: " << error.what();
       }
       EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+    }
+  }
+}
+
+TEST(LocalizerConfigTest, TellsWhatStandsForSettingsThatAreNoMore) {
+  const std::vector<std::pair<std::string, std::string>> replaced = {
+      {"estimation: {max_residual: 1.5}", "max_misfit"},
+      {"estimation: {robust_width: 0.25}", "robust_misfit"},
+      {"estimation: {placement_deviation: 1e-3}", "deviation in the map file"},
+      {"relocalization: {corner_noise: 0.1}", "estimation/poor_corner_noise"},
+      {"relocalization: {max_residual_of_one: 0.5}", "max_misfit_of_one"}};
+  for (const auto& [text, replacement] : replaced) {
+    try {
+      read(text);
+      ADD_FAILURE() << text;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("is no more; use"), std::string::npos)
+          << error.what();
+      EXPECT_NE(std::string(error.what()).find(replacement), std::string::npos) << error.what();
     }
   }
 }

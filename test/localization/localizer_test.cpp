@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "../support/level_floor.h"
 #include "../support/panorama_renderer.h"
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
@@ -35,7 +36,7 @@ MarkerMap room() {
   return map;
 }
 
-Pose2 routeAt(int frame) { return {0.6 + 0.08 * frame, -0.5 + 0.05 * frame, 0.4 + 0.06 * frame}; }
+Pose routeAt(int frame) { return {0.6 + 0.08 * frame, -0.5 + 0.05 * frame, 0.4 + 0.06 * frame}; }
 
 using test::positionError;
 
@@ -46,21 +47,23 @@ class LocalizerTest : public testing::TestWithParam<Eigen::Isometry3d> {
             std::nullopt};
   }
 
-  Localizer localizer(const LocalizerConfig& config = {}) const { return {camera_, map_, config}; }
+  Localizer localizer(const LocalizerConfig& config = test::onLevelFloor()) const {
+    return {camera_, map_, config};
+  }
 
   std::shared_ptr<const CameraModel> camera_ = test::sphericalCamera();
   Eigen::Isometry3d mounting_ = GetParam();
   MarkerMap map_ = room();
 
   cv::Mat renderPanorama(const MarkerMap& map, const MountedCamera& camera,
-                         const Pose2& pose) const {
+                         const Pose& pose) const {
     return test::renderPanorama(map, camera, pose);
   }
 };
 
 TEST_P(LocalizerTest, FollowsARoute) {
   Localizer localizer = this->localizer();
-  Pose2 start = routeAt(0);
+  Pose start = routeAt(0);
   start.x += 0.05;
   start.yaw -= 0.03;
   localizer.setPose(start);
@@ -79,7 +82,7 @@ TEST_P(LocalizerTest, BearingsAreThoseOfTheMarkersFromTheRobot) {
   Localizer localizer = this->localizer();
   localizer.setPose(routeAt(0));
   const FrameResult result = localizer.process(frameAt(0));
-  const Pose2 truth = routeAt(0);
+  const Pose truth = routeAt(0);
   const Eigen::Isometry3d map_from_camera = truth.toIsometry() * mounting_;
   // Lines of sight start on the mirror, some 0.22 m along the optical axis.
   const Eigen::Vector3d mirror = map_from_camera * Eigen::Vector3d(0.0, 0.0, 0.22);
@@ -121,12 +124,12 @@ TEST_P(LocalizerTest, TheSameInputGivesTheSameResult) {
   const auto poses = [this] {
     Localizer localizer = this->localizer();
     localizer.setPose(routeAt(0));
-    std::vector<Pose2> poses;
+    std::vector<Pose> poses;
     for (int i = 0; i < 2; ++i) poses.push_back(localizer.process(frameAt(i)).map_from_base->pose);
     return poses;
   };
-  const std::vector<Pose2> first = poses();
-  const std::vector<Pose2> second = poses();
+  const std::vector<Pose> first = poses();
+  const std::vector<Pose> second = poses();
   for (std::size_t i = 0; i < first.size(); ++i) {
     EXPECT_EQ(first[i].x, second[i].x);
     EXPECT_EQ(first[i].y, second[i].y);
@@ -138,18 +141,18 @@ TEST_P(LocalizerTest, MoreThreadsGiveTheSameResult) {
   // One frame is searched, at a glance or all around, the next one tracked.
   for (const bool glances : {true, false}) {
     const auto poses = [this, glances](int threads) {
-      LocalizerConfig config;
+      LocalizerConfig config = test::onLevelFloor();
       config.threads = threads;
       config.look_around.glance = glances;
       Localizer localizer = this->localizer(config);
-      std::vector<Pose2> poses;
+      std::vector<Pose> poses;
       for (int i = 0; i < 2; ++i) {
         poses.push_back(localizer.process(frameAt(i)).map_from_base->pose);
       }
       return poses;
     };
-    const std::vector<Pose2> alone = poses(1);
-    const std::vector<Pose2> together = poses(3);
+    const std::vector<Pose> alone = poses(1);
+    const std::vector<Pose> together = poses(3);
     for (std::size_t i = 0; i < alone.size(); ++i) {
       EXPECT_EQ(alone[i].x, together[i].x);
       EXPECT_EQ(alone[i].y, together[i].y);
@@ -165,18 +168,18 @@ TEST_P(LocalizerTest, SeveralMayWorkAtOnce) {
   for (int i = 0; i < kFrames; ++i) frames.push_back(frameAt(i));
   const auto poses = [this, &frames] {
     Localizer localizer = this->localizer();
-    std::vector<Pose2> poses;
+    std::vector<Pose> poses;
     for (const Frame& frame : frames) {
       const FrameResult result = localizer.process(frame);
-      poses.push_back(result.map_from_base ? result.map_from_base->pose : Pose2{});
+      poses.push_back(result.map_from_base ? result.map_from_base->pose : Pose{});
     }
     return poses;
   };
-  std::vector<std::future<std::vector<Pose2>>> threads;
+  std::vector<std::future<std::vector<Pose>>> threads;
   for (int i = 0; i < 3; ++i) threads.push_back(std::async(std::launch::async, poses));
-  const std::vector<Pose2> alone = poses();
+  const std::vector<Pose> alone = poses();
   for (auto& thread : threads) {
-    const std::vector<Pose2> together = thread.get();
+    const std::vector<Pose> together = thread.get();
     for (int i = 0; i < kFrames; ++i) {
       const auto index = static_cast<std::size_t>(i);
       EXPECT_LT(positionError(together[index], routeAt(i)), 2e-3);
@@ -197,7 +200,7 @@ class LocalizerFaultTest : public testing::Test {
     return {stamp, image, test::lookingDown(), std::nullopt};
   }
 
-  static void expectAt(const Pose2& truth, const FrameResult& result) {
+  static void expectAt(const Pose& truth, const FrameResult& result) {
     ASSERT_TRUE(result.map_from_base) << result.remark;
     EXPECT_LT(positionError(result.map_from_base->pose, truth), 2e-3);
     EXPECT_NEAR(normalizeAngle(result.map_from_base->pose.yaw - truth.yaw), 0.0, 1e-3);
@@ -205,7 +208,7 @@ class LocalizerFaultTest : public testing::Test {
 
   std::shared_ptr<const CameraModel> camera_ = test::sphericalCamera();
   MarkerMap map_ = room();
-  Localizer localizer_{camera_, map_, {}};
+  Localizer localizer_{camera_, map_, test::onLevelFloor()};
   cv::Mat good_ = test::renderPanorama(map_, {camera_, test::lookingDown()}, routeAt(0));
   cv::Mat black_ = cv::Mat::zeros(500, 500, CV_8UC1);
 };
@@ -232,7 +235,7 @@ TEST_F(LocalizerFaultTest, AGlanceIsEnoughWhereTwoMarkersAreAllThatShouldBeSeen)
   MarkerMap two = map_;
   two.markers.resize(2);
   const MountedCamera camera(camera_, test::lookingDown());
-  Localizer localizer(camera_, two, {});
+  Localizer localizer(camera_, two, test::onLevelFloor());
   const FrameResult result =
       localizer.process(frame(0.0, test::renderPanorama(two, camera, routeAt(0))));
   expectAt(routeAt(0), result);
@@ -255,7 +258,7 @@ TEST_F(LocalizerFaultTest, ASearchUsesMarkersThatItsViewsDoNotShowWhole) {
   map.markers.push_back(test::wallMarker(30, {1.1, -1.0, 1.1}, radians(135.0)));
   map.markers.back().size = 0.8;
   const cv::Mat image = test::renderPanorama(map, {camera_, test::lookingDown()}, routeAt(0));
-  Localizer localizer(camera_, map, {});
+  Localizer localizer(camera_, map, test::onLevelFloor());
   const FrameResult result = localizer.process(frame(0.0, image));
   expectAt(routeAt(0), result);
   EXPECT_EQ(result.mode, Mode::kFound);
@@ -275,7 +278,7 @@ TEST_F(LocalizerFaultTest, ASearchUsesMarkersThatItsViewsDoNotShowWhole) {
 }
 
 TEST_F(LocalizerFaultTest, AMarkerTooSmallToBeDecodedConfirmsWhatAnotherLeavesOpen) {
-  const Pose2 truth = routeAt(0);
+  const Pose truth = routeAt(0);
   const auto at = [&truth](int id, double direction, double range, double size) {
     Marker marker = test::wallMarker(
         id, {truth.x + range * std::cos(direction), truth.y + range * std::sin(direction), 1.1},
@@ -293,12 +296,12 @@ TEST_F(LocalizerFaultTest, AMarkerTooSmallToBeDecodedConfirmsWhatAnotherLeavesOp
   map.markers.push_back(at(40, -1.6, 3.0, 0.8));
   const MountedCamera camera(camera_, test::lookingDown());
 
-  const FrameResult alone =
-      Localizer(camera_, map, {}).process(frame(0.0, test::renderPanorama(one, camera, truth)));
+  const FrameResult alone = Localizer(camera_, map, test::onLevelFloor())
+                                .process(frame(0.0, test::renderPanorama(one, camera, truth)));
   EXPECT_FALSE(alone.map_from_base);
   EXPECT_NE(alone.remark, "");
-  const FrameResult together =
-      Localizer(camera_, map, {}).process(frame(0.0, test::renderPanorama(two, camera, truth)));
+  const FrameResult together = Localizer(camera_, map, test::onLevelFloor())
+                                   .process(frame(0.0, test::renderPanorama(two, camera, truth)));
   ASSERT_TRUE(together.map_from_base) << together.remark;
   EXPECT_EQ(together.acceptedMarkers(), 2);
   EXPECT_LT(positionError(together.map_from_base->pose, truth), 0.02);
@@ -307,7 +310,7 @@ TEST_F(LocalizerFaultTest, AMarkerTooSmallToBeDecodedConfirmsWhatAnotherLeavesOp
 TEST_F(LocalizerFaultTest, ARobotThatWasCarriedAwayIsFoundInTheSameFrame) {
   localizer_.setPose(routeAt(0));
   ASSERT_EQ(localizer_.process(frame(0.0, good_)).mode, Mode::kTracking);
-  const Pose2 elsewhere{-1.3, 0.9, 2.6};
+  const Pose elsewhere{-1.3, 0.9, 2.6};
   const cv::Mat image = test::renderPanorama(map_, {camera_, test::lookingDown()}, elsewhere);
   const FrameResult carried = localizer_.process(frame(0.1, image));
   expectAt(elsewhere, carried);
@@ -321,8 +324,8 @@ TEST_F(LocalizerFaultTest, ARobotThatWasCarriedAwayIsFoundInTheSameFrame) {
 }
 
 TEST_F(LocalizerFaultTest, AWrongPoseFromOutsideIsCorrected) {
-  const Pose2 start = routeAt(0);
-  localizer_.setPose(Pose2{start.x + 1.5, start.y - 0.8, start.yaw + 1.0});
+  const Pose start = routeAt(0);
+  localizer_.setPose(Pose{start.x + 1.5, start.y - 0.8, start.yaw + 1.0});
   expectAt(start, localizer_.process(frame(0.0, good_)));
 }
 
@@ -341,10 +344,10 @@ TEST_F(LocalizerFaultTest, CarriesOnWithoutMarkersForAWhileAndThenSaysSo) {
 
 TEST_F(LocalizerFaultTest, APoseFromOutsideOutlivesImagesWithoutMarkers) {
   // As RViz's "2D Pose Estimate" sends it by default, 0.4 m off.
-  const Pose2 start = routeAt(0);
-  const Pose2 pointed{start.x - 0.3, start.y + 0.25, start.yaw + 0.1};
-  localizer_.setPose(
-      {pointed, Eigen::Vector3d(0.25, 0.25, radians(15.0) * radians(15.0)).asDiagonal()});
+  const Pose start = routeAt(0);
+  const Pose pointed{start.x - 0.3, start.y + 0.25, start.yaw + 0.1};
+  localizer_.setPose(floorEstimate(
+      pointed, Eigen::Vector3d(0.25, 0.25, radians(15.0) * radians(15.0)).asDiagonal()));
   for (int i = 0; i < 20; ++i) {
     const FrameResult blind = localizer_.process(frame(0.45 * i, black_));
     EXPECT_EQ(blind.mode, Mode::kDeadReckoning) << i;
@@ -357,8 +360,8 @@ TEST_F(LocalizerFaultTest, APoseFromOutsideOutlivesImagesWithoutMarkers) {
 }
 
 TEST_F(LocalizerFaultTest, OdometryCarriesAPoseFromOutsideFromWhereItWasGiven) {
-  const Pose2 map_from_odom{3.0, -1.0, 2.0};
-  const Pose2 before{-1.0, 0.4, 1.2};
+  const Pose map_from_odom{3.0, -1.0, 2.0};
+  const Pose before{-1.0, 0.4, 1.2};
   localizer_.setPose(before, inverse(map_from_odom) * before);
   Frame later = frame(0.0, good_);
   later.odom_from_base = inverse(map_from_odom) * routeAt(0);
@@ -384,7 +387,7 @@ TEST_F(LocalizerFaultTest, ReusedIdsAreToldApart) {
     map_.markers[i].id = static_cast<int>(i % 3);
   }
   const cv::Mat image = test::renderPanorama(map_, {camera_, test::lookingDown()}, routeAt(0));
-  Localizer localizer(camera_, map_, {});
+  Localizer localizer(camera_, map_, test::onLevelFloor());
   for (int i = 0; i < 2; ++i) {
     const FrameResult result = localizer.process(frame(0.1 * i, image));
     expectAt(routeAt(0), result);
@@ -424,7 +427,7 @@ TEST_F(LocalizerFaultTest, RefusesBadFramesAndKeepsItsState) {
 TEST_F(LocalizerFaultTest, AMarkerThatHangsElsewhereIsNamed) {
   MarkerMap wrong = map_;
   wrong.markers[2].map_from_marker.translation() += Eigen::Vector3d(0.25, 0.1, 0.0);
-  Localizer localizer(camera_, wrong, {});
+  Localizer localizer(camera_, wrong, test::onLevelFloor());
   localizer.setPose(routeAt(0));
   const FrameResult result = localizer.process(frame(0.0, good_));
   ASSERT_TRUE(result.map_from_base);
@@ -439,7 +442,7 @@ TEST_F(LocalizerFaultTest, AMarkerThatHangsElsewhereIsNamed) {
 TEST(LocalizerConstructionTest, RefusesAFamilyThatTheLibraryDoesNotHave) {
   MarkerMap map = room();
   map.markers[0].family = "tag99h99";
-  EXPECT_THROW(Localizer(test::sphericalCamera(), map, {}), InputError);
+  EXPECT_THROW(Localizer(test::sphericalCamera(), map, test::onLevelFloor()), InputError);
 }
 
 }  // namespace

@@ -245,6 +245,7 @@ TEST(LookAroundMirror, HoldsTheMarkersOnTheFloorThatTheHousingLeavesInSight) {
   expectNearMarkersAreWhole(parseCamera(R"(
 model: catadioptric
 image: {width: 500, height: 500}
+uncertainty: none
 lens: {fx: 1234, fy: 1234, cx: 249.5, cy: 249.5, housing_radius: 0.03}
 mirror: {profile: spherical, radius_of_curvature: 0.04, apex_distance: 0.21, rim_radius: 0.0395}
 )",

@@ -17,12 +17,12 @@ constexpr double kMaxResidual = 1.5;
 class MarkerPoseTest : public testing::TestWithParam<Eigen::Isometry3d> {
  protected:
   std::vector<ReprojectionFit> poses(const Marker& marker, const MarkerReading& reading) const {
-    return posesFromMarker({"map", {marker}}, camera_, {0, reading.corners, reading.center}, {},
-                           kMaxResidual);
+    return posesFromMarker({"map", {marker}}, camera_, {0, reading.corners, reading.center},
+                           PosePrior::upright(), {});
   }
 
   /// The robot whose camera is in this direction and distance from the marker's middle.
-  Pose2 poseAt(const Marker& marker, double azimuth, double distance, double yaw) const {
+  Pose poseAt(const Marker& marker, double azimuth, double distance, double yaw) const {
     const Eigen::Vector2d camera = marker.center().head<2>() +
                                    distance * Eigen::Vector2d(std::cos(azimuth), std::sin(azimuth));
     const Eigen::Vector2d offset =
@@ -42,7 +42,7 @@ TEST_P(MarkerPoseTest, ExactCornersGiveTheTruePose) {
       for (const double roll : {0.0, 90.0, 200.0}) {
         const double facing = angle(generator);
         const Marker marker = test::wallMarker(1, {1.0, -2.0, 1.3}, facing, radians(roll));
-        const Pose2 truth = poseAt(marker, facing + radians(incidence), distance, angle(generator));
+        const Pose truth = poseAt(marker, facing + radians(incidence), distance, angle(generator));
         const auto reading = test::exactReading(marker, camera_, truth);
         if (!reading) continue;
         ++seen;
@@ -50,14 +50,14 @@ TEST_P(MarkerPoseTest, ExactCornersGiveTheTruePose) {
         double heading_error = nearest;
         double last_residual = 0.0;
         for (const ReprojectionFit& fit : poses(marker, *reading)) {
-          const Pose2& pose = fit.map_from_base.pose;
+          const Pose& pose = fit.map_from_base.pose;
           const double error = test::positionError(pose, truth);
           if (error < nearest) {
             nearest = error;
             heading_error = std::abs(normalizeAngle(pose.yaw - truth.yaw));
           }
-          EXPECT_GE(fit.residuals[0], last_residual) << "the best comes first";
-          last_residual = fit.residuals[0];
+          EXPECT_GE(fit.misfits[0].residual, last_residual) << "the best comes first";
+          last_residual = fit.misfits[0].residual;
         }
         // Seen straight on, a marker looks the same from a little to the left and to the right:
         // the optimum is flat.
@@ -77,7 +77,7 @@ TEST_P(MarkerPoseTest, EveryPoseShowsTheMarkerAsItWasObserved) {
   for (int i = 0; i < 40; ++i) {
     const double facing = angle(generator);
     const Marker marker = test::wallMarker(1, {0.0, 0.0, 1.4}, facing, angle(generator));
-    const Pose2 truth =
+    const Pose truth =
         poseAt(marker, facing + incidence(generator), distance(generator), angle(generator));
     const auto exact = test::exactReading(marker, camera_, truth);
     if (!exact) continue;
@@ -90,7 +90,7 @@ TEST_P(MarkerPoseTest, EveryPoseShowsTheMarkerAsItWasObserved) {
         squares += (seen->corners[k] - reading.corners[k]).squaredNorm();
       }
       EXPECT_LE(std::sqrt(squares / 4.0), kMaxResidual);
-      EXPECT_NEAR(std::sqrt(squares / 4.0), fit.residuals[0], 1e-6);
+      EXPECT_NEAR(std::sqrt(squares / 4.0), fit.misfits[0].residual, 1e-6);
     }
   }
 }
@@ -104,18 +104,19 @@ TEST_P(MarkerPoseTest, TheTrueOptimumIsAmongThemWhereTwoAreCloseTogether) {
   for (int i = 0; i < 600; ++i) {
     const double facing = angle(generator);
     const Marker marker = test::wallMarker(1, {0.0, 0.0, 1.0}, facing);
-    const Pose2 truth =
+    const Pose truth =
         poseAt(marker, facing + incidence(generator), distance(generator), angle(generator));
     const auto exact = test::exactReading(marker, camera_, truth);
     ASSERT_TRUE(exact);
     const MarkerReading reading = test::withNoise(*exact, 0.05, &generator);
     const MarkerObservation observation{0, reading.corners, reading.center};
     const double at_truth =
-        reprojectionResiduals({"map", {marker}}, camera_, {observation}, truth)[0];
+        misfitsAt({"map", {marker}}, camera_, {observation}, truth, CameraError::Zero(), {})[0]
+            .residual;
     const std::vector<ReprojectionFit> fits = poses(marker, reading);
     ASSERT_FALSE(fits.empty());
     // An optimum cannot be worse than the truth, but for the robust weights.
-    EXPECT_LT(fits.front().residuals[0], at_truth + 0.01)
+    EXPECT_LT(fits.front().misfits[0].residual, at_truth + 0.01)
         << "trial " << i << ", off by "
         << test::positionError(fits.front().map_from_base.pose, truth);
   }
@@ -125,7 +126,7 @@ TEST_P(MarkerPoseTest, AMarkerSeenFromBehindHasNone) {
   const Marker marker = test::wallMarker(1, {0.0, 0.0, 1.3}, 0.0);
   for (const double azimuth : {120.0, 150.0, 180.0, 230.0}) {
     for (const double distance : {1.5, 3.0, 5.0}) {
-      const Pose2 behind = poseAt(marker, radians(azimuth), distance, 0.4);
+      const Pose behind = poseAt(marker, radians(azimuth), distance, 0.4);
       MarkerReading reading;
       for (std::size_t k = 0; k < 4; ++k) {
         reading.corners[k] = *camera_.pixelFromMap(behind, marker.corners()[k]);
@@ -138,7 +139,7 @@ TEST_P(MarkerPoseTest, AMarkerSeenFromBehindHasNone) {
 
 TEST_P(MarkerPoseTest, AnImpossibleQuadrilateralHasNone) {
   const Marker marker = test::wallMarker(1, {0.0, 0.0, 1.3}, 0.0);
-  const Pose2 truth = poseAt(marker, 0.5, 3.0, 0.4);
+  const Pose truth = poseAt(marker, 0.5, 3.0, 0.4);
   MarkerReading reading = *test::exactReading(marker, camera_, truth);
   reading.corners[1] += Eigen::Vector2d(12.0, -9.0);
   EXPECT_TRUE(poses(marker, reading).empty());

@@ -8,20 +8,22 @@
 namespace omnitag {
 namespace {
 
-PoseEstimate certain(const Pose2& pose) { return {pose, 1e-6 * Eigen::Matrix3d::Identity()}; }
+PoseEstimate certain(const Pose& pose) {
+  return floorEstimate(pose, 1e-6 * Eigen::Matrix3d::Identity());
+}
 
 TEST(MotionModelTest, LearnsTheVelocityOfACircle) {
   // 0.8 m/s around a circle of 2 m.
   const double turn_rate = 0.4;
   const auto onCircle = [turn_rate](double t) {
-    return Pose2{2.0 * std::sin(turn_rate * t), -2.0 * std::cos(turn_rate * t), turn_rate * t};
+    return Pose{2.0 * std::sin(turn_rate * t), -2.0 * std::cos(turn_rate * t), turn_rate * t};
   };
   MotionModel motion{{}};
   motion.reset(certain(onCircle(0.0)), 0.0, std::nullopt);
   PoseEstimate predicted;
   for (int i = 1; i <= 20; ++i) {
     predicted = motion.predict(0.1 * i, std::nullopt);
-    const Pose2 truth = onCircle(0.1 * i);
+    const Pose truth = onCircle(0.1 * i);
     const Eigen::Vector2d error(predicted.pose.x - truth.x, predicted.pose.y - truth.y);
     if (i > 3) {
       EXPECT_LT(error.norm(), 0.005) << i;
@@ -43,13 +45,13 @@ TEST(MotionModelTest, UnknownVelocityMakesTheFirstPredictionUncertain) {
 }
 
 TEST(MotionModelTest, FollowsOdometryWhateverItsFrame) {
-  const Pose2 map_from_odom{3.0, -1.0, 2.0};
+  const Pose map_from_odom{3.0, -1.0, 2.0};
   MotionModel motion{{}};
-  const Pose2 first{0.2, 0.1, 0.3};
-  const Pose2 second{0.6, -0.1, -0.4};
+  const Pose first{0.2, 0.1, 0.3};
+  const Pose second{0.6, -0.1, -0.4};
   motion.reset(certain(map_from_odom * first), 0.0, first);
   const PoseEstimate predicted = motion.predict(0.1, second);
-  const Pose2 expected = map_from_odom * second;
+  const Pose expected = map_from_odom * second;
   EXPECT_NEAR(predicted.pose.x, expected.x, 1e-12);
   EXPECT_NEAR(predicted.pose.y, expected.y, 1e-12);
   EXPECT_NEAR(predicted.pose.yaw, expected.yaw, 1e-12);
@@ -57,10 +59,10 @@ TEST(MotionModelTest, FollowsOdometryWhateverItsFrame) {
 
 TEST(MotionModelTest, OdometryAtRestAddsNoUncertainty) {
   MotionModel motion{{}};
-  motion.reset(certain({}), 0.0, Pose2{});
-  for (int i = 1; i < 100; ++i) motion.predict(i, Pose2{});
+  motion.reset(certain({}), 0.0, Pose{});
+  for (int i = 1; i < 100; ++i) motion.predict(i, Pose{});
   EXPECT_TRUE(motion.isTrustworthy());
-  EXPECT_NEAR(motion.predict(100.0, Pose2{}).covariance.norm(), 1e-6 * std::sqrt(3.0), 1e-12);
+  EXPECT_NEAR(floorCovariance(motion.predict(100.0, Pose{})).norm(), 1e-6 * std::sqrt(3.0), 1e-12);
 }
 
 TEST(MotionModelTest, CovarianceStaysPositiveDefinite) {
@@ -68,7 +70,7 @@ TEST(MotionModelTest, CovarianceStaysPositiveDefinite) {
   motion.reset(certain({1, 2, 3}), 0.0, std::nullopt);
   for (int i = 1; i < 500; ++i) {
     const PoseEstimate predicted = motion.predict(0.05 * i, std::nullopt);
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(predicted.covariance);
+    const Eigen::SelfAdjointEigenSolver<PoseMatrix> eigen(predicted.covariance);
     ASSERT_GT(eigen.eigenvalues()(0), 0.0) << i;
     motion.correct({predicted.pose, 0.01 * predicted.covariance});
   }
@@ -88,8 +90,9 @@ TEST(MotionModelTest, WithoutOdometryItIsTrustedForASecond) {
 }
 
 /// As RViz's "2D Pose Estimate" sends it by default.
-PoseEstimate pointedAt(const Pose2& pose) {
-  return {pose, Eigen::Vector3d(0.25, 0.25, radians(15.0) * radians(15.0)).asDiagonal()};
+PoseEstimate pointedAt(const Pose& pose) {
+  return floorEstimate(pose,
+                       Eigen::Vector3d(0.25, 0.25, radians(15.0) * radians(15.0)).asDiagonal());
 }
 
 TEST(MotionModelTest, APoseFromOutsideIsKeptForTenSecondsWithoutOdometry) {
@@ -105,10 +108,10 @@ TEST(MotionModelTest, APoseFromOutsideIsKeptForTenSecondsWithoutOdometry) {
 
 TEST(MotionModelTest, OdometryCarriesAPoseFromOutsideUntilItIsTwoMetresOff) {
   MotionModel motion{{}};
-  motion.resetToGiven(pointedAt({1, 2, 0}), 0.0, Pose2{});
+  motion.resetToGiven(pointedAt({1, 2, 0}), 0.0, Pose{});
   double deviation = 0.0;
   for (int i = 1; deviation <= 2.0; ++i) {
-    const PoseEstimate predicted = motion.predict(i, Pose2{0.5 * i, 0, 0});
+    const PoseEstimate predicted = motion.predict(i, Pose{0.5 * i, 0, 0});
     // The robot drives along x: the heading's error moves it along y.
     deviation = std::sqrt(predicted.covariance(1, 1));
     ASSERT_EQ(motion.isTrustworthy(), deviation <= 2.0) << i << ": " << deviation;
@@ -127,12 +130,12 @@ TEST(MotionModelTest, APoseThatAMarkerConfirmedIsNoLongerFromOutside) {
 
 TEST(MotionModelTest, OdometryThatIsMissingOnceDoesNotEndAPose) {
   MotionModel motion{{}};
-  motion.reset(certain({}), 0.0, Pose2{});
-  for (int i = 1; i <= 50; ++i) motion.predict(0.1 * i, Pose2{});
+  motion.reset(certain({}), 0.0, Pose{});
+  for (int i = 1; i <= 50; ++i) motion.predict(0.1 * i, Pose{});
   motion.predict(5.1, std::nullopt);
   EXPECT_TRUE(motion.isTrustworthy());
-  motion.predict(5.2, Pose2{});
-  motion.predict(5.3, Pose2{});
+  motion.predict(5.2, Pose{});
+  motion.predict(5.3, Pose{});
   EXPECT_TRUE(motion.isTrustworthy());
   for (int i = 1; i <= 11; ++i) motion.predict(5.3 + 0.1 * i, std::nullopt);
   EXPECT_FALSE(motion.isTrustworthy());

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "../support/level_floor.h"
 #include "../support/panorama_renderer.h"
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
@@ -104,9 +105,9 @@ class OddMarkersTest : public testing::Test {
 
   std::shared_ptr<const CameraModel> model_ = test::sphericalCamera();
   Eigen::Isometry3d mounting_ = test::lookingDown();
-  Pose2 truth_{0.25, -0.15, 0.6};
+  Pose truth_{0.25, -0.15, 0.6};
   MarkerMap map_ = ring();
-  Localizer localizer_{model_, map_, {}};
+  Localizer localizer_{model_, map_, test::onLevelFloor()};
   DisplacementLog log_;
   int frames_ = 0;
   std::vector<MarkerDetection> rejected_;
@@ -187,9 +188,9 @@ TEST_F(OddMarkersTest, NeighboursThatWereMovedALittleDoNotTakeTheRobotAlong) {
       }
       {
         SCOPED_TRACE("tracking");
-        const Pose2 off{truth_.x + kOff * std::sin(azimuth), truth_.y - kOff * std::cos(azimuth),
-                        truth_.yaw + 0.5 * kOff};
-        localizer_.setPose({off, Eigen::Vector3d(4e-4, 4e-4, 1e-4).asDiagonal()});
+        const Pose off{truth_.x + kOff * std::sin(azimuth), truth_.y - kOff * std::cos(azimuth),
+                       truth_.yaw + 0.5 * kOff};
+        localizer_.setPose(floorEstimate(off, Eigen::Vector3d(4e-4, 4e-4, 1e-4).asDiagonal()));
         for (int i = 0; i < 5; ++i) {
           const FrameResult result = process(image);
           expectSound(result);
@@ -198,7 +199,7 @@ TEST_F(OddMarkersTest, NeighboursThatWereMovedALittleDoNotTakeTheRobotAlong) {
       }
       {
         SCOPED_TRACE("started by hand");
-        localizer_.setPose(Pose2{truth_.x - 0.2, truth_.y + 0.1, truth_.yaw - 0.05});
+        localizer_.setPose(Pose{truth_.x - 0.2, truth_.y + 0.1, truth_.yaw - 0.05});
         for (int i = 0; i < 5; ++i) expectSound(process(image));
       }
     }
@@ -317,7 +318,7 @@ TEST_F(OddMarkersTest, OneThatIsBeingMappedIsSaidToBeMissingOnlyYet) {
   MarkerMap seen = map_;
   constexpr int kUnknown = 200;
   seen.markers.push_back(ringMarker(kUnknown, direction(3) + 0.4, 1.3));
-  LocalizerConfig config;
+  LocalizerConfig config = test::onLevelFloor();
   config.exploring_views = 2;
   Localizer localizer(model_, map_, config);
   const FrameResult found = localizer.process({0.0, render(seen), mounting_, std::nullopt});

@@ -52,19 +52,20 @@ class PoseEstimatorTest : public testing::Test {
     return observations;
   }
 
-  Eigen::Vector3d error(const Pose2& pose) const {
+  Eigen::Vector3d error(const Pose& pose) const {
     return {pose.x - truth_.x, pose.y - truth_.y, normalizeAngle(pose.yaw - truth_.yaw)};
   }
 
-  static PoseEstimate prior(const Pose2& pose, double position, double heading) {
-    PoseEstimate estimate{pose, Eigen::Matrix3d::Zero()};
-    estimate.covariance.diagonal() << position * position, position * position, heading * heading;
-    return estimate;
+  static PosePrior prior(const Pose& pose, double position, double heading) {
+    PoseEstimate estimate{pose};
+    estimate.covariance.diagonal().head<3>() << position * position, position * position,
+        heading * heading;
+    return PosePrior::about(estimate);
   }
 
   MarkerMap map_{"map", {}};
   MountedCamera camera_{test::sphericalCamera(), test::lookingDown()};
-  Pose2 truth_{0.7, -0.9, 1.3};
+  Pose truth_{0.7, -0.9, 1.3};
   EstimatorConfig config_;
   std::mt19937 generator_{5};
 };
@@ -76,13 +77,14 @@ TEST_F(PoseEstimatorTest, ExactCornersGiveTheExactPose) {
                                        prior({0.5, -0.7, 1.2}, 0.5, 0.3), config_);
     ASSERT_TRUE(solution);
     EXPECT_LT(error(solution->map_from_base.pose).norm(), 2e-6);
-    for (const double residual : solution->residuals) EXPECT_LT(residual, 1e-3);
+    for (const Misfit& misfit : solution->misfits) EXPECT_LT(misfit.residual, 1e-3);
   }
 }
 
 TEST_F(PoseEstimatorTest, WithoutAPriorThreeMarkersAreEnough) {
   truth_.yaw = 0.5;
-  const auto solution = estimatePose(map_, camera_, observe({1, 4, 8}), std::nullopt, config_);
+  const auto solution =
+      estimatePose(map_, camera_, observe({1, 4, 8}), PosePrior::upright(), config_);
   ASSERT_TRUE(solution);
   EXPECT_LT(error(solution->map_from_base.pose).norm(), 1e-6);
 }
@@ -98,14 +100,15 @@ TEST_F(PoseEstimatorTest, ConvergesFromFarOff) {
 TEST_F(PoseEstimatorTest, OneMarkersCornersNarrowThePriorDown) {
   // Seen from the front, a marker tells its distance and direction well, and how far the robot has
   // gone around it badly: that much the prior decides, and the covariance says so.
-  const PoseEstimate start = prior({0.75, -0.85, 1.33}, 0.2, 0.1);
+  const PosePrior start = prior({0.75, -0.85, 1.33}, 0.2, 0.1);
   const auto solution = estimatePose(map_, camera_, observe({3}), start, config_);
   ASSERT_TRUE(solution);
   const PoseEstimate& estimate = solution->map_from_base;
   const Eigen::Vector3d e = error(estimate.pose);
-  EXPECT_LT(e.dot(estimate.covariance.inverse() * e), 1.0);
-  EXPECT_LT(solution->residuals[0], 0.02);
-  EXPECT_LT(estimate.covariance.determinant(), 1e-3 * start.covariance.determinant());
+  EXPECT_LT(e.dot(floorCovariance(estimate).inverse() * e), 1.0);
+  EXPECT_LT(solution->misfits[0].residual, 0.02);
+  const double prior_determinant = 1.0 / start.information.topLeftCorner<3, 3>().determinant();
+  EXPECT_LT(floorCovariance(estimate).determinant(), 1e-3 * prior_determinant);
 }
 
 TEST_F(PoseEstimatorTest, LeavesOutMarkersThatHangElsewhere) {
@@ -140,8 +143,8 @@ TEST_F(PoseEstimatorTest, CovarianceMatchesTheSpreadOfManyTrials) {
   const double noise = 0.06;
   config_.reprojection.corner_noise = noise;
   // Wide, so that the estimate is plain least squares.
-  config_.reprojection.robust_width = 100.0;
-  const PoseEstimate wide = prior(truth_, 1.0, 1.0);
+  config_.reprojection.robust_misfit = 1000.0;
+  const PosePrior wide = prior(truth_, 1.0, 1.0);
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d mean_covariance = Eigen::Matrix3d::Zero();
   constexpr int kTrials = 500;
@@ -150,7 +153,7 @@ TEST_F(PoseEstimatorTest, CovarianceMatchesTheSpreadOfManyTrials) {
     ASSERT_TRUE(solution);
     const Eigen::Vector3d e = error(solution->map_from_base.pose);
     spread += e * e.transpose() / kTrials;
-    mean_covariance += solution->map_from_base.covariance / kTrials;
+    mean_covariance += floorCovariance(solution->map_from_base) / kTrials;
   }
   // The covariance is at least that of the noise, and larger in frames with larger residuals.
   const double ratio = (spread.inverse() * mean_covariance).trace() / 3.0;
@@ -164,7 +167,7 @@ TEST_F(PoseEstimatorTest, NoObservationsGiveNoPose) {
 
 TEST_F(PoseEstimatorTest, TwoMarkersAreTooFewToTriangulateButNotToNarrowThePrior) {
   config_.kind = EstimatorKind::kTriangulation;
-  EXPECT_FALSE(estimatePose(map_, camera_, observe({0, 5}), std::nullopt, config_));
+  EXPECT_FALSE(estimatePose(map_, camera_, observe({0, 5}), PosePrior::upright(), config_));
   const auto solution =
       estimatePose(map_, camera_, observe({0, 5}), prior({0.75, -0.85, 1.33}, 0.1, 0.1), config_);
   ASSERT_TRUE(solution);

@@ -5,6 +5,7 @@
 #include <random>
 #include <string>
 
+#include "../support/level_floor.h"
 #include "../support/panorama_renderer.h"
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
@@ -37,10 +38,10 @@ class SearchTest : public testing::Test {
     return map;
   }
 
-  Pose2 pose() { return {uniform(-0.4, 0.4), uniform(-0.4, 0.4), uniform(-kPi, kPi)}; }
+  Pose pose() { return {uniform(-0.4, 0.4), uniform(-0.4, 0.4), uniform(-kPi, kPi)}; }
 
-  FrameResult search(const MarkerMap& seen, const MarkerMap& map, const Pose2& truth) const {
-    Localizer localizer(model_, map, {});
+  FrameResult search(const MarkerMap& seen, const MarkerMap& map, const Pose& truth) const {
+    Localizer localizer(model_, map, test::onLevelFloor());
     return localizer.process(
         {0.0, test::renderPanorama(seen, {model_, mounting_}, truth), mounting_, std::nullopt});
   }
@@ -57,7 +58,7 @@ TEST_F(SearchTest, FindsAllMarkersWhereTheFirstOnesTellLittle) {
   int incomplete = 0;
   for (int i = 0; i < kRooms; ++i) {
     const MarkerMap map = room(kMarkers, uniform(0.3, 0.5), 3.0, 4.5);
-    const Pose2 truth = pose();
+    const Pose truth = pose();
     const FrameResult result = search(map, map, truth);
     if (!result.map_from_base) continue;
     ++poses;
@@ -79,7 +80,7 @@ TEST_F(SearchTest, WhatWasMovedAsOneAndIsSeenBestDoesNotTakeTheRobotAlong) {
                  test::wallMarker(18, {-1.25, 2.68, 1.07}, -1.36),
                  test::wallMarker(21, {-3.12, 1.16, 1.20}, 0.07),
                  test::wallMarker(24, {-2.23, -0.24, 1.04}, 0.28)}};
-  const Pose2 truth{0.107, 0.345, -2.896};
+  const Pose truth{0.107, 0.345, -2.896};
   MarkerMap seen = map;
   for (std::size_t i = 0; i < 4; ++i) {
     Marker& moved = seen.markers[i];

@@ -33,7 +33,7 @@ class CornerAlignmentTest : public testing::Test {
   }
 
   std::optional<AlignedCorners> align(const cv::Mat& panorama, const Marker& marker,
-                                      const Pose2& pose) const {
+                                      const Pose& pose) const {
     return alignCorners(panorama, marker, TagPattern(marker.family, marker.id), camera_, pose, 0.0);
   }
 
@@ -56,7 +56,7 @@ class CornerAlignmentTest : public testing::Test {
   }
 
   MountedCamera camera_{test::sphericalCamera(), test::lookingDown()};
-  Pose2 pose_{0.2, -0.1, 0.4};
+  Pose pose_{0.2, -0.1, 0.4};
 };
 
 TEST_F(CornerAlignmentTest, FindsTheCornersFromAPoseThatIsOff) {
@@ -64,7 +64,7 @@ TEST_F(CornerAlignmentTest, FindsTheCornersFromAPoseThatIsOff) {
                                test::wallMarker(11, {-0.9, -1.6, 1.1}, 1.4)}) {
     const cv::Mat panorama = panoramaOf(marker, 2.0);
     const CornerPixels truth = stacked(test::exactReading(marker, camera_, pose_)->corners);
-    for (const Pose2& off : {pose_, Pose2{pose_.x + 0.008, pose_.y - 0.005, pose_.yaw + 0.002}}) {
+    for (const Pose& off : {pose_, Pose{pose_.x + 0.008, pose_.y - 0.005, pose_.yaw + 0.002}}) {
       const auto aligned = align(panorama, marker, off);
       ASSERT_TRUE(aligned) << marker.id;
       const CornerPixels error = aligned->pixels - truth;

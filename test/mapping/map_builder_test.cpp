@@ -51,7 +51,7 @@ class MapBuilderTest : public testing::TestWithParam<bool> {};
 
 TEST_P(MapBuilderTest, FromASeedFindsTheOthers) {
   const std::vector<Marker> truth = test::roomMarkers();
-  const std::vector<Pose2> poses = test::roundTrip(40);
+  const std::vector<Pose> poses = test::roundTrip(40);
   const BuiltMap map = buildMap(test::sphericalCamera(),
                                 test::record(truth, poses, kNoise, GetParam()), seed(3), config());
   ASSERT_EQ(map.markers.size(), truth.size());
@@ -118,9 +118,9 @@ TEST(MapBuilderWithoutSeedTest, StandsOnTheMarkerThatIsReadFirst) {
 
 TEST(MapBuilderChecksTest, NamesAMarkerThatMoved) {
   std::vector<Marker> markers = test::roomMarkers();
-  const std::vector<Pose2> poses = test::roundTrip(48);
-  const std::vector<Pose2> before(poses.begin(), poses.begin() + 24);
-  const std::vector<Pose2> after(poses.begin() + 24, poses.end());
+  const std::vector<Pose> poses = test::roundTrip(48);
+  const std::vector<Pose> before(poses.begin(), poses.begin() + 24);
+  const std::vector<Pose> after(poses.begin() + 24, poses.end());
   std::vector<FrameReadings> frames = test::record(markers, before, kNoise);
   // Marker 5 can be read in both halves.
   markers[5].map_from_marker.translation() += Eigen::Vector3d(0.0, 0.3, 0.1);
@@ -173,9 +173,9 @@ TEST(MapBuilderChecksTest, NamesASeedsMarkerOfAnotherSize) {
 
 TEST(MapBuilderChecksTest, SaysWhatIsMissing) {
   const std::vector<Marker> all = test::roomMarkers();
-  const std::vector<Pose2> poses = test::roundTrip(30);
+  const std::vector<Pose> poses = test::roundTrip(30);
 
-  const std::vector<Pose2> still(20, Pose2{0.3, 0.2, 0.5});
+  const std::vector<Pose> still(20, Pose{0.3, 0.2, 0.5});
   EXPECT_TRUE(has(refusal(test::record(all, still, kNoise), seed(3)), "too little motion"));
   EXPECT_TRUE(has(refusal(test::record(all, still, kNoise), {}), "too little motion"));
 
@@ -189,7 +189,7 @@ TEST(MapBuilderChecksTest, SaysWhatIsMissing) {
   const std::vector<Marker> one_side = {test::wallMarker(1, {4.0, -0.9, 1.1}, kPi),
                                         test::wallMarker(2, {4.0, 0.1, 1.5}, kPi),
                                         test::wallMarker(3, {4.0, 1.1, 0.9}, kPi)};
-  std::vector<Pose2> aside;
+  std::vector<Pose> aside;
   for (int i = 0; i < 20; ++i) aside.push_back({0.0, -0.8 + 0.08 * i, 0.02 * i});
   EXPECT_TRUE(has(refusal(test::record(one_side, aside, kNoise), {}), "on one side only"));
 

@@ -24,12 +24,12 @@ class MarkerEstimateTest : public testing::Test {
                                         double noise) {
     std::vector<MarkerSighting> result;
     for (int i = 0; i < count; ++i) {
-      const Pose2 pose{-0.5 * step * (count - 1) + step * i, 0.1 * std::sin(1.0 * i), 0.3 * i};
+      const Pose pose{-0.5 * step * (count - 1) + step * i, 0.1 * std::sin(1.0 * i), 0.3 * i};
       const auto reading = test::exactReading(marker, {camera_, mounting_}, pose);
       if (!reading) continue;
       result.push_back({1.0 * i,
                         mounting_,
-                        {pose, 1e-8 * Eigen::Matrix3d::Identity()},
+                        {pose, 1e-8 * PoseMatrix::Identity()},
                         test::withNoise(*reading, noise, &random_).corners});
     }
     return result;
@@ -100,7 +100,7 @@ TEST_F(MarkerEstimateTest, UncertainPosesMakeItUncertain) {
   std::vector<MarkerSighting> seen = sightings(marker, 8, 0.25, 0.05);
   const auto exact = estimateMarker(unknown(marker), camera_, seen, std::nullopt, {});
   for (MarkerSighting& sighting : seen) {
-    sighting.map_from_base.covariance = 1e-4 * Eigen::Matrix3d::Identity();
+    sighting.map_from_base.covariance = 1e-4 * PoseMatrix::Identity();
   }
   const auto vague = estimateMarker(unknown(marker), camera_, seen, std::nullopt, {});
   ASSERT_TRUE(exact && vague);

@@ -19,11 +19,11 @@ MarkerMap roomMap(std::size_t count) {
 }
 
 /// What a localizer makes of a frame whose pose stands on marker 0.
-FrameResult resultOf(const FrameReadings& frame, const Pose2& pose, double deviation) {
+FrameResult resultOf(const FrameReadings& frame, const Pose& pose, double deviation) {
   FrameResult result;
   result.stamp = frame.stamp;
   const Eigen::Vector3d variances(deviation * deviation, deviation * deviation, 1e-8);
-  result.map_from_base = PoseEstimate{pose, variances.asDiagonal()};
+  result.map_from_base = floorEstimate(pose, variances.asDiagonal());
   MarkerDetection known;
   known.accepted = true;
   known.map_entry = 0;
@@ -36,8 +36,8 @@ FrameResult resultOf(const FrameReadings& frame, const Pose2& pose, double devia
 class MarkerMapperTest : public testing::Test {
  protected:
   /// Feeds a recording; returns how often the map changed.
-  int feed(MarkerMapper* mapper, const std::vector<Marker>& markers,
-           const std::vector<Pose2>& poses, double deviation = 1e-3) {
+  int feed(MarkerMapper* mapper, const std::vector<Marker>& markers, const std::vector<Pose>& poses,
+           double deviation = 1e-3) {
     int changes = 0;
     const auto frames = test::record(markers, poses, 0.05);
     for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -73,7 +73,7 @@ TEST_F(MarkerMapperTest, AddsWhatItSeesAndNeverTouchesTheMap) {
 
 TEST_F(MarkerMapperTest, NothingWithoutMotionOrAPoseThatIsSure) {
   MarkerMapper still(camera_, roomMap(2), config_);
-  EXPECT_EQ(feed(&still, test::roomMarkers(), std::vector<Pose2>(30, Pose2{0.5, 0.2, 0.1})), 0);
+  EXPECT_EQ(feed(&still, test::roomMarkers(), std::vector<Pose>(30, Pose{0.5, 0.2, 0.1})), 0);
   EXPECT_EQ(still.map().markers.size(), 2U);
   // What it has seen is there to be shown.
   ASSERT_FALSE(still.provisional().empty());
@@ -106,7 +106,7 @@ TEST_F(MarkerMapperTest, AnIdAtTwoPlacesIsNotUsed) {
 }
 
 TEST_F(MarkerMapperTest, AMarkerThatIsCarriedOffIsNotUsedWhereItHung) {
-  const std::vector<Pose2> poses = test::roundTrip(40);
+  const std::vector<Pose> poses = test::roundTrip(40);
   std::vector<Marker> markers = test::roomMarkers();
   constexpr std::size_t kCarried = 5;
   constexpr std::ptrdiff_t kBefore = 3;  // one sighting too few
@@ -138,7 +138,7 @@ TEST_F(MarkerMapperTest, KeepsABoundedNumberOfSightings) {
 
 TEST_F(MarkerMapperTest, WantsToSeeAgainWhatIsNotGoodEnough) {
   MarkerMapper mapper(camera_, roomMap(2), config_);
-  const std::vector<Pose2> poses = test::roundTrip(40);
+  const std::vector<Pose> poses = test::roundTrip(40);
   feed(&mapper, test::roomMarkers(), {poses.front(), poses.back()});
   const std::vector<Marker> unfinished = mapper.unfinished();
   ASSERT_GE(unfinished.size(), 5U);
@@ -182,7 +182,7 @@ TEST(MappingLocalizerTest, LocalizesByWhatItHasMapped) {
   config.exploring_views = 2;
   Localizer localizer(camera, known, config);
   MarkerMapper mapper(camera, known, {});
-  const std::vector<Pose2> poses = test::roundTrip(36, 1.0);
+  const std::vector<Pose> poses = test::roundTrip(36, 1.0);
   localizer.setPose(poses.front());
   int used_new = 0;
   for (std::size_t i = 0; i < poses.size(); ++i) {

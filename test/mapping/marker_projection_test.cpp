@@ -13,10 +13,10 @@ constexpr double kStep = 1e-6;
 class MarkerProjectionTest : public testing::Test {
  protected:
   MountedCamera camera_{test::sphericalCamera(), test::lookingDown()};
-  Pose2 pose_{0.4, -0.3, 0.8};
+  Pose pose_{0.4, -0.3, 0.8};
   Marker marker_ = test::wallMarker(3, {-1.6, 1.4, 1.3}, -0.9, 0.4);
 
-  CornerPixels pixelsOf(const Marker& marker, const Pose2& pose) const {
+  CornerPixels pixelsOf(const Marker& marker, const Pose& pose) const {
     return projectMarker(marker, camera_, pose)->pixels;
   }
 };
@@ -45,12 +45,9 @@ TEST_F(MarkerProjectionTest, DerivativesAreThoseOfDifferences) {
     EXPECT_LT((projection.by_marker.col(i) - numeric).norm(), 1e-5 * projection.by_marker.norm())
         << i;
   }
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < 6; ++i) {
     const auto at = [&](double step) {
-      Eigen::Vector3d change = Eigen::Vector3d::Zero();
-      change(i) = step;
-      return pixelsOf(marker_,
-                      {pose_.x + change.x(), pose_.y + change.y(), pose_.yaw + change.z()});
+      return pixelsOf(marker_, moved(pose_, step * PoseVector::Unit(i)));
     };
     const CornerPixels numeric = (at(kStep) - at(-kStep)) / (2.0 * kStep);
     EXPECT_LT((projection.by_pose.col(i) - numeric).norm(), 1e-5 * projection.by_pose.norm()) << i;

@@ -12,8 +12,8 @@
 namespace omnitag::test {
 
 /// A robot that drives round the middle of the room of roomMarkers(), one image every 0.25 s.
-inline std::vector<Pose2> roundTrip(int count, double radius = 1.6) {
-  std::vector<Pose2> poses;
+inline std::vector<Pose> roundTrip(int count, double radius = 1.6) {
+  std::vector<Pose> poses;
   for (int i = 0; i < count; ++i) {
     const double angle = 2.0 * kPi * i / count;
     poses.push_back({radius * std::cos(angle), radius * std::sin(angle),
@@ -24,21 +24,21 @@ inline std::vector<Pose2> roundTrip(int count, double radius = 1.6) {
 
 /// What the camera reads of the markers at each pose, with noise (pixels). Odometry drifts by 1 %.
 inline std::vector<FrameReadings> record(const std::vector<Marker>& markers,
-                                         const std::vector<Pose2>& poses, double noise,
+                                         const std::vector<Pose>& poses, double noise,
                                          bool has_odometry = false) {
   // As far as a decoder reads the markers.
   constexpr double kMaxRange = 6.0;
   std::mt19937 random(7);
   const auto camera = sphericalCamera();
   std::vector<FrameReadings> frames;
-  Pose2 odom_from_base{5.0, 5.0, 1.0};
+  Pose odom_from_base{5.0, 5.0, 1.0};
   for (std::size_t i = 0; i < poses.size(); ++i) {
     FrameReadings frame;
     frame.stamp = 10.0 + 0.25 * static_cast<double>(i);
     frame.base_from_camera = lookingDown();
     const MountedCamera mounted(camera, frame.base_from_camera);
     if (i > 0) {
-      Pose2 motion = inverse(poses[i - 1]) * poses[i];
+      Pose motion = inverse(poses[i - 1]) * poses[i];
       motion.x *= 1.01;
       motion.yaw *= 0.99;
       odom_from_base = odom_from_base * motion;

@@ -58,7 +58,7 @@ class GlanceReaderTest : public testing::TestWithParam<Setup> {
   std::shared_ptr<const CameraModel> model_ = GetParam().camera();
   MountedCamera camera_{model_, GetParam().base_from_camera};
   MarkerMap map_ = mapOf(GetParam().height);
-  Pose2 truth_{0.2, -0.1, 0.7};
+  Pose truth_{0.2, -0.1, 0.7};
   ViewWarper warper_{model_, kWorkingDistance};
   TagDetector detector_{{}, {"tag36h11"}};
   GlanceReader reader_{model_, {}, detector_};

@@ -67,7 +67,7 @@ TEST(MarkerIndexTest, PredictsWhatLookingAtEachMarkerPredicts) {
   int seen = 0;
   for (int i = 0; i < 20; ++i) {
     const PoseEstimate pose{{2.0 * i - 20.0, 15.0 - 1.5 * i, 0.3 * i},
-                            1e-4 * Eigen::Matrix3d::Identity()};
+                            1e-4 * PoseMatrix::Identity()};
     std::vector<std::size_t> expected;
     for (std::size_t entry = 0; entry < map.markers.size(); ++entry) {
       if (predictMarker(map, entry, camera, pose, config)) expected.push_back(entry);

@@ -232,5 +232,24 @@ TEST(MarkerMapFile, MissingFileIsNamed) {
   }
 }
 
+TEST(MarkerMapFileTest, MarkersHangAboutWhereItSays) {
+  const std::string markers =
+      "family: tag36h11\nsize: 0.3\nmarkers:\n"
+      "  - {id: 3, position: [1, 2, 3], yaw: 0}\n"
+      "  - {id: 4, position: [1, 2, 3], yaw: 0, deviation: 0, orientation_deviation: 0.1}\n";
+  const MarkerMap usual = parseMarkerMap(markers, "map.yaml");
+  EXPECT_EQ(usual.markers[0].deviation, 0.005);
+  EXPECT_EQ(usual.markers[0].orientation_deviation, 0.0175);
+  EXPECT_EQ(usual.markers[1].deviation, 0.0);
+  EXPECT_EQ(usual.markers[1].orientation_deviation, 0.1);
+  const MarkerMap stated =
+      parseMarkerMap("deviation: 0.02\norientation_deviation: 0.05\n" + markers, "map.yaml");
+  EXPECT_EQ(stated.markers[0].deviation, 0.02);
+  EXPECT_EQ(stated.markers[0].orientation_deviation, 0.05);
+  EXPECT_EQ(stated.markers[1].deviation, 0.0);
+  EXPECT_THROW(parseMarkerMap("deviation: -1\n" + markers, "map.yaml"), InputError);
+  EXPECT_THROW(parseMarkerMap("orientation_deviation: 3\n" + markers, "map.yaml"), InputError);
+}
+
 }  // namespace
 }  // namespace omnitag

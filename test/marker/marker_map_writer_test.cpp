@@ -24,6 +24,7 @@ MapEntry entry(int id, double yaw, double tilt) {
       Eigen::Translation3d(1.234567, -2.5, 0.8) *
       (Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitY()) * uprightOrientation(yaw, 0.25));
   marker.deviation = 0.0031;
+  marker.orientation_deviation = 0.02;
   return {marker, "mapped"};
 }
 
@@ -68,6 +69,7 @@ TEST(MarkerMapWriterTest, AddsMarkersAndLeavesAllElseByteForByte) {
       EXPECT_EQ(marker.id, added[i].marker.id);
       EXPECT_DOUBLE_EQ(marker.size, 0.3);
       EXPECT_NEAR(marker.deviation, 0.0031, 1e-9);
+      EXPECT_NEAR(marker.orientation_deviation, 0.02, 1e-9);
       EXPECT_LT((marker.center() - added[i].marker.center()).norm(), 1e-6);
       EXPECT_LT((marker.map_from_marker.linear() - added[i].marker.map_from_marker.linear()).norm(),
                 3e-6);
@@ -79,7 +81,7 @@ TEST(MarkerMapWriterTest, UprightMarkersHaveAYawAndARoll) {
   const std::string text =
       withEntries(kFiles[0], {entry(10, 0.7, 0.0), entry(11, 0.7, 0.1)}, "map.yaml");
   EXPECT_NE(text.find("{id: 10, position: [1.234567, -2.5, 0.8], yaw: 0.7, roll: 0.25, "
-                      "deviation: 0.0031}  # mapped\n"),
+                      "deviation: 0.0031, orientation_deviation: 0.02}  # mapped\n"),
             std::string::npos)
       << text;
   EXPECT_NE(text.find("{id: 11, position: [1.234567, -2.5, 0.8], orientation: ["),

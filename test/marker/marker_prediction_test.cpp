@@ -77,7 +77,7 @@ TEST_F(MarkerPredictionTest, IncidenceIsTheAngleToTheNormal) {
 TEST_F(MarkerPredictionTest, MarginsHoldThePosesUncertainty) {
   Eigen::Matrix3d covariance;
   covariance << 4e-4, 1e-4, 2e-5, 1e-4, 9e-4, -1e-5, 2e-5, -1e-5, 1e-4;
-  pose_.covariance = covariance;
+  pose_ = floorEstimate(pose_.pose, covariance);
   const Marker marker = facingOrigin(3.0, 0.9);
   const PredictedMarker predicted = predict({marker}).at(0);
   const Eigen::Vector2d radial =
@@ -113,7 +113,7 @@ TEST_F(MarkerPredictionTest, OneMarkerIsPredictedAsAmongAllOthers) {
   from_behind.map_from_marker =
       from_behind.map_from_marker * Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitY());
   const MarkerMap map{"map", {from_behind, facingOrigin(3.0, 0.9), facingOrigin(2.0, 4.0)}};
-  pose_.covariance.diagonal() << 1e-3, 2e-3, 1e-3;
+  pose_.covariance.diagonal().head<3>() << 1e-3, 2e-3, 1e-3;
   EXPECT_FALSE(predictMarker(map, 0, camera_, pose_, config_));
   for (const std::size_t entry : {1U, 2U}) {
     const auto predicted = predictMarker(map, entry, camera_, pose_, config_);
@@ -144,7 +144,7 @@ TEST_F(MarkerPredictionTest, TheLongestEdgeDecidesWhetherAMarkerIsLargeEnough) {
 }
 
 TEST_F(MarkerPredictionTest, TargetsHoldCornersAndMargins) {
-  pose_.covariance.diagonal() << 1e-3, 1e-3, 1e-3;
+  pose_.covariance.diagonal().head<3>() << 1e-3, 1e-3, 1e-3;
   for (const PredictedMarker& marker : predict({facingOrigin(2.0, 0.3), facingOrigin(4.0, 3.1)})) {
     const ViewTarget target = viewTarget(marker, camera_.model());
     const ImagePlane& plane = camera_.model().imagePlane();
@@ -164,7 +164,7 @@ TEST(ViewTargetTest, FacesWhatIsNearTheAxisWithItsBorderAndMargins) {
   const MountedCamera camera(test::equidistantCamera(), test::lookingUp());
   const Eigen::Vector3d viewpoint = camera.baseFromCamera().translation();
   PoseEstimate pose;
-  pose.covariance.diagonal() << 4e-4, 4e-4, 1e-4;
+  pose.covariance.diagonal().head<3>() << 4e-4, 4e-4, 1e-4;
   for (const double away : {0.0, 0.4, 1.0, 4.0}) {
     const Eigen::Vector3d center = viewpoint + Eigen::Vector3d(0.6 * away, -0.8 * away, 2.0);
     const Marker marker = test::lyingMarker(3, center, false, 0.8, 0.4);

@@ -78,7 +78,7 @@ class MarkerReaderTest : public testing::Test {
       {test::wallMarker(5, {3.0, 0.3, 1.2}, kPi), test::wallMarker(8, {-0.4, 3.2, 0.9}, -kPi / 2),
        test::wallMarker(5, {-2.8, -0.5, 1.5}, 0.0),
        test::wallMarker(11, {0.9, -3.1, 1.0}, kPi / 2, radians(30.0))}};
-  Pose2 truth_{0.3, -0.2, 0.7};
+  Pose truth_{0.3, -0.2, 0.7};
   MarkerReader reader_{test::sphericalCamera(), kWorkingDistance, {}, {"tag36h11"}};
   std::vector<View> views_;
 };

@@ -45,7 +45,7 @@ struct Scene {
   std::string name;
   MountedCamera camera;
   Marker marker;
-  Pose2 pose{0.25, -0.15, 0.6};
+  Pose pose{0.25, -0.15, 0.6};
   TagPattern pattern{marker.family, marker.id};
 
   MarkerPatch patch(const MarkerPatch::Choice& choice = {}, double blur = 0.0) const {
@@ -64,7 +64,7 @@ struct Scene {
            (metresPerModule() * Eigen::Vector3d(position.x() - half, half - position.y(), 0.0));
   }
 
-  std::optional<Eigen::Vector2d> pixelOf(const Eigen::Vector2d& position, const Pose2& from) const {
+  std::optional<Eigen::Vector2d> pixelOf(const Eigen::Vector2d& position, const Pose& from) const {
     return camera.pixelFromMap(from, inMap(position));
   }
 
@@ -80,16 +80,14 @@ struct Scene {
     return derivative;
   }
 
-  Eigen::Matrix<double, 2, 3> pixelByPose(const Eigen::Vector2d& position) const {
+  Eigen::Matrix<double, 2, 6> pixelByPose(const Eigen::Vector2d& position) const {
     constexpr double kStep = 1e-6;
-    Eigen::Matrix<double, 2, 3> derivative;
-    const auto moved = [&](int axis, double by) {
-      Pose2 other = pose;
-      (axis == 0 ? other.x : axis == 1 ? other.y : other.yaw) += by;
-      return *pixelOf(position, other);
+    Eigen::Matrix<double, 2, 6> derivative;
+    const auto seenFrom = [&](int i, double step) {
+      return *pixelOf(position, moved(pose, step * PoseVector::Unit(i)));
     };
-    for (int axis = 0; axis < 3; ++axis) {
-      derivative.col(axis) = (moved(axis, kStep) - moved(axis, -kStep)) / (2.0 * kStep);
+    for (int i = 0; i < 6; ++i) {
+      derivative.col(i) = (seenFrom(i, kStep) - seenFrom(i, -kStep)) / (2.0 * kStep);
     }
     return derivative;
   }
@@ -175,10 +173,11 @@ TEST_P(MarkerPatchTest, PositionsAreWhatThePixelsSee) {
 TEST_P(MarkerPatchTest, PositionsFollowThePose) {
   const Scene& scene = GetParam();
   const MarkerPatch patch = scene.patch();
-  const Pose2 moved{scene.pose.x + 0.004, scene.pose.y - 0.003, scene.pose.yaw + 0.004};
+  const Pose moved{scene.pose.x + 0.004, scene.pose.y - 0.003, scene.pose.yaw + 0.004};
   const ImageSize& size = scene.camera.model().imageSize();
   const cv::Mat panorama(size.height, size.width, CV_8UC1, cv::Scalar(100));
-  const auto pixels = patch.pixels(panorama, patch.linesOfSight(), moved);
+  const auto pixels =
+      patch.pixels(panorama, patch.linesOfSight(), moved, CameraError::Zero()).pixels;
   ASSERT_GT(pixels.size(), 100U);
   for (const MarkerPixel& seen : pixels) {
     const Eigen::Vector2d position =
@@ -198,9 +197,10 @@ TEST_P(MarkerPatchTest, DerivativesAreThoseOfTheProjection) {
   int in_middle = 0;
   for (const Seen& footprint : scene.footprints()) {
     const Eigen::Matrix2d by_pixel = scene.pixelByPosition(footprint.position).inverse();
-    const Eigen::Matrix<double, 2, 3> by_pose = -by_pixel * scene.pixelByPose(footprint.position);
+    const Eigen::Matrix<double, 2, 6> by_pose = -by_pixel * scene.pixelByPose(footprint.position);
+    const Eigen::Matrix<double, 2, 6> found = footprint.facet.by_frame.leftCols<6>();
     const double error = std::max((footprint.facet.by_pixel - by_pixel).norm() / by_pixel.norm(),
-                                  (footprint.facet.by_pose - by_pose).norm() / by_pose.norm());
+                                  (found - by_pose).norm() / by_pose.norm());
     largest = std::max(largest, error);
     const Eigen::Vector2d in_cell = footprint.position / cell;
     const Eigen::Vector2d off = in_cell.array() - in_cell.array().floor() - 0.5;
@@ -393,7 +393,7 @@ TEST_P(MarkerPatchTest, PixelsSeeWhatAPanoramaShows) {
   const cv::Mat panorama =
       test::renderPanorama({"map", {scene.marker}}, scene.camera, scene.pose, 8);
   double squares = 0.0;
-  const std::vector<MarkerPixel> pixels = scene.patch().pixels(panorama);
+  const std::vector<MarkerPixel> pixels = scene.patch().pixels(panorama).pixels;
   ASSERT_GT(pixels.size(), 100U);
   for (const MarkerPixel& pixel : pixels) {
     const double error = 30.0 + 190.0 * pixel.white - pixel.grey;

@@ -39,7 +39,7 @@ class PhotometricRefinementTest : public testing::Test {
              test::wallMarker(5, {1.2, -2.9, 1.3}, kPi / 2)}};
   }
   static MountedCamera camera() { return {test::sphericalCamera(), test::lookingDown()}; }
-  static Pose2 truth() { return {0.25, -0.15, 0.6}; }
+  static Pose truth() { return {0.25, -0.15, 0.6}; }
 
   static std::vector<std::size_t> entries(std::size_t count) {
     std::vector<std::size_t> entries(count);
@@ -47,14 +47,16 @@ class PhotometricRefinementTest : public testing::Test {
     return entries;
   }
 
-  static std::optional<PhotometricFit> refine(
-      const cv::Mat& panorama, const std::vector<std::size_t>& entries, const Pose2& initial,
-      const std::optional<PoseEstimate>& prior = std::nullopt, const MarkerMap& map = sampleMap()) {
+  static std::optional<PhotometricFit> refine(const cv::Mat& panorama,
+                                              const std::vector<std::size_t>& entries,
+                                              const Pose& initial,
+                                              const PosePrior& prior = PosePrior::upright(),
+                                              const MarkerMap& map = sampleMap()) {
     return refinePhotometrically(panorama, map, camera(), TagPatterns(map), entries, initial, prior,
                                  {});
   }
 
-  static Pose2 off(double x, double y, double yaw) {
+  static Pose off(double x, double y, double yaw) {
     return {truth().x + x, truth().y + y, truth().yaw + yaw};
   }
 
@@ -63,8 +65,8 @@ class PhotometricRefinementTest : public testing::Test {
   }
 
   static double deviationsBetween(const PhotometricFit& a, const PhotometricFit& b) {
-    const Eigen::Vector3d apart = difference(a.map_from_base.pose, b.map_from_base.pose);
-    return std::sqrt(apart.dot(b.map_from_base.covariance.ldlt().solve(apart)));
+    const Eigen::Vector3d apart = difference(a.map_from_base.pose, b.map_from_base.pose).head<3>();
+    return std::sqrt(apart.dot(floorCovariance(b.map_from_base).ldlt().solve(apart)));
   }
 
   static cv::Mat withNoise(double deviation, unsigned seed) {
@@ -102,7 +104,7 @@ TEST_F(PhotometricRefinementTest, ConvergesToTheTruePose) {
   for (int i = 0; i < 6; ++i) {
     const double direction = kPi / 3.0 * i;
     const double turn = radians(i % 2 == 0 ? 0.3 : -0.3);
-    const Pose2 initial = off(0.005 * std::cos(direction), 0.005 * std::sin(direction), turn);
+    const Pose initial = off(0.005 * std::cos(direction), 0.005 * std::sin(direction), turn);
     const auto fit = refine(panorama_, entries(6), initial);
     ASSERT_TRUE(fit);
     EXPECT_LT(positionError(*fit), 3e-4);
@@ -132,8 +134,8 @@ TEST_F(PhotometricRefinementTest, TellsTheNoiseAndIsAsExactAsItSays) {
       const auto fit = refine(withNoise(deviation, 10 + i), entries(6), off(0.003, 0.002, -0.003));
       ASSERT_TRUE(fit);
       EXPECT_NEAR(fit->noise, deviation, 0.25 * deviation);
-      const Eigen::Vector3d error = difference(fit->map_from_base.pose, truth());
-      mean_square += error.dot(fit->map_from_base.covariance.ldlt().solve(error)) / kTrials;
+      const Eigen::Vector3d error = difference(fit->map_from_base.pose, truth()).head<3>();
+      mean_square += error.dot(floorCovariance(fit->map_from_base).ldlt().solve(error)) / kTrials;
     }
     // Chi-square with 3 degrees of freedom; the covariance allows for a map that is not exact.
     EXPECT_LT(mean_square, 4.5) << deviation;
@@ -172,8 +174,8 @@ TEST_F(PhotometricRefinementTest, IsAsExactAsItSaysFromNearStarts) {
       const double yaw = 0.3 * deviation * normal(generator);
       const auto fit = refine(withNoise(2.0, 50 + i), entries(6), off(x, y, yaw));
       ASSERT_TRUE(fit);
-      const Eigen::Vector3d error = difference(fit->map_from_base.pose, truth());
-      mean_square += error.dot(fit->map_from_base.covariance.ldlt().solve(error)) / kTrials;
+      const Eigen::Vector3d error = difference(fit->map_from_base.pose, truth()).head<3>();
+      mean_square += error.dot(floorCovariance(fit->map_from_base).ldlt().solve(error)) / kTrials;
     }
     EXPECT_LT(mean_square, 4.5) << deviation;
   }
@@ -200,7 +202,7 @@ TEST_F(PhotometricRefinementTest, AHalfCoveredMarkerHardlyPullsThePose) {
   for (const std::size_t covered : {0U, 2U, 4U}) {
     cv::Mat panorama = panorama_.clone();
     cover(&panorama, sampleMap().markers[covered], -1.3, 0.0);
-    for (const Pose2& initial : {truth(), off(0.003, 0.002, -0.003)}) {
+    for (const Pose& initial : {truth(), off(0.003, 0.002, -0.003)}) {
       const auto fit = refine(panorama, entries(6), initial);
       ASSERT_TRUE(fit) << covered;
       EXPECT_LT(positionError(*fit), 1e-3) << covered;
@@ -213,7 +215,8 @@ TEST_F(PhotometricRefinementTest, AMarkerThatHangsElsewhereCountsLittle) {
   for (const std::size_t moved : {0U, 3U}) {
     MarkerMap wrong = sampleMap();
     wrong.markers[moved].map_from_marker.translate(Eigen::Vector3d(0.02, 0.0, 0.0));
-    const auto fit = refine(panorama_, entries(6), off(0.002, 0.002, -0.002), std::nullopt, wrong);
+    const auto fit =
+        refine(panorama_, entries(6), off(0.002, 0.002, -0.002), PosePrior::upright(), wrong);
     ASSERT_TRUE(fit) << moved;
     for (std::size_t i = 0; i < 6; ++i) {
       if (i == moved) {
@@ -239,21 +242,21 @@ TEST_F(PhotometricRefinementTest, AnImageWithoutPatternsGivesNothing) {
 
 TEST_F(PhotometricRefinementTest, ThePriorDecidesWhatOneMarkerLeavesOpen) {
   const cv::Mat noisy = withNoise(3.0, 2);
-  PoseEstimate prior{off(0.004, -0.003, 0.002), Eigen::Matrix3d::Zero()};
+  PoseEstimate prior{off(0.004, -0.003, 0.002)};
   for (const double deviation : {1e-5, 5e-3}) {
-    prior.covariance.diagonal() << deviation * deviation, deviation * deviation,
+    prior.covariance.diagonal().head<3>() << deviation * deviation, deviation * deviation,
         deviation * deviation;
-    const auto fit = refine(noisy, {2}, off(0.003, -0.004, 0.001), prior);
+    const auto fit = refine(noisy, {2}, off(0.003, -0.004, 0.001), PosePrior::about(prior));
     ASSERT_TRUE(fit);
-    const Eigen::Vector3d error = difference(fit->map_from_base.pose, truth());
-    const Eigen::Vector3d change = difference(fit->map_from_base.pose, prior.pose);
+    const Eigen::Vector3d error = difference(fit->map_from_base.pose, truth()).head<3>();
+    const Eigen::Vector3d change = difference(fit->map_from_base.pose, prior.pose).head<3>();
     if (deviation < 1e-4) {
       EXPECT_LT(change.norm(), 2e-4) << "a certain prior stays";
     } else {
-      EXPECT_LT(error.dot(fit->map_from_base.covariance.ldlt().solve(error)), 16.3);
+      EXPECT_LT(error.dot(floorCovariance(fit->map_from_base).ldlt().solve(error)), 16.3);
     }
     // The marker adds to what the prior knows.
-    const Eigen::Matrix3d gained = prior.covariance - fit->map_from_base.covariance;
+    const Eigen::Matrix3d gained = floorCovariance(prior) - floorCovariance(fit->map_from_base);
     EXPECT_GT(gained.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(),
               -1e-6 * prior.covariance(0, 0));
   }

@@ -24,7 +24,7 @@ MountedCamera movedCamera(const Eigen::Vector2d& shift) {
   const std::string center =
       "cx: " + std::to_string(249.5 + shift.x()) + ", cy: " + std::to_string(249.5 + shift.y());
   return {parseCamera("model: catadioptric\n"
-                      "image: {width: 500, height: 500}\n"
+                      "image: {width: 500, height: 500}\nuncertainty: none\n"
                       "lens: {fx: 1234, fy: 1234, " +
                           center +
                           "}\n"
@@ -34,7 +34,7 @@ MountedCamera movedCamera(const Eigen::Vector2d& shift) {
           test::lookingDown()};
 }
 
-Pose2 truth() { return {0.25, -0.15, 0.6}; }
+Pose truth() { return {0.25, -0.15, 0.6}; }
 
 /// A marker 3 m from the origin, turned away from it.
 Marker markerAt(double direction, double incidence, const std::string& family = "tag36h11",
@@ -135,7 +135,7 @@ TEST(RecognitionTest, FindsADisplacedMarkerToATwentiethOfAPixel) {
 TEST(RecognitionTest, FindsTheCornersOfAMarkerThatLooksOtherwiseThanPredicted) {
   constexpr double kSize = 0.5;  // m
   const MountedCamera camera(test::largeSphericalCamera(), test::lookingDown());
-  const Pose2 predicted_pose{truth().x + 0.03, truth().y - 0.02, truth().yaw + radians(0.5)};
+  const Pose predicted_pose{truth().x + 0.03, truth().y - 0.02, truth().yaw + radians(0.5)};
   // m; modules are 4, 7 and 14 pixels wide.
   for (const double range : {3.0, 1.8, 1.1}) {
     Marker marker = test::wallMarker(
@@ -144,8 +144,8 @@ TEST(RecognitionTest, FindsTheCornersOfAMarkerThatLooksOtherwiseThanPredicted) {
     marker.size = kSize;
     const MarkerMap map{"map", {marker}};
     const cv::Mat image = test::renderPanorama(map, camera, truth(), 5);
-    PoseEstimate belief{predicted_pose, Eigen::Matrix3d::Zero()};
-    belief.covariance.diagonal() << 4e-4, 4e-4, 8e-5;
+    PoseEstimate belief{predicted_pose};
+    belief.covariance.diagonal().head<3>() << 4e-4, 4e-4, 8e-5;
     const auto predicted = predictMarker(map, 0, camera, belief, {});
     ASSERT_TRUE(predicted) << range;
     const auto recognition = recognize(image, marker, TagPattern(marker.family, marker.id), camera,
@@ -238,7 +238,7 @@ TEST(RecognitionTest, AMirroredTagIsAnother) {
                              Eigen::Isometry3d(Eigen::Translation3d(0.0, 0.0, 1.1) *
                                                Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitX())));
   const PoseEstimate estimate;
-  const Pose2 pose = estimate.pose;
+  const Pose pose = estimate.pose;
   for (const int id : {0, 42, 123}) {
     for (const double size : {0.4, 0.8}) {
       MarkerMap map{"map", {test::wallMarker(id, {3.0, 0.0, 1.25}, kPi)}};

@@ -17,6 +17,7 @@ MAP = os.path.join(PACKAGE, "maps", "paper.yaml")
 GUESS = """
 model: catadioptric
 image: {width: 500, height: 500}
+uncertainty: none
 lens: {fx: 1090.0, fy: 1090.0, cx: 255.0, cy: 244.0}
 mirror: {profile: spherical, radius_of_curvature: 0.04, apex_distance: 0.21, rim_radius: 0.0375}
 """

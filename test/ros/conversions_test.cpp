@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include "omnitag/common/error.h"
 
@@ -26,7 +27,7 @@ geometry_msgs::Pose poseMessage(double x, double y, double z, double qx, double 
 }
 
 TEST(Conversions, PoseOnTheFloor) {
-  const geometry_msgs::Pose pose = toMessage(Pose2{1.0, -2.0, M_PI / 2.0});
+  const geometry_msgs::Pose pose = toMessage(Pose{1.0, -2.0, M_PI / 2.0});
   EXPECT_EQ(pose.position.x, 1.0);
   EXPECT_EQ(pose.position.y, -2.0);
   EXPECT_EQ(pose.position.z, 0.0);
@@ -44,8 +45,10 @@ TEST(Conversions, TransformAndBack) {
 }
 
 TEST(Conversions, CovarianceStandsWhereRosExpectsIt) {
-  PoseEstimate estimate;
-  estimate.covariance << 4.0, 0.1, 0.2, 0.1, 9.0, 0.3, 0.2, 0.3, 0.5;
+  Eigen::Matrix3d on_floor;
+  on_floor << 4.0, 0.1, 0.2, 0.1, 9.0, 0.3, 0.2, 0.3, 0.5;
+  PoseEstimate estimate = floorEstimate({}, on_floor);
+  estimate.covariance.diagonal().tail<3>() << 0.6, 0.7, 0.8;
   const geometry_msgs::PoseWithCovariance message = toMessage(estimate);
   const auto at = [&message](std::size_t row, std::size_t column) {
     return message.covariance[6 * row + column];
@@ -56,19 +59,46 @@ TEST(Conversions, CovarianceStandsWhereRosExpectsIt) {
   EXPECT_EQ(at(5, 5), 0.5);
   EXPECT_EQ(at(0, 5), 0.2);
   EXPECT_EQ(at(5, 1), 0.3);
-  for (const std::size_t i : {2U, 3U, 4U}) {
-    EXPECT_GT(at(i, i), 0.0);
-    EXPECT_LT(at(i, i), 1e-5);
-  }
+  EXPECT_EQ(at(2, 2), 0.6);
+  EXPECT_EQ(at(3, 3), 0.7);
+  EXPECT_EQ(at(4, 4), 0.8);
   const std::optional<Eigen::Matrix3d> back = planarCovariance(message);
   ASSERT_TRUE(back);
-  EXPECT_TRUE(back->isApprox(estimate.covariance));
+  EXPECT_TRUE(back->isApprox(on_floor));
+}
+
+TEST(Conversions, RotationsAreAboutTheAxesOfTheMap) {
+  // Sampled: rotations about the base's own axes, as rotations about the map's.
+  PoseEstimate estimate{{0.0, 0.0, 1.2, 0.0, 0.3, -0.4}};
+  estimate.covariance.diagonal() << 1.0, 1.0, 1e-4, 1.0, 4e-4, 9e-4;
+  const Eigen::Matrix3d map_from_base = estimate.pose.toIsometry().linear();
+  std::mt19937 generator(4);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  Eigen::Matrix3d sampled = Eigen::Matrix3d::Zero();
+  constexpr int kSamples = 20000;
+  for (int i = 0; i < kSamples; ++i) {
+    PoseVector change = PoseVector::Zero();
+    change[2] = 1e-2 * normal(generator);
+    change[4] = 2e-2 * normal(generator);
+    change[5] = 3e-2 * normal(generator);
+    const Eigen::AngleAxisd turn(moved(estimate.pose, change).toIsometry().linear() *
+                                 map_from_base.transpose());
+    const Eigen::Vector3d about_map = turn.angle() * turn.axis();
+    sampled += about_map * about_map.transpose() / kSamples;
+  }
+  const geometry_msgs::PoseWithCovariance message = toMessage(estimate);
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t column = 0; column < 3; ++column) {
+      EXPECT_NEAR(message.covariance[6 * (row + 3) + column + 3],
+                  sampled(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column)), 3e-5);
+    }
+  }
 }
 
 TEST(Conversions, CovarianceThatWasNotFilledIn) {
   geometry_msgs::PoseWithCovariance message;
   EXPECT_FALSE(planarCovariance(message)) << "zeros";
-  message = toMessage(PoseEstimate{{}, Eigen::Matrix3d::Identity()});
+  message = toMessage(PoseEstimate{{}, PoseMatrix::Identity()});
   message.covariance[35] = kNaN;
   EXPECT_FALSE(planarCovariance(message)) << "NaN";
   message.covariance[35] = -1.0;

@@ -32,7 +32,7 @@ class ImageLocalizerTest : public testing::Test {
   static LocalizerParameters parameters() {
     LocalizerParameters parameters;
     parameters.map_file = kPackage + "/maps/paper.yaml";
-    parameters.initial_pose = Pose2{3.0, -3.0, 1.0};
+    parameters.initial_pose = Pose{3.0, -3.0, 1.0};
     return parameters;
   }
 
@@ -52,7 +52,7 @@ class ImageLocalizerTest : public testing::Test {
 
   Eigen::Isometry3d base_from_camera_ =
       Eigen::Translation3d(0.1, 0.0, 1.1) * Eigen::AngleAxisd(3.14159265, Eigen::Vector3d::UnitX());
-  Pose2 truth_{-2.0, 1.5, 0.7};
+  Pose truth_{-2.0, 1.5, 0.7};
   DescribedCamera camera_ = cameraFromFile(kPackage + "/config/cameras/paper.yaml");
   cv::Mat panorama_ = test::renderPanorama(loadMarkerMap(kPackage + "/maps/paper.yaml"),
                                            MountedCamera(camera_.model, base_from_camera_), truth_);
@@ -92,9 +92,7 @@ TEST_F(ImageLocalizerTest, StartsAnewWhereTheStampsAloneGoBack) {
 
 TEST_F(ImageLocalizerTest, APoseThatIsGivenOutlivesAStartAnew) {
   follow();
-  localizer_.beforeNextImage([](Localizer* localizer) {
-    localizer->setPose(Pose2{1.0, 2.0, 0.5});
-  });
+  localizer_.beforeNextImage([](Localizer* localizer) { localizer->setPose(Pose{1.0, 2.0, 0.5}); });
   const auto localized = localize(95.4, black_);
   ASSERT_TRUE(localized);
   ASSERT_TRUE(localized->result.map_from_base);

@@ -23,7 +23,7 @@ MAP = os.path.join(PACKAGE, "maps", "paper.yaml")
 MANUAL = os.path.join(PACKAGE, "config", "localizer.yaml")
 MOUNTING = "0.1,0.02,1.1,3.14159265,0,0.52359878"  # as in the bag
 POSES_HEADER = ("stamp,x,y,yaw,cov_xx,cov_xy,cov_xyaw,cov_yy,cov_yyaw,cov_yawyaw,mode,"
-                "markers_used")
+                "markers_used,z,roll,pitch,cov_zz,cov_rollroll,cov_pitchpitch")
 DETECTIONS_HEADER = ("stamp,id,family,name,map_entry,accepted,reason,bearing,range,residual,"
                      "u0,v0,u1,v1,u2,v2,u3,v3")
 

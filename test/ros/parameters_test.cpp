@@ -114,12 +114,12 @@ TEST(Parameters, ManualHasTheDefaults) {
   const EstimatorConfig& estimation_default = defaults.localizer.estimation;
   EXPECT_EQ(estimation.kind, estimation_default.kind);
   EXPECT_EQ(estimation.reprojection.corner_noise, estimation_default.reprojection.corner_noise);
-  EXPECT_EQ(estimation.reprojection.robust_width, estimation_default.reprojection.robust_width);
-  EXPECT_EQ(estimation.max_residual, estimation_default.max_residual);
+  EXPECT_EQ(estimation.reprojection.poor_corner_noise,
+            estimation_default.reprojection.poor_corner_noise);
+  EXPECT_EQ(estimation.reprojection.robust_misfit, estimation_default.reprojection.robust_misfit);
+  EXPECT_EQ(estimation.max_misfit, estimation_default.max_misfit);
   EXPECT_EQ(estimation.photometric.blur, estimation_default.photometric.blur);
   EXPECT_EQ(estimation.photometric.min_noise, estimation_default.photometric.min_noise);
-  EXPECT_EQ(estimation.photometric.placement_deviation,
-            estimation_default.photometric.placement_deviation);
   EXPECT_EQ(estimation.photometric.alignment_deviation,
             estimation_default.photometric.alignment_deviation);
   EXPECT_EQ(estimation.photometric.max_pixels, estimation_default.photometric.max_pixels);
@@ -144,14 +144,17 @@ TEST(Parameters, ManualHasTheDefaults) {
 
   const RelocalizationConfig& relocalization = manual.localizer.relocalization;
   const RelocalizationConfig& relocalization_default = defaults.localizer.relocalization;
-  EXPECT_EQ(relocalization.corner_noise, relocalization_default.corner_noise);
   EXPECT_EQ(relocalization.min_lead, relocalization_default.min_lead);
-  EXPECT_EQ(relocalization.max_residual_of_one, relocalization_default.max_residual_of_one);
+  EXPECT_EQ(relocalization.max_misfit_of_one, relocalization_default.max_misfit_of_one);
   EXPECT_EQ(relocalization.max_hamming_of_one, relocalization_default.max_hamming_of_one);
   EXPECT_EQ(relocalization.max_deviation_of_one, relocalization_default.max_deviation_of_one);
 
   const MotionModelConfig& motion = manual.localizer.motion;
   const MotionModelConfig& motion_default = defaults.localizer.motion;
+  EXPECT_EQ(motion.pose_model, motion_default.pose_model);
+  EXPECT_EQ(motion.floor.lean_deviation, motion_default.floor.lean_deviation);
+  EXPECT_EQ(motion.floor.height_deviation, motion_default.floor.height_deviation);
+  EXPECT_EQ(motion.floor.settling_time, motion_default.floor.settling_time);
   EXPECT_EQ(motion.acceleration_deviation, motion_default.acceleration_deviation);
   EXPECT_EQ(motion.angular_acceleration_deviation, motion_default.angular_acceleration_deviation);
   EXPECT_EQ(motion.initial_speed_deviation, motion_default.initial_speed_deviation);
@@ -189,7 +192,7 @@ TEST(Parameters, InitialPose) {
   const auto read = [](const std::string& text) {
     return readParameters(YamlReader::fromText(text, "text")).initial_pose;
   };
-  const std::optional<Pose2> pose = read("initial_pose: [1, -2.5, 3]");
+  const std::optional<Pose> pose = read("initial_pose: [1, -2.5, 3]");
   ASSERT_TRUE(pose);
   EXPECT_EQ(pose->x, 1.0);
   EXPECT_EQ(pose->y, -2.5);

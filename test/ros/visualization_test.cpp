@@ -35,7 +35,7 @@ LocalizedImage localizedImage() {
   LocalizedImage localized;
   localized.input.frame.base_from_camera.translation().z() = 0.8;
   localized.result.map_from_base =
-      PoseEstimate{{1.0, 0.5, 0.0}, Eigen::Vector3d(1e-6, 4e-6, 1e-6).asDiagonal()};
+      floorEstimate({1.0, 0.5, 0.0}, Eigen::Vector3d(1e-6, 4e-6, 1e-6).asDiagonal());
   MarkerDetection seen;
   seen.id = 2;
   seen.map_entry = 0;

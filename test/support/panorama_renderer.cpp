@@ -79,8 +79,8 @@ struct Sight {
 
 }  // namespace
 
-cv::Mat renderPanorama(const MarkerMap& map, const MountedCamera& camera,
-                       const Pose2& map_from_base, int samples_per_axis) {
+cv::Mat renderPanorama(const MarkerMap& map, const MountedCamera& camera, const Pose& map_from_base,
+                       int samples_per_axis) {
   std::vector<Board> boards;
   for (const Marker& marker : map.markers) {
     TagBitmap bitmap = tagBitmap(marker.family, marker.id);

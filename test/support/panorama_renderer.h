@@ -23,7 +23,7 @@ TagBitmap tagBitmap(const std::string& family, int id);
 
 /// The panorama of a robot among markers before grey: a line of sight for every sample of every
 /// pixel, met with the markers' planes.
-cv::Mat renderPanorama(const MarkerMap& map, const MountedCamera& camera,
-                       const Pose2& map_from_base, int samples_per_axis = 3);
+cv::Mat renderPanorama(const MarkerMap& map, const MountedCamera& camera, const Pose& map_from_base,
+                       int samples_per_axis = 3);
 
 }  // namespace omnitag::test

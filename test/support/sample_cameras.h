@@ -14,6 +14,7 @@ inline std::shared_ptr<const CameraModel> sphericalCamera() {
   return parseCamera(R"(
 model: catadioptric
 image: {width: 500, height: 500}
+uncertainty: none
 lens: {fx: 1234, fy: 1234, cx: 249.5, cy: 249.5}
 mirror: {profile: spherical, radius_of_curvature: 0.04, apex_distance: 0.21, rim_radius: 0.0395}
 )",
@@ -25,6 +26,7 @@ inline std::shared_ptr<const CameraModel> largeSphericalCamera() {
   return parseCamera(R"(
 model: catadioptric
 image: {width: 1000, height: 1000}
+uncertainty: none
 lens: {fx: 2468, fy: 2468, cx: 499.5, cy: 499.5}
 mirror: {profile: spherical, radius_of_curvature: 0.04, apex_distance: 0.21, rim_radius: 0.0395}
 )",
@@ -36,6 +38,7 @@ inline std::shared_ptr<const CameraModel> hyperbolicCamera() {
   return parseCamera(R"(
 model: catadioptric
 image: {width: 1024, height: 768}
+uncertainty: none
 lens: {fx: 1500, fy: 1490, cx: 520.3, cy: 380.1, distortion: [-0.05, 0.01, 0.0004, -0.0003, 0]}
 mirror: {profile: hyperbolic, radius_of_curvature: 0.03, conic_constant: -1.6, apex_distance: 0.15,
          rim_radius: 0.032}
@@ -48,6 +51,7 @@ inline std::shared_ptr<const CameraModel> equidistantCamera() {
   return parseCamera(R"(
 model: equidistant
 image: {width: 700, height: 700}
+uncertainty: none
 lens: {fx: 210, fy: 208, cx: 352.3, cy: 347.1}
 distortion: [-0.012, 0.003, -0.0008, 0.0001]
 max_angle: 1.65
@@ -59,6 +63,7 @@ inline std::shared_ptr<const CameraModel> unifiedCamera() {
   return parseCamera(R"(
 model: unified
 image: {width: 700, height: 700}
+uncertainty: none
 lens: {fx: 440, fy: 442, cx: 347.7, cy: 351.2, skew: 0.8}
 xi: 1.4
 distortion: [-0.08, 0.03, 0.0004, -0.0006]

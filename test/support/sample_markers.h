@@ -50,7 +50,7 @@ inline std::vector<Marker> roomMarkers() {
 /// Where a marker images, exactly; nothing where the camera sees it from behind, too much from the
 /// side to be read, or not whole.
 inline std::optional<MarkerReading> exactReading(const Marker& marker, const MountedCamera& camera,
-                                                 const Pose2& map_from_base) {
+                                                 const Pose& map_from_base) {
   const Eigen::Vector3d to_camera =
       camera.mapFromCamera(map_from_base).translation() - marker.center();
   if (marker.normal().dot(to_camera.normalized()) < std::cos(radians(75.0))) return std::nullopt;
@@ -81,7 +81,7 @@ inline MarkerReading withNoise(MarkerReading reading, double noise, std::mt19937
   return reading;
 }
 
-inline double positionError(const Pose2& a, const Pose2& b) {
+inline double positionError(const Pose& a, const Pose& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
 }
 

@@ -7,7 +7,7 @@
 
 #include "omnitag/calibration/calibration_data.h"
 #include "omnitag/calibration/calibration_model.h"
-#include "omnitag/common/pose2.h"
+#include "omnitag/common/pose.h"
 #include "omnitag/marker/marker_map.h"
 
 namespace omnitag {
@@ -17,7 +17,7 @@ struct CalibrationState {
   /// As CalibrationModel::parameters().
   Eigen::VectorXd values;
   /// The robot in the map, one for each frame.
-  std::vector<Pose2> poses;
+  std::vector<Pose> poses;
 };
 
 /// What an adjustment is to change, and how.

@@ -4,7 +4,7 @@
 
 #include "omnitag/calibration/calibration_data.h"
 #include "omnitag/camera/mounted_camera.h"
-#include "omnitag/common/pose2.h"
+#include "omnitag/common/pose.h"
 #include "omnitag/marker/marker_map.h"
 
 namespace omnitag {
@@ -13,7 +13,7 @@ namespace omnitag {
 /// takes nothing but the centre and the aspect of its image: azimuth survives whatever the optics
 /// do to elevation. With a centre that is some pixels off or a camera that leans it is good for a
 /// start. Nothing where no pose explains the bearings.
-std::optional<Pose2> poseFromBearings(const MarkerMap& map, const MountedCamera& camera,
-                                      const CalibrationFrame& frame);
+std::optional<Pose> poseFromBearings(const MarkerMap& map, const MountedCamera& camera,
+                                     const CalibrationFrame& frame);
 
 }  // namespace omnitag

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "omnitag/camera/camera_uncertainty.h"
 #include "omnitag/camera/image_plane.h"
 
 namespace omnitag {
@@ -49,7 +50,7 @@ struct RadialImage {
 /// half-plane through the axis (`imageFromPoint`, `rayFromRadius`: the paper's E and its inverse);
 /// this class turns that into three dimensions, and the ImagePlane into pixels.
 ///
-/// Immutable and therefore safe to share between threads.
+/// Immutable once it is shared, and therefore safe to share between threads.
 class CameraModel {
  public:
   virtual ~CameraModel() = default;
@@ -85,6 +86,13 @@ class CameraModel {
   virtual double minRadius() const = 0;
   virtual double maxRadius() const = 0;
 
+  /// How far the model may be off; not at all unless something else was set.
+  const CameraUncertainty& uncertainty() const { return uncertainty_; }
+  void setUncertainty(const CameraUncertainty& uncertainty) { uncertainty_ = uncertainty; }
+
+  /// Pixels by which a CameraError displaces what images at a pixel, for each mode.
+  Eigen::Matrix<double, 2, 6> displacementByError(const Eigen::Vector2d& pixel) const;
+
   const ImageSize& imageSize() const { return image_size_; }
   const ImagePlane& imagePlane() const { return image_plane_; }
 
@@ -106,6 +114,7 @@ class CameraModel {
 
   ImageSize image_size_;
   ImagePlane image_plane_;
+  CameraUncertainty uncertainty_;
   /// In equal steps from minRadius() to maxRadius().
   std::vector<MeridionalRay> rays_;
   double radius_step_ = 1.0;

@@ -45,9 +45,14 @@ class YamlReader {
   const std::string& origin() const { return origin_; }
   /// Whether the key is there, be it with an empty value.
   bool has(const std::string& key) const;
+  /// Whether the key's value is a single word or number, neither a list nor a mapping.
+  bool isText(const std::string& key) const;
 
   /// Refuses every key that is not listed, so that a misspelt one does not go unnoticed.
   void allowOnly(std::initializer_list<std::string_view> keys) const;
+
+  /// Refuses a key that there was once: `replacement` says in words what stands for it now.
+  void refuseReplaced(const std::string& key, const std::string& replacement) const;
 
   /// Required keys. Integers are accepted where reals are meant.
   double number(const std::string& key, const Interval& interval = kAnyNumber) const;

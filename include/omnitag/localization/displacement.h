@@ -16,12 +16,12 @@ namespace omnitag {
 
 /// How far a marker hangs from where the map has it, as it was observed from a known pose of the
 /// robot, at the height and the tilt that the map says; of several entries with its id, the
-/// nearest. `observation.map_entry` is not looked at. Nothing where the map has no such marker, or
-/// where none at this height looks like what was observed.
+/// nearest. `standing`: how the robot stands. `observation.map_entry` is not looked at. Nothing
+/// where the map has no such marker, or where none at this height looks like what was observed.
 std::optional<DisplacedMarker> displacement(const MarkerMap& map, const MountedCamera& camera,
                                             const std::string& family, int id,
                                             const MarkerObservation& observation,
-                                            const Pose2& map_from_base,
+                                            const Pose& map_from_base, const PosePrior& standing,
                                             const EstimatorConfig& config);
 
 /// Which markers the map has at a wrong place, as frame after frame says.

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "omnitag/camera/mounted_camera.h"
-#include "omnitag/common/pose2.h"
+#include "omnitag/common/pose.h"
 #include "omnitag/localization/localizer_config.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/marker/marker_reader.h"
@@ -32,13 +32,13 @@ class Exploration {
   /// of what the glance leaves goes to small views around sought markers that were not `read` yet;
   /// they take turns.
   std::vector<View> views(const std::vector<View>& all, const MountedCamera& camera,
-                          const Pose2& map_from_base, const ContourTable& table,
+                          const Pose& map_from_base, const ContourTable& table,
                           const std::vector<MarkerReading>& read, const LocalizerConfig& config);
 
  private:
   /// Views around sought markers that have about so many pixels together, one at least.
   std::vector<View> viewsOfSought(double max_pixels, const MountedCamera& camera,
-                                  const Pose2& map_from_base, const ContourTable& table,
+                                  const Pose& map_from_base, const ContourTable& table,
                                   const std::vector<MarkerReading>& read,
                                   const LocalizerConfig& config);
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "omnitag/common/pose2.h"
+#include "omnitag/common/pose.h"
 #include "omnitag/marker/marker_reader.h"
 
 namespace omnitag {
@@ -16,7 +16,7 @@ struct FrameReadings {
   /// The camera's mounting, optical frame to robot.
   Eigen::Isometry3d base_from_camera = Eigen::Isometry3d::Identity();
   /// Odometry at the stamp, where the robot has one.
-  std::optional<Pose2> odom_from_base;
+  std::optional<Pose> odom_from_base;
   /// Each marker once.
   std::vector<MarkerReading> readings;
 };

@@ -6,7 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "omnitag/common/pose2.h"
+#include "omnitag/camera/camera_uncertainty.h"
+#include "omnitag/common/pose.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/marker/marker_prediction.h"
 #include "omnitag/marker/marker_reader.h"
@@ -34,7 +35,7 @@ struct Frame {
   /// The camera's mounting, optical frame to robot.
   Eigen::Isometry3d base_from_camera = Eigen::Isometry3d::Identity();
   /// Odometry at the stamp, where the robot has one.
-  std::optional<Pose2> odom_from_base;
+  std::optional<Pose> odom_from_base;
   /// Whether the result is to hold a view of every predicted marker, for people to look at, also of
   /// those that are recognized without.
   bool wants_views = false;
@@ -58,6 +59,8 @@ struct MarkerDetection {
   double range = 0.0;
   /// Pixels of the panoramic image, RMS over its corners at the frame's pose; NaN without one.
   double residual = 0.0;
+  /// The same in standard deviations (Misfit).
+  double deviations = 0.0;
 };
 
 /// A marker that was read elsewhere than the map has it.
@@ -81,8 +84,13 @@ struct Timings {
 struct FrameResult {
   double stamp = 0.0;
   Mode mode = Mode::kSearching;
-  /// base_link in the map; none while searching in vain.
+  /// base_link in the map, with the height and the lean that were found; none while searching in
+  /// vain.
   std::optional<PoseEstimate> map_from_base;
+  /// Whether the robot moves on a floor, whose height and lean are nobody's concern.
+  bool is_on_floor = true;
+  /// What the camera seemed to be off by.
+  CameraError camera_error = CameraError::Zero();
   /// In words, what is odd about the frame: why it has no pose, or that the robot was found far
   /// from where it should have been. Empty otherwise.
   std::string remark;
@@ -98,6 +106,10 @@ struct FrameResult {
   /// the view of a glance's reading is none of `views`.
   std::vector<MarkerReading> explored;
   Timings timings;
+
+  /// What the robot is told: on a floor the pose in its plane, z = roll = pitch = 0, with the
+  /// covariance of all six. There must be a pose.
+  PoseEstimate publishedPose() const;
 
   /// How many of the detections the pose stands on.
   int acceptedMarkers() const;

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "omnitag/camera/mounted_camera.h"
-#include "omnitag/common/pose2.h"
+#include "omnitag/common/pose.h"
 #include "omnitag/localization/exploration.h"
 #include "omnitag/localization/frame_result.h"
 #include "omnitag/localization/localizer_config.h"
@@ -39,11 +39,10 @@ class Localizer {
   /// (MotionModelConfig::max_initial_…). `odom_from_base`: odometry when the robot was there, from
   /// which frames with odometry carry it on; none: it is there at the stamp of the next frame.
   void setPose(const PoseEstimate& map_from_base,
-               const std::optional<Pose2>& odom_from_base = std::nullopt);
+               const std::optional<Pose>& odom_from_base = std::nullopt);
 
   /// The same without a covariance: the configured initial deviations are taken.
-  void setPose(const Pose2& map_from_base,
-               const std::optional<Pose2>& odom_from_base = std::nullopt);
+  void setPose(const Pose& map_from_base, const std::optional<Pose>& odom_from_base = std::nullopt);
 
   /// Forgets the pose; the next frames search.
   void forgetPose();
@@ -74,7 +73,7 @@ class Localizer {
   /// Whether the accepted markers alone, without the prediction, lead to where it has the robot. A
   /// prediction that is too sure of itself may hold a pose against all of them.
   bool markersAgree(const MountedCamera& camera, const PoseEstimate& predicted,
-                    const Pose2& solution, const FrameResult& result) const;
+                    const Pose& solution, const FrameResult& result) const;
   /// Whether a look all around, now and then where a marker or two are all that was found of those
   /// predicted, finds the robot elsewhere. What it reads is not lost to exploring.
   bool isElsewhere(const Frame& frame, const MountedCamera& camera, const PoseEstimate& tracked,
@@ -82,11 +81,11 @@ class Localizer {
   /// Looks for what is not expected from a pose: with one of the views all around from time to
   /// time, or in every frame as exploring asks for, unless a doubt has just read something
   /// all around.
-  void patrol(const Frame& frame, const MountedCamera& camera, const Pose2& map_from_base,
+  void patrol(const Frame& frame, const MountedCamera& camera, const Pose& map_from_base,
               FrameResult* result);
   std::vector<MarkerReading> readNextView(const Frame& frame, const MountedCamera& camera,
                                           FrameResult* result) const;
-  void explore(const Frame& frame, const MountedCamera& camera, const Pose2& map_from_base,
+  void explore(const Frame& frame, const MountedCamera& camera, const Pose& map_from_base,
                FrameResult* result);
   /// Looks all around, and decides between what it finds and the prediction.
   void search(const Frame& frame, const MountedCamera& camera,
@@ -115,10 +114,12 @@ class Localizer {
   GlanceReader glance_reader_;
   TagPatterns patterns_;
   MotionModel motion_;
+  /// How the robot stands, as far as is known without a prediction.
+  PosePrior standing_;
   /// A pose that was set and waits for the next frame.
   struct GivenPose {
     PoseEstimate map_from_base;
-    std::optional<Pose2> odom_from_base;
+    std::optional<Pose> odom_from_base;
   };
   std::optional<GivenPose> given_pose_;
   bool has_pose_ = false;

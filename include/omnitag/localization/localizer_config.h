@@ -34,9 +34,9 @@ struct LocalizerConfig {
 };
 
 /// Reads the groups `visibility`, `view`, `detector`, `association`, `recognition`, `estimation`,
-/// `look_around`, `relocalization` and `motion`, and the keys `threads` and `estimator`
-/// (triangulation | reprojection | photometric). Absent keys keep their defaults; other keys of the
-/// top level are not looked at. Throws InputError.
+/// `look_around`, `relocalization`, `motion` and `floor`, and the keys `threads`, `pose_model`
+/// (floor | free) and `estimator` (triangulation | reprojection | photometric). Absent keys keep
+/// their defaults; other keys of the top level are not looked at. Throws InputError.
 LocalizerConfig readLocalizerConfig(const YamlReader& reader);
 
 }  // namespace omnitag

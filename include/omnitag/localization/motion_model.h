@@ -4,13 +4,33 @@
 #include <optional>
 
 #include "omnitag/common/angle.h"
-#include "omnitag/common/pose2.h"
+#include "omnitag/common/pose.h"
 #include "omnitag/common/yaml_reader.h"
+#include "omnitag/measurement/pose_prior.h"
 
 namespace omnitag {
 
+/// Which of the pose's six numbers are wanted.
+enum class PoseModel {
+  kFloor,  ///< x, y and yaw; the floor and the mounting let z, roll and pitch vary a little
+  kFree,   ///< all six: ramps, legs, a hand, a drone
+};
+
+/// How a robot stands on a floor.
+struct FloorConfig {
+  /// rad and m: standard deviations of roll and pitch each, and of the height of base_link. One
+  /// part of each varies slowly, the mounting's, and one from image to image, the floor's; both
+  /// have this deviation.
+  double lean_deviation = 0.0087;
+  double height_deviation = 0.005;
+  /// s, in which the slow part may become another one.
+  double settling_time = 60.0;
+};
+
 /// How the robot moves between two images. All deviations are standard deviations.
 struct MotionModelConfig {
+  PoseModel pose_model = PoseModel::kFloor;
+  FloorConfig floor;
   /// m/s^2 and rad/s^2: without odometry, how much the velocity changes.
   double acceleration_deviation = 1.0;
   double angular_acceleration_deviation = 1.5;
@@ -39,26 +59,33 @@ struct MotionModelConfig {
   double max_initial_heading_deviation = radians(60.0);
 };
 
-/// Reads the keys above; absent ones keep their defaults. Throws InputError.
+/// Reads the keys of FloorConfig; absent ones keep their defaults. Throws InputError.
+FloorConfig readFloorConfig(const YamlReader& reader);
+
+/// Reads the keys above but for `pose_model` and `floor`; absent ones keep their defaults. Throws
+/// InputError.
 MotionModelConfig readMotionModelConfig(const YamlReader& reader);
 
 /// Carries the robot's pose from image to image, by odometry where both images have it, otherwise
-/// at constant velocity. A Kalman filter over (x, y, yaw, vx, vy, yaw rate), the velocity in
-/// base_link; the images' share comes as a finished pose.
+/// at constant velocity. A Kalman filter over the pose, the velocity in base_link and, on a floor,
+/// the slow part of height, roll and pitch; the images' share comes as a finished pose.
+///
+/// On a floor the pose is carried within the plane, and height, roll and pitch are predicted anew
+/// for each image: as odometry has roll and pitch, plus the slow part, give or take the fast one.
 class MotionModel {
  public:
   explicit MotionModel(const MotionModelConfig& config) : config_(config) {}
 
   /// Starts from a pose that markers told at a stamp (s), at unknown velocity.
   void reset(const PoseEstimate& map_from_base, double stamp,
-             const std::optional<Pose2>& odom_from_base);
+             const std::optional<Pose>& odom_from_base);
 
   /// The same from a pose that comes from outside: a hypothesis until it is corrected.
   void resetToGiven(const PoseEstimate& map_from_base, double stamp,
-                    const std::optional<Pose2>& odom_from_base);
+                    const std::optional<Pose>& odom_from_base);
 
   /// Carries the pose on to a later stamp and returns it.
-  PoseEstimate predict(double stamp, const std::optional<Pose2>& odom_from_base);
+  PoseEstimate predict(double stamp, const std::optional<Pose>& odom_from_base);
 
   /// Takes the pose that the image at the last stamp led to, the prediction included in it.
   void correct(const PoseEstimate& map_from_base);
@@ -66,27 +93,45 @@ class MotionModel {
   /// s from the last correction or start to the last stamp.
   double uncorrectedTime() const { return stamp_ - corrected_stamp_; }
 
+  /// What is known of the pose of an image without a prediction: on a floor how the robot stands,
+  /// otherwise nothing. `odom_from_base`: odometry at the image's stamp.
+  PosePrior standing(const std::optional<Pose>& odom_from_base) const;
+
   /// Whether the pose at the last stamp is still worth having without a marker.
   bool isTrustworthy() const;
 
  private:
-  using State = Eigen::Matrix<double, 6, 1>;
-  using Covariance = Eigen::Matrix<double, 6, 6>;
+  /// Pose, velocity, and the slow part of (z, roll, pitch).
+  static constexpr int kSize = 15;
+  using Covariance = Eigen::Matrix<double, kSize, kSize>;
 
+  bool isOnFloor() const { return config_.pose_model == PoseModel::kFloor; }
   void restart(const PoseEstimate& map_from_base);
-  void moveByOdometry(const Pose2& motion);
+  void moveByOdometry(const Pose& motion);
   void moveByVelocity(double interval);
+  /// Changes the pose by a motion and its uncertainty as errors of the pose and others follow.
+  void move(const Pose& motion, const Covariance& transition, const Covariance& noise);
+  /// On a floor: predicts height, roll and pitch of the image after an interval (s).
+  void standAnew(double interval, const std::optional<Pose>& odom_from_base);
+  /// Of the slow part: the configured one as long as nothing is known.
+  Eigen::Matrix3d slowCovariance() const;
+  Pose leanAt(const std::optional<Pose>& odom_from_base) const;
   PoseEstimate estimate() const;
 
   MotionModelConfig config_;
-  Pose2 pose_;
-  Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();
+  Pose pose_;
+  /// In base_link, per second; in a PoseVector's order.
+  PoseVector velocity_ = PoseVector::Zero();
+  /// m, rad, rad: the slow part of z, roll and pitch.
+  Eigen::Vector3d slow_lean_ = Eigen::Vector3d::Zero();
   Covariance covariance_ = Covariance::Zero();
+  /// The part of the pose's covariance that the images share.
+  PoseMatrix shared_ = PoseMatrix::Zero();
   double stamp_ = 0.0;
   double corrected_stamp_ = 0.0;
   /// When a correction, a start or odometry last told where the robot is.
   double known_stamp_ = 0.0;
-  std::optional<Pose2> odom_from_base_;
+  std::optional<Pose> odom_from_base_;
   /// Whether the pose comes from outside and no marker has confirmed it.
   bool is_given_ = false;
 };

@@ -12,6 +12,10 @@ struct MarkerObservation {
   std::size_t map_entry = 0;
   Corners<Eigen::Vector2d> corners;
   Eigen::Vector2d center;
+  /// Pixels, standard deviation of each corner's place along each axis relative to the marker's
+  /// middle, beside a corner's noise: where a marker is only found as a whole, its shape is that of
+  /// the prediction.
+  double shape_deviation = 0.0;
 };
 
 }  // namespace omnitag

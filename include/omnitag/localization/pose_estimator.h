@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "omnitag/camera/mounted_camera.h"
-#include "omnitag/common/pose2.h"
+#include "omnitag/common/pose.h"
 #include "omnitag/common/yaml_reader.h"
 #include "omnitag/localization/observation.h"
 #include "omnitag/localization/reprojection.h"
@@ -24,35 +24,37 @@ enum class EstimatorKind {
 struct EstimatorConfig {
   EstimatorKind kind = EstimatorKind::kPhotometric;
   ReprojectionConfig reprojection;
-  /// Pixels of the panorama, RMS over a marker's corners: beyond, a marker is rejected.
-  double max_residual = 1.5;
+  /// Standard deviations (Misfit): a marker that is farther off is rejected.
+  double max_misfit = 7.0;
   PhotometricConfig photometric;
 };
 
-/// Reads the keys corner_noise, robust_width and max_residual, and those of PhotometricConfig;
-/// absent ones keep their defaults. Throws InputError.
+/// Reads the keys of ReprojectionConfig, max_misfit, and those of PhotometricConfig; absent ones
+/// keep their defaults. Throws InputError.
 EstimatorConfig readEstimatorConfig(const YamlReader& reader);
 
 /// A pose, and what it makes of each observation.
 struct PoseSolution {
   PoseEstimate map_from_base;
-  /// Pixels, RMS over the corners of each observation; infinity where the pose hides a corner.
-  std::vector<double> residuals;
+  CameraError camera_error = CameraError::Zero();
+  /// Of each observation.
+  std::vector<Misfit> misfits;
   /// Whether the pose stands on the observation.
   std::vector<bool> used;
+  /// How many times larger than expected the squared residuals are, at least 1.
+  double excess = 1.0;
 };
 
-/// How many markers, of these residuals (pixels), agree with a pose sharply: an exact map and sharp
-/// corners leave no more.
-std::size_t sharplyAgreeing(const std::vector<double>& residuals, const EstimatorConfig& config);
+/// How many markers agree with a pose as well as by chance.
+std::size_t sharplyAgreeing(const std::vector<Misfit>& misfits);
 
 /// Whether so many of the markers that are expected, two thirds, leave no doubt that the pose on
 /// which they agree is right. Some may have been moved as one, and then one or the other that was
 /// not may seem in its place by chance.
 bool isLargeMajority(std::size_t agreeing, std::size_t expected);
 
-/// Estimates the robot's pose from what was observed and, where there is one, the predicted pose.
-/// Observations that disagree with the others are left out.
+/// Estimates the robot's pose from what was observed and the prior. Observations that disagree with
+/// the others are left out.
 ///
 /// Triangulation uses the prior for its heading only. Where there are fewer than the three markers
 /// that it needs, and with the other kinds, all corners and the prior with its covariance give the
@@ -62,7 +64,6 @@ bool isLargeMajority(std::size_t agreeing, std::size_t expected);
 /// What kPhotometric adds needs the image: refinePhotometrically().
 std::optional<PoseSolution> estimatePose(const MarkerMap& map, const MountedCamera& camera,
                                          const std::vector<MarkerObservation>& observations,
-                                         const std::optional<PoseEstimate>& prior,
-                                         const EstimatorConfig& config);
+                                         const PosePrior& prior, const EstimatorConfig& config);
 
 }  // namespace omnitag

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "omnitag/camera/mounted_camera.h"
+#include "omnitag/localization/pose_estimator.h"
 #include "omnitag/localization/relocalization_config.h"
 #include "omnitag/localization/reprojection.h"
 #include "omnitag/marker/marker_map.h"
@@ -19,10 +20,11 @@ struct Relocalization {
   std::optional<PoseEstimate> map_from_base;
   /// In words, why there is no pose; empty where there is one.
   std::string reason;
-  /// For each reading the entry of the map that the best pose explains it by, and its residual
-  /// (pixels, RMS over its corners); none where it does not.
+  CameraError camera_error = CameraError::Zero();
+  /// For each reading the entry of the map that the best pose explains it by, and its misfit; none
+  /// where it does not.
   std::vector<std::optional<std::size_t>> entries;
-  std::vector<double> residuals;
+  std::vector<Misfit> misfits;
 };
 
 /// Finds the robot's pose from markers that were read anywhere, without a prediction. Every marker
@@ -31,11 +33,11 @@ struct Relocalization {
 /// pose; ids may stand on several entries. There is no pose as long as two remain plausible: two
 /// that explain as many readings, and, where these are the same readings, about equally well.
 ///
-/// `max_residual`: pixels, RMS over a marker's corners up to which a pose explains a reading.
+/// `standing`: what is known without a prediction. A pose explains a reading up to
+/// `estimation.max_misfit`.
 Relocalization relocalize(const MarkerMap& map, const MountedCamera& camera,
-                          const std::vector<MarkerReading>& readings,
-                          const ReprojectionConfig& reprojection, double max_residual,
-                          const RelocalizationConfig& config);
+                          const std::vector<MarkerReading>& readings, const PosePrior& standing,
+                          const EstimatorConfig& estimation, const RelocalizationConfig& config);
 
 /// Poses from which other markers are looked for, which are to confirm one of them: the one that
 /// explains what was read, as above, and for a single marker all from which it looks as it does,
@@ -43,7 +45,7 @@ Relocalization relocalize(const MarkerMap& map, const MountedCamera& camera,
 /// covariance is that of corners.
 std::vector<Relocalization> roughPoses(const MarkerMap& map, const MountedCamera& camera,
                                        const std::vector<MarkerReading>& readings,
-                                       const ReprojectionConfig& reprojection, double max_residual,
+                                       const PosePrior& standing, const EstimatorConfig& estimation,
                                        const RelocalizationConfig& config);
 
 }  // namespace omnitag

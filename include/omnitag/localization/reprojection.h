@@ -4,57 +4,69 @@
 #include <vector>
 
 #include "omnitag/camera/mounted_camera.h"
-#include "omnitag/common/pose2.h"
+#include "omnitag/common/pose.h"
 #include "omnitag/localization/observation.h"
 #include "omnitag/marker/marker_map.h"
+#include "omnitag/measurement/pose_prior.h"
 
 namespace omnitag {
 
-/// How corners are weighed.
+/// How corners are weighed and judged.
 struct ReprojectionConfig {
   /// Pixels of the panorama, standard deviation of a corner's position along each axis.
   double corner_noise = 0.045;
-  /// Pixels: a corner that is farther off than this counts less and less, as does one at an edge
-  /// that something covers.
-  double robust_width = 0.25;
+  /// The same of a small, blurred or shaded marker: what judges by corners must not decide by
+  /// chance.
+  double poor_corner_noise = 0.15;
+  /// Standard deviations, RMS over a marker's corners, from which it counts less and less: half at
+  /// this many (Cauchy's function).
+  double robust_misfit = 4.0;
+};
+
+/// How far the corners of an observation are off where a pose has them.
+struct Misfit {
+  /// Pixels, RMS over the corners; infinity where the pose hides one.
+  double residual = 0.0;
+  /// Standard deviations, RMS over the corners' coordinates, by the covariance that poor corners
+  /// have of a marker that hangs as the map says, give or take its deviations. About 1 where all is
+  /// well.
+  double deviations = 0.0;
 };
 
 /// A fitted pose and how well each observation agrees with it.
 struct ReprojectionFit {
   PoseEstimate map_from_base;
-  /// Pixels, RMS over the corners of each observation; infinity where the pose hides a corner.
-  std::vector<double> residuals;
-  /// Sum over all corners of their squared residuals in corner noises, each with its robust weight.
-  double weighted_squares = 0.0;
+  /// What the camera seems to be off by.
+  CameraError camera_error = CameraError::Zero();
+  std::vector<Misfit> misfits;
+  /// How many times larger than expected the squared residuals are, at least 1: a map or a camera
+  /// that is less exact than it says must not make the pose look more certain than it is.
+  double excess = 1.0;
 };
 
 /// Refines a pose so that the mapped corners image where they were measured: least squares over all
-/// corners in the panoramic image (Levenberg-Marquardt), each weighed down by Cauchy's function
-/// where it is far off. Where there is a prior, it takes part with its covariance. The covariance
-/// is the inverse of the information that the corners (and the prior) have about the pose.
+/// corners in the panoramic image (Levenberg-Marquardt), in which markers hang beside their places
+/// as their deviations say, the camera errs as its uncertainty says, and a marker that is farther
+/// off counts less and less. The covariance is that of all these, times the excess.
 ///
 /// Two markers, one or none are the same code; nothing where what is there leaves the pose
 /// undetermined, or where the pose hides all that was observed.
 std::optional<ReprojectionFit> refineByReprojection(
     const MarkerMap& map, const MountedCamera& camera,
-    const std::vector<MarkerObservation>& observations, const Pose2& initial,
-    const std::optional<PoseEstimate>& prior, const ReprojectionConfig& config);
+    const std::vector<MarkerObservation>& observations, const Pose& initial, const PosePrior& prior,
+    const ReprojectionConfig& config);
 
-/// The same from a start that may be far off: with a robust width that is wide at first, so that
-/// all markers pull, and narrows down to the configured one.
+/// The same from a start that may be far off: robust in a wide sense at first, so that all markers
+/// pull, and narrowing down to the configured one.
 std::optional<ReprojectionFit> refineFromAfar(const MarkerMap& map, const MountedCamera& camera,
                                               const std::vector<MarkerObservation>& observations,
-                                              const Pose2& initial,
-                                              const std::optional<PoseEstimate>& prior,
+                                              const Pose& initial, const PosePrior& prior,
                                               const ReprojectionConfig& config);
 
-/// How many times larger than expected the squared residuals of a fit are, at least 1: a map that
-/// is not as exact as the corners must not make the pose look more certain than it is.
-double varianceFactor(const ReprojectionFit& fit);
-
-/// Pixels, RMS over the corners of each observation; infinity where the pose hides a corner.
-std::vector<double> reprojectionResiduals(const MarkerMap& map, const MountedCamera& camera,
-                                          const std::vector<MarkerObservation>& observations,
-                                          const Pose2& map_from_base);
+/// One for each observation, at a pose and an error of the camera.
+std::vector<Misfit> misfitsAt(const MarkerMap& map, const MountedCamera& camera,
+                              const std::vector<MarkerObservation>& observations,
+                              const Pose& map_from_base, const CameraError& error,
+                              const ReprojectionConfig& config);
 
 }  // namespace omnitag

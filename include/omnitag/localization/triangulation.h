@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "omnitag/common/pose2.h"
+#include "omnitag/common/pose.h"
 
 namespace omnitag {
 
@@ -13,6 +13,8 @@ namespace omnitag {
 struct LandmarkSight {
   /// m, in the map.
   Eigen::Vector2d landmark;
+  /// m, standard deviation of its place along either axis.
+  double landmark_deviation = 0.0;
   /// m, a point of the line of sight, in base_link: where the camera is.
   Eigen::Vector2d viewpoint;
   /// rad, direction of the line of sight in base_link (the paper's theta_l).

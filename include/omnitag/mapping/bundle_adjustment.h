@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "omnitag/camera/mounted_camera.h"
-#include "omnitag/common/pose2.h"
+#include "omnitag/common/pose.h"
 #include "omnitag/mapping/marker_projection.h"
 #include "omnitag/marker/marker_map.h"
 
@@ -23,7 +23,7 @@ enum class Hold {
 struct Bundle {
   struct Frame {
     MountedCamera camera;
-    Pose2 map_from_base;
+    Pose map_from_base;
     bool is_held = false;
   };
   struct Landmark {
@@ -42,7 +42,7 @@ struct Bundle {
   struct Motion {
     std::size_t from = 0;
     std::size_t to = 0;
-    Pose2 from_from_to;
+    Pose from_from_to;
     Eigen::Vector3d deviations;
   };
 
@@ -73,12 +73,12 @@ struct BundleCovariances {
 std::optional<BundleCovariances> covariances(const Bundle& bundle, const BundleConfig& config);
 
 /// How far an observation is off.
-struct Misfit {
+struct ReadingMisfit {
   /// Pixels, RMS over its corners; infinity where the estimate hides one.
   double pixels = 0.0;
   /// Chi-square with 8 degrees of freedom, if the noise is as the observation says.
   double square = 0.0;
 };
-std::vector<Misfit> misfits(const Bundle& bundle);
+std::vector<ReadingMisfit> misfits(const Bundle& bundle);
 
 }  // namespace omnitag

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "omnitag/camera/mounted_camera.h"
-#include "omnitag/common/pose2.h"
+#include "omnitag/common/pose.h"
 #include "omnitag/mapping/marker_projection.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/marker/tag_pattern.h"
@@ -28,6 +28,6 @@ struct AlignedCorners {
 /// Nothing where too little of the pattern is in the image or too pale, or where it does not fit.
 std::optional<AlignedCorners> alignCorners(const cv::Mat& panorama, const Marker& marker,
                                            const TagPattern& pattern, const MountedCamera& camera,
-                                           const Pose2& map_from_base, double blur);
+                                           const Pose& map_from_base, double blur);
 
 }  // namespace omnitag

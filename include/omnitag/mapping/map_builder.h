@@ -84,7 +84,7 @@ struct BuiltMap {
   std::vector<WorstReading> worst;
   /// The robot's poses, for those images that have one.
   std::vector<double> stamps;
-  std::vector<Pose2> trajectory;
+  std::vector<Pose> trajectory;
   std::size_t images = 0;
 
   MarkerMap map(const std::string& frame_id) const;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "omnitag/camera/mounted_camera.h"
-#include "omnitag/common/pose2.h"
+#include "omnitag/common/pose.h"
 #include "omnitag/mapping/marker_projection.h"
 #include "omnitag/marker/marker_map.h"
 

@@ -32,7 +32,7 @@ CornerPixels stacked(const Corners<Eigen::Vector2d>& corners);
 /// MarkerIncrement, and with the marker's size; per metre and per radian.
 struct MarkerProjection {
   CornerPixels pixels;
-  Eigen::Matrix<double, 8, 3> by_pose;
+  Eigen::Matrix<double, 8, 6> by_pose;
   Eigen::Matrix<double, 8, 6> by_marker;
   CornerPixels by_size;
 };
@@ -40,6 +40,6 @@ struct MarkerProjection {
 /// Nothing where the camera does not see all four corners. Whether the marker faces the camera is
 /// not looked at.
 std::optional<MarkerProjection> projectMarker(const Marker& marker, const MountedCamera& camera,
-                                              const Pose2& map_from_base);
+                                              const Pose& map_from_base);
 
 }  // namespace omnitag

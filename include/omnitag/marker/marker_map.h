@@ -24,9 +24,10 @@ struct Marker {
   /// m, edge of the square between the corners that the library reports.
   double size = 0.0;
   Eigen::Isometry3d map_from_marker = Eigen::Isometry3d::Identity();
-  /// m, standard deviation of its place along each axis, where the map says; 0: as exact as the
-  /// configuration has it.
+  /// m and rad, standard deviations by which it may hang elsewhere than the map says, along and
+  /// about each axis; 0: exactly there.
   double deviation = 0.0;
+  double orientation_deviation = 0.0;
 
   Eigen::Vector3d center() const { return map_from_marker.translation(); }
   /// Unit vector out of the marker's face, in the map.
@@ -42,6 +43,9 @@ struct MarkerMap {
   /// Of markers that do not say otherwise: empty and 0 where there are none.
   std::string default_family = {};
   double default_size = 0.0;
+  /// Of markers that do not say otherwise, as Marker has them.
+  double default_deviation = 0.0;
+  double default_orientation_deviation = 0.0;
 };
 
 /// The entries that a marker of this family and id may be; none where the map has no such marker.

@@ -13,7 +13,8 @@ struct MapEntry {
   std::string remark;
 };
 
-/// The text of a new map file. The first marker's family and size are its defaults.
+/// The text of a new map file. The first marker's family, size and deviations
+/// are its defaults.
 std::string newMapText(const std::string& frame_id, const std::vector<MapEntry>& entries);
 
 /// The text of a map file with entries added at the end of its list `markers`, in its style. All

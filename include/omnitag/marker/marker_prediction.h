@@ -6,7 +6,7 @@
 
 #include "omnitag/camera/mounted_camera.h"
 #include "omnitag/common/angle.h"
-#include "omnitag/common/pose2.h"
+#include "omnitag/common/pose.h"
 #include "omnitag/common/yaml_reader.h"
 #include "omnitag/marker/marker_index.h"
 #include "omnitag/marker/marker_map.h"
@@ -24,7 +24,8 @@ struct VisibilityConfig {
   /// decoder to be able to read it.
   double min_edge_pixels = 8.0;
   double min_decodable_edge_pixels = 12.0;
-  /// Standard deviations of the predicted pose that a view leaves around a marker.
+  /// Standard deviations, by the predicted pose, the marker's place and the camera's error, that a
+  /// view leaves around a marker.
   double margin_deviations = 3.5;
   /// Pixels of the panorama that a view leaves at least.
   double min_margin_pixels = 2.0;
@@ -47,6 +48,9 @@ struct PredictedMarker {
   /// the radius of the panorama.
   double tangential_margin = 0.0;
   double radial_margin = 0.0;
+  /// Pixels, standard deviation by which a corner may be displaced otherwise than the centre, along
+  /// each axis.
+  double shape_deviation = 0.0;
 };
 
 /// The markers that the camera should see: facing it, within range, large enough, and whole within

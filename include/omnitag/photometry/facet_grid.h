@@ -6,7 +6,7 @@
 
 #include "omnitag/camera/mounted_camera.h"
 #include "omnitag/common/grid_index.h"
-#include "omnitag/common/pose2.h"
+#include "omnitag/common/pose.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/marker/tag_pattern.h"
 
@@ -16,10 +16,10 @@ namespace omnitag {
 /// changes within.
 struct Facet {
   bool is_visible = false;
-  /// Derivatives of the position on the drawing (modules) by the pixel, and by the pose (x, y, yaw)
-  /// where the pixel stays.
+  /// Derivatives of the position on the drawing (modules) by the pixel, and by what is unknown in a
+  /// frame where the pixel stays.
   Eigen::Matrix2d by_pixel = Eigen::Matrix2d::Zero();
-  Eigen::Matrix<double, 2, 3> by_pose = Eigen::Matrix<double, 2, 3>::Zero();
+  FrameJacobian by_frame = FrameJacobian::Zero();
   /// What a pixel sees of the drawing: a parallelogram whose sides are the columns of `by_pixel`,
   /// which the blur makes longer.
   TagPattern::Window window;
@@ -38,12 +38,16 @@ class FacetGrid {
  public:
   /// `blur`: pixels, as MarkerPatch has it.
   FacetGrid(const Marker& marker, const TagPattern& pattern, const MountedCamera& camera,
-            const Pose2& map_from_base, double blur, int facets_along);
+            const Pose& map_from_base, double blur, int facets_along);
 
   /// The facet of a position (modules); of one off the drawing, one of those nearest.
   const Facet& at(const Eigen::Vector2d& position) const {
     return facets_[gridIndex(indexAlong(position.x()), indexAlong(position.y()), facets_along_)];
   }
+
+  /// All of them, row by row, and the number of the one that at() gives.
+  const std::vector<Facet>& facets() const { return facets_; }
+  int numberOf(const Facet& facet) const { return static_cast<int>(&facet - facets_.data()); }
 
   /// Pixels of the image that show all that is visible of the drawing.
   const PixelBox& box() const { return box_; }

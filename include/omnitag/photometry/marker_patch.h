@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "omnitag/camera/mounted_camera.h"
-#include "omnitag/common/pose2.h"
+#include "omnitag/common/pose.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/marker/tag_pattern.h"
 #include "omnitag/photometry/facet_grid.h"
@@ -43,8 +43,20 @@ struct MarkerPixel {
   double gradient = 0.0;
   /// On the drawing of the tag, whose sides have length 1, from its middle.
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
-  /// Derivative of `white` by the pose (x, y, yaw), per metre and per radian.
-  Eigen::RowVector3d white_by_pose = Eigen::RowVector3d::Zero();
+  /// Derivative of `white` by the position on the drawing, per module.
+  Eigen::Vector2d white_by_position = Eigen::Vector2d::Zero();
+  /// Its facet's number.
+  int facet = 0;
+};
+
+/// Pixels of a marker and, for each of its facets, the derivative of the position on the drawing by
+/// what is unknown in a frame.
+struct MarkerPixels {
+  std::vector<MarkerPixel> pixels;
+  std::vector<FrameJacobian> by_frame;
+
+  /// For each facet, by how much the position on the drawing (modules) changes.
+  std::vector<Eigen::Vector2d> positionChanges(const FrameVector& change) const;
 };
 
 /// One for each pixel of a patch; nothing where a pixel shows no world.
@@ -73,20 +85,21 @@ class MarkerPatch {
   /// pixel, where the marker images. `blur` is the standard deviation, in pixels, of the blur that
   /// adds to the averaging over a pixel's area.
   MarkerPatch(const Marker& marker, const TagPattern& pattern, const MountedCamera& camera,
-              const Pose2& map_from_base, double blur, const Choice& choice);
+              const Pose& map_from_base, double blur, const Choice& choice);
 
   /// What the pixels see that see nothing but the drawing. Valid as long as the patch.
   std::vector<Footprint> footprints() const;
 
   /// The same pixels with their grey levels in the panorama (CV_8UC1).
-  std::vector<MarkerPixel> pixels(const cv::Mat& panorama) const;
+  MarkerPixels pixels(const cv::Mat& panorama) const;
 
   /// The lines of sight of the patch's pixels in base_link, to follow them to other poses.
   LinesOfSight linesOfSight() const;
 
-  /// As pixels() above, at a pose near the one of the constructor. `lines` are the patch's.
-  std::vector<MarkerPixel> pixels(const cv::Mat& panorama, const LinesOfSight& lines,
-                                  const Pose2& map_from_base) const;
+  /// As pixels() above, at a pose near the one of the constructor, where the camera's error is that
+  /// much more. `lines` are the patch's.
+  MarkerPixels pixels(const cv::Mat& panorama, const LinesOfSight& lines, const Pose& map_from_base,
+                      const CameraError& error_change) const;
 
  private:
   /// Keeps at most so many of the pixels, evenly spread.
@@ -95,6 +108,8 @@ class MarkerPatch {
   const Facet* facetWithinDrawing(const Eigen::Vector2d& position) const;
   MarkerPixel pixelAt(const cv::Mat& panorama, const PixelPosition& place,
                       const Facet& facet) const;
+  /// So many pixels at most, none yet.
+  MarkerPixels emptyPixels(std::size_t at_most) const;
 
   const Marker& marker_;
   const TagPattern& pattern_;

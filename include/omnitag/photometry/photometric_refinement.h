@@ -6,9 +6,10 @@
 #include <vector>
 
 #include "omnitag/camera/mounted_camera.h"
-#include "omnitag/common/pose2.h"
+#include "omnitag/common/pose.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/marker/tag_pattern.h"
+#include "omnitag/measurement/pose_prior.h"
 
 namespace omnitag {
 
@@ -20,9 +21,6 @@ struct PhotometricConfig {
   /// Grey levels, the least that noise is taken for: grey levels are rounded, and no pattern is
   /// printed and lit as evenly as the model has it.
   double min_noise = 1.0;
-  /// m: standard deviation of a marker's place along each axis, and of its edges' places against
-  /// each other, from what the map says.
-  double placement_deviation = 0.00002;
   /// Pixels of the panorama: standard deviation of what all of a marker's pixels err by together,
   /// since neither the camera model nor the pattern's is perfect.
   double alignment_deviation = 0.0015;
@@ -36,10 +34,15 @@ struct PhotometricConfig {
 /// A pose that was aligned with the panorama.
 struct PhotometricFit {
   PoseEstimate map_from_base;
+  /// What the camera seems to be off by.
+  CameraError camera_error = CameraError::Zero();
   /// Standard deviations as the residuals tell them: grey levels on even ground, and pixels by
   /// which edges seem displaced by chance from pixel to pixel.
   double noise = 0.0;
   double edge_noise = 0.0;
+  /// How many times more than all of these, the map and the camera say the markers disagree, at
+  /// least 1.
+  double excess = 1.0;
   /// For each marker how much it counts: less than 1 where it disagrees with the others.
   std::vector<double> weights;
 };
@@ -48,15 +51,15 @@ struct PhotometricFit {
 /// the noise that `fit` found. Tells which of several optima is the likelier.
 double photometricMisfit(const cv::Mat& panorama, const MarkerMap& map, const MountedCamera& camera,
                          const TagPatterns& patterns, const std::vector<std::size_t>& entries,
-                         const Pose2& map_from_base, const PhotometricFit& fit,
+                         const Pose& map_from_base, const PhotometricFit& fit,
                          const PhotometricConfig& config);
 
 /// Refines a pose, good to about half a pixel, so that the patterns of the markers at `entries`
 /// explain the panorama's grey levels: every pixel of a marker is predicted as black + white *
 /// contrast, white being the pattern's average over what the pixel sees of it. Black and the
 /// contrast, a polynomial of the second degree over the marker, are free for each marker. Least
-/// squares over pixels at edges (Gauss-Newton), with pixels that something covers weighed down, and
-/// the prior, where there is one, taking part with its covariance.
+/// squares over pixels at edges (Gauss-Newton), with pixels that something covers weighed down;
+/// the priors of the pose, of the camera's error and of the markers' places take part.
 ///
 /// The covariance is that of an estimate so weighted whose pixels err as their residuals show
 /// (Huber's and White's sandwich), enlarged by the deviations of the configuration; markers that
@@ -65,7 +68,7 @@ double photometricMisfit(const cv::Mat& panorama, const MarkerMap& map, const Mo
 /// markers are worked on at once; the result is the same.
 std::optional<PhotometricFit> refinePhotometrically(
     const cv::Mat& panorama, const MarkerMap& map, const MountedCamera& camera,
-    const TagPatterns& patterns, const std::vector<std::size_t>& entries, const Pose2& initial,
-    const std::optional<PoseEstimate>& prior, const PhotometricConfig& config, int threads = 1);
+    const TagPatterns& patterns, const std::vector<std::size_t>& entries, const Pose& initial,
+    const PosePrior& prior, const PhotometricConfig& config, int threads = 1);
 
 }  // namespace omnitag

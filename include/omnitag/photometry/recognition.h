@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "omnitag/camera/mounted_camera.h"
-#include "omnitag/common/pose2.h"
+#include "omnitag/common/pose.h"
 #include "omnitag/common/yaml_reader.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/marker/marker_prediction.h"
@@ -35,6 +35,8 @@ struct Recognition {
   /// expected.
   Corners<Eigen::Vector2d> corners;
   Eigen::Vector2d center = Eigen::Vector2d::Zero();
+  /// Whether they were displaced each for itself.
+  bool is_stretched = false;
   /// Correlation of what its data modules should look like with the panorama, and what it has to
   /// be at least.
   double correlation = 0.0;
@@ -61,7 +63,7 @@ double largestMargin(const PredictedMarker& predicted, const TagPattern& pattern
 /// is in the image or too pale.
 std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& marker,
                                      const TagPattern& pattern, const MountedCamera& camera,
-                                     const Pose2& map_from_base, const PredictedMarker& predicted,
+                                     const Pose& map_from_base, const PredictedMarker& predicted,
                                      double blur, const RecognitionConfig& config);
 
 }  // namespace omnitag

@@ -12,7 +12,7 @@
 #include <Eigen/Geometry>
 #include <optional>
 
-#include "omnitag/common/pose2.h"
+#include "omnitag/common/pose.h"
 #include "omnitag/localization/localizer.h"
 #include "omnitag/marker/marker_map.h"
 
@@ -23,12 +23,10 @@ std::string withoutSlash(const std::string& frame);
 
 geometry_msgs::Point toMessage(const Eigen::Vector3d& point);
 geometry_msgs::Quaternion toMessage(const Eigen::Quaterniond& rotation);
-geometry_msgs::Pose toMessage(const Pose2& pose);
+geometry_msgs::Pose toMessage(const Pose& pose);
 geometry_msgs::Transform toMessage(const Eigen::Isometry3d& target_from_source);
 
-/// The 6 x 6 covariance of (x, y, z, roll, pitch, yaw) holds that of (x, y, yaw); the robot is
-/// taken to stand on the floor within a millimetre and a milliradian, so that the matrix can be
-/// inverted.
+/// The covariance is of (x, y, z) and of rotations about the target frame's x, y and z.
 geometry_msgs::PoseWithCovariance toMessage(const PoseEstimate& estimate);
 
 /// The floor's share of a 6 x 6 covariance; nothing where it is not finite or not positive

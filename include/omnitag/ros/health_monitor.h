@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "omnitag/common/pose2.h"
+#include "omnitag/common/pose.h"
 #include "omnitag/localization/displacement.h"
 #include "omnitag/localization/frame_result.h"
 #include "omnitag/mapping/marker_mapper.h"

@@ -66,7 +66,7 @@ class LocalizerServer {
   /// map_from_frame of a message's frame, as tf has it now. Throws InputError.
   Eigen::Isometry3d mapFrom(const std::string& frame) const;
   /// Odometry when the robot was where a message says; the newest where tf does not reach there.
-  std::optional<Pose2> odometryAt(const ros::Time& stamp) const;
+  std::optional<Pose> odometryAt(const ros::Time& stamp) const;
   void forgetPose();
   void onSaveMap(std_srvs::Trigger::Response* response);
   /// Says what was done. Throws InputError.

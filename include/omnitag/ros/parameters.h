@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "omnitag/common/pose2.h"
+#include "omnitag/common/pose.h"
 #include "omnitag/localization/localizer_config.h"
 #include "omnitag/mapping/marker_mapper.h"
 
@@ -27,7 +27,7 @@ struct LocalizerParameters {
   FrameNames frames;
 
   /// base_link in the map at the start; none: search.
-  std::optional<Pose2> initial_pose;
+  std::optional<Pose> initial_pose;
 
   /// image_transport's name of the form in which the images come.
   std::string image_transport = "raw";

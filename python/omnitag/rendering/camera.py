@@ -60,15 +60,16 @@ class Canvas(NamedTuple):
 
 def load_camera(path: str) -> Camera:
     """Read a camera file; raises InputError naming file, line and key."""
-    root = read_yaml(path).mapping(("model", "image", "lens", "mirror", "xi", "distortion",
+    root = read_yaml(path).mapping(("model", "image", "uncertainty", "lens", "mirror", "xi", "distortion",
                                     "max_angle", "calibration_file", "through_mirror"))
     model = root["model"].text()
     if model == "catadioptric":
-        root = read_yaml(path).mapping(("model", "image", "lens", "mirror"))
+        root = read_yaml(path).mapping(("model", "image", "uncertainty", "lens", "mirror"))
         return CatadioptricCamera(*_image_size(root["image"]), _lens(root["lens"]),
                                   _mirror(root["mirror"]))
     if model == "equidistant":
-        root = read_yaml(path).mapping(("model", "image", "lens", "distortion", "max_angle"))
+        root = read_yaml(path).mapping(("model", "image", "uncertainty", "lens", "distortion",
+                                        "max_angle"))
         return _fisheye(root)
     raise root["model"].error("'catadioptric' or 'equidistant', the models that can be rendered")
 

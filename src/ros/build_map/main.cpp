@@ -112,7 +112,7 @@ std::string mapText(const BuildOptions& options, const BuiltMap& built) {
 void writeTrajectory(const BuiltMap& built, const std::string& path) {
   std::ofstream stream(path);
   for (std::size_t i = 0; i < built.trajectory.size(); ++i) {
-    const Pose2& pose = built.trajectory[i];
+    const Pose& pose = built.trajectory[i];
     std::array<char, 256> line{};
     std::snprintf(line.data(), line.size(), "%.9f %.9f %.9f 0 0 0 %.9f %.9f\n", built.stamps[i],
                   pose.x, pose.y, std::sin(0.5 * pose.yaw), std::cos(0.5 * pose.yaw));

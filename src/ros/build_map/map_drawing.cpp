@@ -112,7 +112,7 @@ void drawMap(const BuiltMap& map, const std::string& path) {
     high = high.cwiseMax(point);
   };
   for (const BuiltMarker& marker : map.markers) include(marker.marker.center().head<2>());
-  for (const Pose2& pose : map.trajectory) include({pose.x, pose.y});
+  for (const Pose& pose : map.trajectory) include({pose.x, pose.y});
   const Eigen::Vector2d margin(kMargin, kMargin);
   Sheet sheet(low - margin, high + margin);
   sheet.grid();
@@ -122,8 +122,8 @@ void drawMap(const BuiltMap& map, const std::string& path) {
                   kDeviations * kDeviations * marker.covariance.topLeftCorner<2, 2>(), kEllipse);
   }
   for (std::size_t i = 1; i < map.trajectory.size(); ++i) {
-    const Pose2& from = map.trajectory[i - 1];
-    const Pose2& to = map.trajectory[i];
+    const Pose& from = map.trajectory[i - 1];
+    const Pose& to = map.trajectory[i];
     sheet.line({from.x, from.y}, {to.x, to.y}, kWay, 2);
   }
   for (const BuiltMarker& marker : map.markers) drawMarker(marker, &sheet);

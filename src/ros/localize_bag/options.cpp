@@ -20,9 +20,9 @@ const char* const kUsage =
     "Runs the localizer over every image of a bag, as fast as it can and with the same result\n"
     "every time. Transforms come from the bag's /tf and /tf_static. Needs no roscore.\n";
 
-Pose2 parsePose(const std::string& text) {
+Pose parsePose(const std::string& text) {
   std::istringstream stream(text);
-  Pose2 pose;
+  Pose pose;
   char first_comma = 0;
   char second_comma = 0;
   stream >> pose.x >> first_comma >> pose.y >> second_comma >> pose.yaw;

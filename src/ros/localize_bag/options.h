@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "omnitag/common/pose2.h"
+#include "omnitag/common/pose.h"
 #include "omnitag/ros/parameters.h"
 
 namespace omnitag {
@@ -15,7 +15,7 @@ struct BagOptions {
   std::string bag;
   std::string trajectory;
   std::string image_topic;
-  std::optional<Pose2> initial_pose;
+  std::optional<Pose> initial_pose;
   std::optional<std::string> odom_frame;
   /// base_from_camera, in place of the bag's.
   std::optional<Eigen::Isometry3d> mounting;

@@ -52,7 +52,7 @@ ResultFiles::ResultFiles(const std::string& trajectory, const std::string& poses
   poses_.open(poses);
   detections_.open(detections);
   poses_.stream << "stamp,x,y,yaw,cov_xx,cov_xy,cov_xyaw,cov_yy,cov_yyaw,cov_yawyaw,mode,"
-                   "markers_used\n";
+                   "markers_used,z,roll,pitch,cov_zz,cov_rollroll,cov_pitchpitch\n";
   detections_.stream << "stamp,id,family,name,map_entry,accepted,reason,bearing,range,residual,"
                         "u0,v0,u1,v1,u2,v2,u3,v3\n";
 }
@@ -61,12 +61,16 @@ void ResultFiles::add(const ros::Time& stamp, const FrameResult& result, const M
   for (const MarkerDetection& detection : result.detections) addDetection(stamp, detection, map);
   poses_.stream << stampOf(stamp);
   if (result.map_from_base) {
-    const Pose2& pose = result.map_from_base->pose;
-    const Eigen::Matrix3d& covariance = result.map_from_base->covariance;
-    trajectory_.stream << stampOf(stamp) << ' ' << number(pose.x) << ' ' << number(pose.y)
-                       << " 0.000000000 0.000000000 0.000000000 "
-                       << number(std::sin(pose.yaw / 2.0)) << ' '
-                       << number(std::cos(pose.yaw / 2.0)) << '\n';
+    const PoseEstimate estimate = result.publishedPose();
+    const Pose& pose = estimate.pose;
+    const PoseMatrix& covariance = estimate.covariance;
+    const Eigen::Quaterniond rotation(pose.toIsometry().linear());
+    trajectory_.stream << stampOf(stamp);
+    for (const double value :
+         {pose.x, pose.y, pose.z, rotation.x(), rotation.y(), rotation.z(), rotation.w()}) {
+      trajectory_.stream << ' ' << number(value);
+    }
+    trajectory_.stream << '\n';
     poses_.stream << ',' << number(pose.x) << ',' << number(pose.y) << ',' << number(pose.yaw);
     for (int row = 0; row < 3; ++row) {
       for (int column = row; column < 3; ++column) {
@@ -76,11 +80,21 @@ void ResultFiles::add(const ros::Time& stamp, const FrameResult& result, const M
   } else {
     poses_.stream << ",,,,,,,,,";
   }
-  poses_.stream << ',' << toString(result.mode) << ',' << result.acceptedMarkers() << '\n';
+  poses_.stream << ',' << toString(result.mode) << ',' << result.acceptedMarkers();
+  if (result.map_from_base) {
+    const PoseEstimate estimate = result.publishedPose();
+    for (const double value : {estimate.pose.z, estimate.pose.roll, estimate.pose.pitch}) {
+      poses_.stream << ',' << number(value);
+    }
+    for (int i = 3; i < 6; ++i) poses_.stream << ',' << format("%.9e", estimate.covariance(i, i));
+  } else {
+    poses_.stream << ",,,,,,";
+  }
+  poses_.stream << '\n';
 }
 
 void ResultFiles::addUnusable(const ros::Time& stamp) {
-  poses_.stream << stampOf(stamp) << ",,,,,,,,,," << toString(Mode::kSearching) << ",0\n";
+  poses_.stream << stampOf(stamp) << ",,,,,,,,,," << toString(Mode::kSearching) << ",0,,,,,,\n";
 }
 
 void ResultFiles::addDetection(const ros::Time& stamp, const MarkerDetection& detection,

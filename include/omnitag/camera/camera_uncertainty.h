@@ -1,0 +1,34 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace omnitag {
+
+/// What a calibration leaves: smooth modes by which a whole image may be off, each with a standard
+/// deviation in pixels. With n = (pixel - principal point) / (radius of the rim), the modes are
+///
+///   principal point  (1, 0) and (0, 1)    the image is displaced
+///   scale            n                    it is larger
+///   tilt             n_x n and n_y n      it is seen aslant: a mirror or a sensor that leans
+///   rim              |n|^2 n              it is larger toward the rim
+///
+/// All but the first show in full at the rim. The same in all images of a camera.
+struct CameraUncertainty {
+  double principal_point = 0.0;
+  double scale = 0.0;
+  double tilt = 0.0;
+  double rim = 0.0;
+
+  bool isNone() const {
+    return principal_point == 0.0 && scale == 0.0 && tilt == 0.0 && rim == 0.0;
+  }
+};
+
+/// An error of each mode in standard deviations, in the order above.
+using CameraError = Eigen::Matrix<double, 6, 1>;
+
+/// Pixels by which an error displaces what images at `n` (see above), for each mode.
+Eigen::Matrix<double, 2, 6> displacementByError(const CameraUncertainty& uncertainty,
+                                                const Eigen::Vector2d& n);
+
+}  // namespace omnitag

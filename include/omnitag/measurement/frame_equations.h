@@ -1,0 +1,50 @@
+#pragma once
+
+#include <optional>
+
+#include "omnitag/camera/mounted_camera.h"
+#include "omnitag/common/pose.h"
+#include "omnitag/measurement/pose_prior.h"
+
+namespace omnitag {
+
+/// What markers say about a frame's unknowns, linearised: normal equations of least squares, and by
+/// what their right side errs.
+struct FrameEquations {
+  FrameMatrix information = FrameMatrix::Zero();
+  /// The information times the change that the markers ask for.
+  FrameVector gradient = FrameVector::Zero();
+  /// Covariance of the gradient's error: what chance gives each image anew, and what all images
+  /// share.
+  FrameMatrix by_chance = FrameMatrix::Zero();
+  FrameMatrix by_shared = FrameMatrix::Zero();
+
+  void add(const FrameEquations& other, double weight);
+};
+
+/// The equations of a marker (`markers` of one, its shared part not looked at) that hangs elsewhere
+/// than the map says, as by misplacementOf(): marginalised, so that it tells that much less, and
+/// what it errs by is shared.
+FrameEquations withMisplacement(const FrameEquations& marker, const PoseMatrix& misplacement);
+
+/// The equations with what is known beforehand: the prior of the pose, and that the camera's error
+/// is one of standard deviation 1 about zero. At a pose, and at the error that is assumed there.
+FrameEquations withPriors(const FrameEquations& markers, const PosePrior& prior, const Pose& pose,
+                          const CameraError& error);
+
+/// The change that solves equations with their priors; nothing where they leave something open.
+std::optional<FrameVector> solutionOf(const FrameEquations& equations);
+
+/// The pose with its covariance, once the unknowns have changed as the equations ask for: of
+/// markers, without priors. `excess`: how many times larger than they say the markers' and the
+/// camera's variances turned out to be.
+///
+/// An estimate errs by chance, by what this image shares with those before, and by what the prior
+/// does. The prior's own shared part may err just as the image's or against it; the covariance
+/// holds for either (split covariance intersection, Julier and Uhlmann 2001). A quarter of what
+/// chance gives the markers counts as shared, since the pixels of an unmoved robot repeat their
+/// errors: however many images are averaged, half of the deviation of one remains.
+PoseEstimate estimateOf(const FrameEquations& markers, const PosePrior& prior, const Pose& pose,
+                        double excess);
+
+}  // namespace omnitag

@@ -1,0 +1,90 @@
+#include "omnitag/measurement/frame_equations.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <cmath>
+
+namespace omnitag {
+namespace {
+
+/// Share of what chance gives the markers that an unmoved robot's next image repeats.
+constexpr double kRepeated = 0.25;
+
+using PoseRows = Eigen::Matrix<double, 6, kFrameUnknowns>;
+
+}  // namespace
+
+void FrameEquations::add(const FrameEquations& other, double weight) {
+  information += weight * other.information;
+  gradient += weight * other.gradient;
+  by_chance += weight * weight * other.by_chance;
+  by_shared += weight * weight * other.by_shared;
+}
+
+FrameEquations withMisplacement(const FrameEquations& marker, const PoseMatrix& misplacement) {
+  // (information^-1 + misplacement)^-1, also where the information has no inverse.
+  const Eigen::Matrix<double, kFrameUnknowns, 6> by_pose = marker.information.leftCols<6>();
+  const PoseMatrix loss =
+      misplacement *
+      (PoseMatrix::Identity() + marker.information.topLeftCorner<6, 6>() * misplacement).inverse();
+  FrameMatrix share = FrameMatrix::Identity();
+  share.leftCols<6>() -= by_pose * loss;
+  FrameEquations equations;
+  const FrameMatrix information = share * marker.information;
+  equations.information = 0.5 * (information + information.transpose());
+  equations.gradient = share * marker.gradient;
+  equations.by_chance = share * marker.by_chance * share.transpose();
+  const Eigen::Matrix<double, kFrameUnknowns, 6> shared = share * by_pose;
+  equations.by_shared = shared * misplacement * shared.transpose();
+  return equations;
+}
+
+FrameEquations withPriors(const FrameEquations& markers, const PosePrior& prior, const Pose& pose,
+                          const CameraError& error) {
+  FrameEquations all = markers;
+  all.information.topLeftCorner<6, 6>() += prior.information;
+  all.gradient.head<6>() -= prior.information * prior.errorOf(pose);
+  all.information.bottomRightCorner<6, 6>() += Eigen::Matrix<double, 6, 6>::Identity();
+  all.gradient.tail<6>() -= error;
+  return all;
+}
+
+std::optional<FrameVector> solutionOf(const FrameEquations& equations) {
+  const Eigen::LLT<FrameMatrix> factors(equations.information);
+  if (factors.info() != Eigen::Success) return std::nullopt;
+  const FrameVector change = factors.solve(equations.gradient);
+  return change.allFinite() ? std::optional(change) : std::nullopt;
+}
+
+PoseEstimate estimateOf(const FrameEquations& markers, const PosePrior& prior, const Pose& pose,
+                        double excess) {
+  FrameMatrix information = markers.information;
+  information.topLeftCorner<6, 6>() += prior.information;
+  information.bottomRightCorner<6, 6>() += Eigen::Matrix<double, 6, 6>::Identity();
+  const PoseRows gain = information.llt().solve(FrameMatrix::Identity()).topRows<6>();
+  const auto through = [](const auto& rows, const auto& covariance) -> PoseMatrix {
+    return rows * covariance * rows.transpose();
+  };
+  const Eigen::Matrix<double, 6, 6> prior_gain = gain.leftCols<6>() * prior.information;
+  FrameMatrix image_shared = markers.by_shared + kRepeated * markers.by_chance;
+  image_shared.bottomRightCorner<6, 6>() += Eigen::Matrix<double, 6, 6>::Identity();
+  const PoseMatrix of_prior = through(prior_gain, prior.shared);
+  const PoseMatrix of_image = excess * through(gain, image_shared);
+  // The weights that leave the least.
+  const double a = std::sqrt(of_prior.trace());
+  const double b = std::sqrt(of_image.trace());
+  PoseEstimate estimate;
+  estimate.pose = pose;
+  const bool have_both = a > 0.0 && b > 0.0;
+  estimate.shared = have_both ? PoseMatrix((1.0 + b / a) * of_prior + (1.0 + a / b) * of_image)
+                              : PoseMatrix(of_prior + of_image);
+  const PoseMatrix prior_chance =
+      gain.leftCols<6>() * prior.information * gain.leftCols<6>().transpose() - of_prior;
+  estimate.covariance = (1.0 - kRepeated) * excess * through(gain, markers.by_chance) +
+                        prior_chance + estimate.shared;
+  estimate.covariance = 0.5 * (estimate.covariance + estimate.covariance.transpose()).eval();
+  estimate.shared = 0.5 * (estimate.shared + estimate.shared.transpose()).eval();
+  return estimate;
+}
+
+}  // namespace omnitag

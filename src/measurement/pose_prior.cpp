@@ -1,0 +1,58 @@
+#include "omnitag/measurement/pose_prior.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+
+namespace omnitag {
+namespace {
+
+/// m and rad: nothing is known better, and information stays finite.
+constexpr double kExact = 1e-6;
+
+}  // namespace
+
+PosePrior PosePrior::about(const PoseEstimate& estimate) {
+  PosePrior prior;
+  prior.pose = estimate.pose;
+  PoseMatrix covariance = estimate.covariance;
+  covariance.diagonal() = covariance.diagonal().cwiseMax(kExact * kExact).eval();
+  prior.information = covariance.llt().solve(PoseMatrix::Identity());
+  prior.shared = estimate.shared;
+  prior.knows_place = true;
+  return prior;
+}
+
+PosePrior PosePrior::standing(const Pose& lean, double height_deviation, double lean_deviation) {
+  const auto informationOf = [](double deviation) {
+    return 1.0 / (deviation * deviation + kExact * kExact);
+  };
+  PosePrior prior;
+  prior.pose = {0.0, 0.0, 0.0, lean.z, lean.roll, lean.pitch};
+  prior.information.diagonal().tail<3>() << informationOf(height_deviation),
+      informationOf(lean_deviation), informationOf(lean_deviation);
+  return prior;
+}
+
+PosePrior PosePrior::upright() { return standing({}, 0.0, 0.0); }
+
+PosePrior PosePrior::withoutPlace() const {
+  if (!knows_place) return *this;
+  PosePrior prior;
+  prior.pose = pose;
+  // What the rest is known to without them.
+  const PoseMatrix covariance = information.llt().solve(PoseMatrix::Identity());
+  prior.information.bottomRightCorner<3, 3>() =
+      covariance.bottomRightCorner<3, 3>().llt().solve(Eigen::Matrix3d::Identity());
+  return prior;
+}
+
+PoseVector PosePrior::errorOf(const Pose& other) const {
+  if (knows_place) return difference(other, pose);
+  Pose there = pose;
+  there.x = other.x;
+  there.y = other.y;
+  there.yaw = other.yaw;
+  return difference(other, there);
+}
+
+}  // namespace omnitag
