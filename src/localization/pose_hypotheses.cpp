@@ -182,7 +182,7 @@ class Search {
       if (!center) continue;
       const auto by_pose = by_frame.leftCols<6>();
       const PoseMatrix covariance =
-          pose.covariance + misplacementOf(marker, pose.pose, marker.deviation, 0.0);
+          pose.covariance + seenFrom(pose.pose, marker, {marker.deviation, 0.0});
       const double variance = (by_pose * covariance * by_pose.transpose()).trace() +
                               by_frame.rightCols<6>().squaredNorm();
       const double reach =

@@ -110,9 +110,11 @@ class Problem {
       const CornerJacobian by_frame =
           whitened(projection->by_frame, config_.poor_corner_noise, shape);
       const Eigen::Matrix<double, 8, 6> by_pose = by_frame.leftCols<6>();
-      const double chi_square =
-          chiSquare(white.squaredNorm(), by_pose.transpose() * white, by_pose.transpose() * by_pose,
-                    misplacement(i, state.pose));
+      double chi_square = white.squaredNorm();
+      if (const auto misplaced = misplacement(i, state.pose, projection->by_frame)) {
+        chi_square = chiSquare(chi_square, by_pose.transpose() * white,
+                               by_pose.transpose() * by_pose, *misplaced);
+      }
       misfits.push_back({projection->residuals.norm() / 2.0, std::sqrt(chi_square / kCoordinates)});
     }
     return misfits;
@@ -133,10 +135,15 @@ class Problem {
     return projection;
   }
 
-  PoseMatrix misplacement(std::size_t index, const Pose& pose) const {
+  /// Nothing where the marker hangs exactly in its place and the camera is exact. `by_frame`: of
+  /// the corners.
+  std::optional<PoseMatrix> misplacement(std::size_t index, const Pose& pose,
+                                         const CornerJacobian& by_frame) const {
     const Marker& marker = map_.markers[observations_[index].map_entry];
-    if (marker.deviation == 0.0 && marker.orientation_deviation == 0.0) return PoseMatrix::Zero();
-    return misplacementOf(marker, pose, marker.deviation, marker.orientation_deviation);
+    const double pixels_per_metre = 0.5 * by_frame.leftCols<2>().norm();
+    const Misplacement misplaced = misplacementOf(marker, camera_.model(), pixels_per_metre, 0.0);
+    if (misplaced.isNone()) return std::nullopt;
+    return seenFrom(pose, marker, misplaced);
   }
 
   void addMarker(std::size_t index, const std::optional<Projection>& projection, const Pose& pose,
@@ -150,16 +157,15 @@ class Problem {
     const CornerResiduals white = whitened(projection->residuals, config_.corner_noise, shape);
     const CornerJacobian by_frame = whitened(projection->by_frame, config_.corner_noise, shape);
     FrameEquations marker;
-    marker.information.noalias() = by_frame.transpose() * by_frame;
-    marker.gradient.noalias() = by_frame.transpose() * white;
+    // Eigen would take these for large matrices.
+    marker.information = by_frame.transpose().lazyProduct(by_frame);
+    marker.gradient = by_frame.transpose().lazyProduct(white);
     marker.by_chance = marker.information;
     double chi_square = white.squaredNorm();
-    const Marker& entry = map_.markers[observations_[index].map_entry];
-    if (entry.deviation > 0.0 || entry.orientation_deviation > 0.0) {
-      const PoseMatrix misplaced = misplacement(index, pose);
+    if (const auto misplaced = misplacement(index, pose, projection->by_frame)) {
       chi_square = chiSquare(chi_square, marker.gradient.head<6>(),
-                             marker.information.topLeftCorner<6, 6>(), misplaced);
-      marker = withMisplacement(marker, misplaced);
+                             marker.information.topLeftCorner<6, 6>(), *misplaced);
+      marker = withMisplacement(marker, *misplaced);
     }
     // The derivative of Cauchy's function by half of the square.
     const double weight = 1.0 / (1.0 + chi_square / width);

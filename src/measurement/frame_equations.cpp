@@ -22,20 +22,28 @@ void FrameEquations::add(const FrameEquations& other, double weight) {
 }
 
 FrameEquations withMisplacement(const FrameEquations& marker, const PoseMatrix& misplacement) {
-  // (information^-1 + misplacement)^-1, also where the information has no inverse.
-  const Eigen::Matrix<double, kFrameUnknowns, 6> by_pose = marker.information.leftCols<6>();
-  const PoseMatrix loss =
-      misplacement *
-      (PoseMatrix::Identity() + marker.information.topLeftCorner<6, 6>() * misplacement).inverse();
-  FrameMatrix share = FrameMatrix::Identity();
-  share.leftCols<6>() -= by_pose * loss;
+  // (information^-1 + misplacement)^-1, also where the information has no inverse. Products are the
+  // lazy ones, as Eigen would take these for large matrices.
+  using ByPose = Eigen::Matrix<double, kFrameUnknowns, 6>;
+  const ByPose by_pose = marker.information.leftCols<6>();
+  const PoseMatrix information = by_pose.topRows<6>();
+  const PoseMatrix factor =
+      PoseMatrix::Identity() + PoseMatrix(information.lazyProduct(misplacement));
+  const PoseMatrix loss = misplacement.lazyProduct(PoseMatrix(factor.inverse()));
+  const ByPose lost = by_pose.lazyProduct(loss);
   FrameEquations equations;
-  const FrameMatrix information = share * marker.information;
-  equations.information = 0.5 * (information + information.transpose());
-  equations.gradient = share * marker.gradient;
-  equations.by_chance = share * marker.by_chance * share.transpose();
-  const Eigen::Matrix<double, kFrameUnknowns, 6> shared = share * by_pose;
-  equations.by_shared = shared * misplacement * shared.transpose();
+  equations.information = marker.information;
+  equations.information -= lost.lazyProduct(by_pose.transpose());
+  equations.gradient = marker.gradient;
+  equations.gradient -= lost.lazyProduct(marker.gradient.head<6>());
+  // Of (1 - lost) C (1 - lost)^T.
+  const ByPose chance_by_pose = marker.by_chance.leftCols<6>();
+  const FrameMatrix crossed = lost.lazyProduct(chance_by_pose.transpose());
+  equations.by_chance = marker.by_chance - crossed - crossed.transpose();
+  const ByPose lost_chance = lost.lazyProduct(PoseMatrix(chance_by_pose.topRows<6>()));
+  equations.by_chance += lost_chance.lazyProduct(lost.transpose());
+  const ByPose shared = by_pose - ByPose(lost.lazyProduct(information));
+  equations.by_shared = ByPose(shared.lazyProduct(misplacement)).lazyProduct(shared.transpose());
   return equations;
 }
 

@@ -127,8 +127,9 @@ std::optional<LitPatch> fitLight(const MarkerPixels& pixels, const PixelNoise& n
   FrameMatrix of_frame = FrameMatrix::Zero();
   for (std::size_t f = 0; f < facets.size(); ++f) {
     const FrameJacobian& by_frame = pixels.by_frame[f];
-    mixed.noalias() += facets[f].mixed * by_frame;
-    of_frame.noalias() += by_frame.transpose() * (facets[f].of_position * by_frame);
+    const FrameJacobian of_position = facets[f].of_position.lazyProduct(by_frame);
+    mixed += facets[f].mixed.lazyProduct(by_frame);
+    of_frame += by_frame.transpose().lazyProduct(of_position);
   }
   const auto light_and_frame = mixed.topRows<kLightTerms>();
   const auto light_and_residual = of_light.topRightCorner<kLightTerms, 1>();
@@ -176,12 +177,16 @@ FrameMatrix gradientCovariance(const MarkerPixels& pixels, const LitPatch& patch
   // The light gives way to a change of the unknowns.
   const auto& light_by_frame = patch.light_by_frame;
   FrameMatrix covariance = light_by_frame.transpose() * of_light * light_by_frame;
+  Eigen::Matrix<double, kLightTerms, kFrameUnknowns> mixed;
+  mixed.setZero();
   for (std::size_t f = 0; f < facets.size(); ++f) {
     const FrameJacobian& by_frame = pixels.by_frame[f];
-    const FrameMatrix mixed = light_by_frame.transpose() * (facets[f].mixed * by_frame);
-    covariance +=
-        mixed + mixed.transpose() + by_frame.transpose() * (facets[f].of_position * by_frame);
+    const FrameJacobian of_position = facets[f].of_position.lazyProduct(by_frame);
+    mixed += facets[f].mixed.lazyProduct(by_frame);
+    covariance += by_frame.transpose().lazyProduct(of_position);
   }
+  const FrameMatrix crossed = light_by_frame.transpose().lazyProduct(mixed);
+  covariance += crossed + crossed.transpose();
   // What was fitted takes its share of the residuals.
   constexpr int kFitted = kLightTerms + 6;
   return covariance * count / std::max(count - kFitted, 1);

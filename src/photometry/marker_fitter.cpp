@@ -21,18 +21,14 @@ constexpr std::size_t kFitWorthAThread = 700;
 /// Pixels of a marker, whatever the others need.
 constexpr std::size_t kLeastPixels = 75;
 
-/// By how much a marker seems to hang elsewhere (misplacementOf): where the map may be wrong, and
-/// since all of its pixels together image a little beside where they should, as no pattern and no
-/// camera is perfect.
 PoseMatrix misplacementOf(const Marker& marker, const MountedCamera& camera, const Pose& pose,
                           const PhotometricConfig& config) {
   FrameJacobian by_frame;
   if (!camera.pixelFromMap(pose, marker.center(), &by_frame)) return PoseMatrix::Zero();
-  const double pixels_per_metre = std::max(1e-3, by_frame.leftCols<2>().norm());
-  const double alignment_deviation = config.alignment_deviation / pixels_per_metre;
-  return omnitag::misplacementOf(
-      marker, pose, std::hypot(marker.deviation, alignment_deviation),
-      std::hypot(marker.orientation_deviation, alignment_deviation / marker.size));
+  const double pixels_per_metre = by_frame.leftCols<2>().norm();
+  return seenFrom(pose, marker,
+                  omnitag::misplacementOf(marker, camera.model(), pixels_per_metre,
+                                          config.alignment_deviation));
 }
 
 }  // namespace

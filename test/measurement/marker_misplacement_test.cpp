@@ -2,8 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <memory>
+
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
+#include "omnitag/camera/catadioptric_camera.h"
 #include "omnitag/camera/mounted_camera.h"
 
 namespace omnitag {
@@ -57,10 +61,26 @@ TEST(MarkerMisplacementTest, IsWhatAMarkerElsewhereDoesToItsCorners) {
         byPlace(marker, camera, pose) * deviations.asDiagonal();
     const Eigen::Matrix<double, 8, 8> expected = by_place * by_place.transpose();
     const Eigen::Matrix<double, 8, 8> found =
-        by_pose * misplacementOf(marker, pose, kDeviation, kOrientationDeviation) *
-        by_pose.transpose();
+        by_pose * seenFrom(pose, marker, {kDeviation, kOrientationDeviation}) * by_pose.transpose();
     EXPECT_LT((found - expected).norm(), 1e-5 * expected.norm());
   }
+}
+
+TEST(MarkerMisplacementTest, AnUncertainCameraDisplacesEachMarkerALittle) {
+  auto model = std::make_shared<CatadioptricCamera>(
+      dynamic_cast<const CatadioptricCamera&>(*test::sphericalCamera()));
+  Marker marker = test::wallMarker(6, {2.5, 0.9, 1.3}, kPi);
+  constexpr double kPixelsPerMetre = 50.0;
+  EXPECT_TRUE(misplacementOf(marker, *model, kPixelsPerMetre, 0.0).isNone());
+  marker.deviation = 0.01;
+  marker.orientation_deviation = 0.02;
+  const Misplacement of_map = misplacementOf(marker, *model, kPixelsPerMetre, 0.0);
+  EXPECT_EQ(of_map.position, 0.01);
+  EXPECT_EQ(of_map.orientation, 0.02);
+  model->setUncertainty({1.0, 0.5, 0.0, 0.2});
+  const Misplacement both = misplacementOf(marker, *model, kPixelsPerMetre, 0.0);
+  EXPECT_NEAR(both.position, std::hypot(0.01, 0.3 / kPixelsPerMetre), 1e-12);
+  EXPECT_NEAR(both.orientation, std::hypot(0.02, 0.3 / kPixelsPerMetre / marker.size), 1e-12);
 }
 
 }  // namespace

@@ -1,14 +1,29 @@
 #pragma once
 
+#include "omnitag/camera/camera_model.h"
 #include "omnitag/common/pose.h"
 #include "omnitag/marker/marker_map.h"
 
 namespace omnitag {
 
+/// By how far a marker seems to hang elsewhere than the map says, standard deviations along (m) and
+/// about (rad) each axis.
+struct Misplacement {
+  double position = 0.0;
+  double orientation = 0.0;
+
+  bool isNone() const { return position == 0.0 && orientation == 0.0; }
+};
+
+/// Since the map may be wrong, and since a camera displaces each marker by a little of its own
+/// beside what its smooth modes can tell. `alignment_deviation`: pixels, what displaces it even
+/// where the camera is exact.
+Misplacement misplacementOf(const Marker& marker, const CameraModel& camera,
+                            double pixels_per_metre, double alignment_deviation);
+
 /// A marker that hangs elsewhere than the map says is seen as from another pose. The covariance of
-/// that change of the pose (a PoseVector), for standard deviations of the marker's position (m) and
-/// orientation (rad) along and about each axis.
-PoseMatrix misplacementOf(const Marker& marker, const Pose& map_from_base, double deviation,
-                          double orientation_deviation);
+/// that change of the pose (a PoseVector).
+PoseMatrix seenFrom(const Pose& map_from_base, const Marker& marker,
+                    const Misplacement& misplacement);
 
 }  // namespace omnitag
