@@ -1,6 +1,13 @@
 #include "omnitag/camera/camera_uncertainty.h"
 
+#include <algorithm>
+
 namespace omnitag {
+
+double CameraUncertainty::local() const {
+  constexpr double kShare = 0.3;
+  return kShare * std::max({principal_point, scale, tilt, rim});
+}
 
 Eigen::Matrix<double, 2, 6> displacementByError(const CameraUncertainty& uncertainty,
                                                 const Eigen::Vector2d& n) {

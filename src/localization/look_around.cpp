@@ -180,10 +180,16 @@ std::vector<View> viewsAllAround(const MarkerHeights& heights, const MountedCame
                                  const ContourTable& table, double max_range,
                                  const LookAroundConfig& config) {
   Planner planner(camera, table, config);
-  planner.addRing(
-      radiiOf(heights, camera, config.min_range, std::max(max_range, config.min_range)));
+  Bounds radii = radiiOf(heights, camera, config.min_range, std::max(max_range, config.min_range));
+  // A lens that looks ahead has markers on walls near its axis.
+  const Bounds off_axis = radiiOffAxis(camera.model());
+  const bool is_lens = camera.model().imageFromPoint(0.0, kFar).has_value();
+  const bool are_near_axis = is_lens && radii.low < off_axis.low;
+  if (are_near_axis) radii.low = off_axis.low;
+  planner.addRing(radii);
   for (const bool up : {true, false}) {
-    if (canBeAtEnd(up, heights, camera)) planner.addEnd(up);
+    const bool is_ahead = camera.axisUp() == up;
+    if (canBeAtEnd(up, heights, camera) || (is_ahead && are_near_axis)) planner.addEnd(up);
   }
   return planner.takeViews();
 }

@@ -70,6 +70,9 @@ class Problem {
           const std::vector<MarkerObservation>& observations, const PosePrior& prior,
           const ReprojectionConfig& config)
       : map_(map), camera_(camera), observations_(observations), prior_(prior), config_(config) {
+    const double local = camera.model().uncertainty().local();
+    config_.corner_noise = std::hypot(config.corner_noise, local);
+    config_.poor_corner_noise = std::hypot(config.poor_corner_noise, local);
     corners_.reserve(observations.size());
     for (const MarkerObservation& observation : observations) {
       corners_.push_back(map.markers[observation.map_entry].corners());

@@ -15,7 +15,7 @@
 namespace omnitag {
 
 MapEntry mappedEntry(const Marker& marker, const MarkerCovariance& covariance) {
-  constexpr double kLastDigit = 1e-6;  // of a map file, m
+  constexpr double kLastDigit = 1e-6;  // of a map file, m and rad
   MarkerEstimate estimate;
   estimate.covariance = covariance;
   const Eigen::Vector3d normal = marker.normal();
@@ -27,6 +27,7 @@ MapEntry mappedEntry(const Marker& marker, const MarkerCovariance& covariance) {
                 1e3 * estimate.positionDeviation(), degrees(estimate.orientationDeviation()));
   MapEntry entry{marker, remark.data()};
   entry.marker.deviation = std::max(kLastDigit, estimate.positionDeviation());
+  entry.marker.orientation_deviation = std::max(kLastDigit, estimate.orientationDeviation());
   return entry;
 }
 

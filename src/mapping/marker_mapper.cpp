@@ -112,6 +112,7 @@ bool MarkerMapper::add(const Frame& frame, const FrameResult& result) {
         track.estimate ? std::optional(track.estimate->marker) : std::nullopt, estimate_config);
     if (!estimate) continue;
     estimate->marker.deviation = estimate->positionDeviation();
+    estimate->marker.orientation_deviation = estimate->orientationDeviation();
     track.estimate = std::move(estimate);
     if (!isGoodEnough(track)) continue;
     has_changed = true;

@@ -7,15 +7,9 @@ namespace omnitag {
 
 Misplacement misplacementOf(const Marker& marker, const CameraModel& camera,
                             double pixels_per_metre, double alignment_deviation) {
-  // Calibrations that people publish leave 1 to 2 pixels near the rim of a fisheye of 1600 pixels
-  // (doc/real_robot.md), of which smooth modes take two thirds.
-  constexpr double kLocalShare = 0.3;
   constexpr double kSmallestScale = 1e-3;
-  const CameraUncertainty& uncertainty = camera.uncertainty();
-  const double local = kLocalShare * std::max({uncertainty.principal_point, uncertainty.scale,
-                                               uncertainty.tilt, uncertainty.rim});
-  const double deviation =
-      std::hypot(alignment_deviation, local) / std::max(pixels_per_metre, kSmallestScale);
+  const double deviation = std::hypot(alignment_deviation, camera.uncertainty().local()) /
+                           std::max(pixels_per_metre, kSmallestScale);
   return {std::hypot(marker.deviation, deviation),
           std::hypot(marker.orientation_deviation, deviation / marker.size)};
 }

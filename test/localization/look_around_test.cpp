@@ -253,6 +253,52 @@ mirror: {profile: spherical, radius_of_curvature: 0.04, apex_distance: 0.21, rim
                             0.0, true);
 }
 
+TEST(LookAroundAhead, HoldsMarkersOnWallsNearTheAxis) {
+  // The optical axis points ahead, a little down.
+  Eigen::Matrix3d base_from_optical;
+  base_from_optical << 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0;
+  Eigen::Isometry3d mounting = Eigen::Isometry3d::Identity();
+  mounting.linear() = Eigen::AngleAxisd(radians(5.0), Eigen::Vector3d::UnitY()) * base_from_optical;
+  mounting.translation() << 0.1, 0.0, 0.6;
+  const std::string narrow = R"(
+model: unified
+image: {width: 1280, height: 720}
+uncertainty: none
+lens: {fx: 1146, fy: 1144, cx: 599, cy: 353}
+xi: 0.0
+distortion: [0, 0, 0, 0]
+)";
+  for (const auto& model : {test::equidistantCamera(), parseCamera(narrow, "narrow")}) {
+    const MountedCamera camera(model, mounting);
+    const ViewWarper warper(model, kWorkingDistance);
+    int seen = 0;
+    for (const double azimuth : {-0.3, -0.1, 0.0, 0.05, 0.2}) {
+      for (const double height : {0.4, 0.6, 0.9}) {
+        const MarkerMap map{
+            "map",
+            {test::wallMarker(0, {3.0 * std::cos(azimuth), 3.0 * std::sin(azimuth), height},
+                              azimuth + kPi)}};
+        const auto reading = test::exactReading(map.markers[0], camera, {});
+        if (!reading) continue;
+        ++seen;
+        const std::vector<View> views =
+            viewsAllAround(heightsOf(map), camera, warper.table(), 12.0, {});
+        const bool is_held = std::any_of(views.begin(), views.end(), [&](const View& view) {
+          return std::all_of(reading->corners.begin(), reading->corners.end(),
+                             [&](const Eigen::Vector2d& corner) {
+                               const auto position = warper.viewFromPanorama(view, corner);
+                               return position && position->minCoeff() >= 0.0 &&
+                                      position->x() <= view.size.width - 1 &&
+                                      position->y() <= view.size.height - 1;
+                             });
+        });
+        EXPECT_TRUE(is_held) << azimuth << ", " << height;
+      }
+    }
+    EXPECT_GT(seen, 5);
+  }
+}
+
 TEST_P(LookAroundTest, WithoutAMarkerOrWhereNoneCanBeSeenThereIsNothingToLookAt) {
   EXPECT_TRUE(views({"map", {}}, 12.0).empty());
   EXPECT_FALSE(annulusOfMarkers({}, camera_, 12.0, config_));
