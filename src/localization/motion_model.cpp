@@ -112,7 +112,7 @@ void MotionModel::restart(const PoseEstimate& map_from_base) {
 }
 
 Eigen::Matrix3d MotionModel::slowCovariance() const {
-  const Eigen::Matrix3d known = covariance_.bottomRightCorner<3, 3>();
+  const auto known = covariance_.bottomRightCorner<3, 3>();
   if (!isOnFloor() || !known.isZero(0.0)) return known;
   const FloorConfig& floor = config_.floor;
   return Eigen::Vector3d(floor.height_deviation, floor.lean_deviation, floor.lean_deviation)

@@ -127,13 +127,13 @@ class Problem {
   std::optional<Projection> project(const MountedCamera& camera, const Eigen::Isometry3d& pose,
                                     std::size_t index) const {
     Projection projection;
-    for (int k = 0; k < 4; ++k) {
-      const auto corner = static_cast<std::size_t>(k);
+    for (std::size_t corner = 0; corner < 4; ++corner) {
+      const Eigen::Index row = 2 * static_cast<Eigen::Index>(corner);
       FrameJacobian by_frame;
       const auto pixel = camera.pixelFromMap(pose, corners_[index][corner], &by_frame);
       if (!pixel) return std::nullopt;
-      projection.residuals.segment<2>(2 * k) = observations_[index].corners[corner] - *pixel;
-      projection.by_frame.middleRows<2>(2 * k) = by_frame;
+      projection.residuals.segment<2>(row) = observations_[index].corners[corner] - *pixel;
+      projection.by_frame.middleRows<2>(row) = by_frame;
     }
     return projection;
   }

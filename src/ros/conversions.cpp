@@ -87,7 +87,7 @@ geometry_msgs::PoseWithCovariance toMessage(const PoseEstimate& estimate) {
   const Eigen::Matrix<double, 6, 6> covariance = turned * estimate.covariance * turned.transpose();
   const Eigen::Matrix<double, 6, 6, Eigen::RowMajor> symmetric =
       0.5 * (covariance + covariance.transpose());
-  std::copy_n(symmetric.data(), message.covariance.size(), message.covariance.begin());
+  std::copy_n(symmetric.data(), symmetric.size(), message.covariance.begin());
   return message;
 }
 
