@@ -17,6 +17,7 @@
 #include "disturbances.h"
 #include "masking.h"
 #include "omnitag/localization/localizer.h"
+#include "prediction.h"
 #include "program.h"
 #include "recorded_sequence.h"
 
@@ -94,18 +95,9 @@ std::vector<std::size_t> some(const RecordedSequence& /*sequence*/, const FrameR
   return readable;
 }
 
-/// A prediction as wrong as it says, of a robot that stands somehow.
-PoseEstimate drawnPrediction(const Pose& truth, std::mt19937* generator) {
-  constexpr double kPositionDeviation = 0.1;
-  const double heading_deviation = radians(4.0);
-  std::normal_distribution<double> normal(0.0, 1.0);
-  const double x = truth.x + kPositionDeviation * normal(*generator);
-  const double y = truth.y + kPositionDeviation * normal(*generator);
-  const double yaw = truth.yaw + heading_deviation * normal(*generator);
-  return floorEstimate({x, y, yaw},
-                       Eigen::Vector3d(kPositionDeviation, kPositionDeviation, heading_deviation)
-                           .cwiseAbs2()
-                           .asDiagonal());
+/// A rough prediction, as wrong as it says.
+PoseEstimate roughPrediction(const Pose& truth, std::mt19937* generator) {
+  return drawnPrediction(truth, 0.1, radians(4.0), generator);
 }
 
 /// What a row of the tables sums up.
@@ -167,7 +159,7 @@ void studyGeometry(const char* name, const RecordedSequence& sequence,
     Frame frame = sequence.frames[i];
     frame.image = withOnly(chosen, seen, frame.image);
     Localizer localizer(sequence.camera, sequence.map, config);
-    localizer.setPose(drawnPrediction(truth, &generator));
+    localizer.setPose(roughPrediction(truth, &generator));
     row.add(localizer.process(frame), truth);
   }
   row.print(name);
@@ -182,7 +174,7 @@ void studyDisturbance(const Disturbance& disturbance, const RecordedSequence& se
     const DisturbedFrame drawn =
         disturbed(disturbance, sequence, camera_file, i % sequence.frames.size(), &generator);
     Localizer localizer(drawn.camera, drawn.map, LocalizerConfig());
-    localizer.setPose(drawnPrediction(drawn.truth, &generator));
+    localizer.setPose(roughPrediction(drawn.truth, &generator));
     row.add(localizer.process(drawn.frame), drawn.truth);
   }
   row.print(disturbance.name);

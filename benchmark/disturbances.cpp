@@ -6,6 +6,7 @@
 
 #include "omnitag/camera/camera_file.h"
 #include "omnitag/common/angle.h"
+#include "omnitag/common/rotation.h"
 
 namespace omnitag {
 namespace {
@@ -18,12 +19,6 @@ Eigen::Vector3d drawn(double deviation, std::mt19937* generator) {
   const double y = normal(*generator);
   const double z = normal(*generator);
   return deviation * Eigen::Vector3d(x, y, z);
-}
-
-Eigen::Matrix3d turn(const Eigen::Vector3d& rotation) {
-  const double angle = rotation.norm();
-  return angle > 0.0 ? Eigen::Matrix3d(Eigen::AngleAxisd(angle, rotation / angle))
-                     : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
 }
 
 void scale(YAML::Node value, double factor) { value = value.as<double>() * factor; }
@@ -122,8 +117,8 @@ DisturbedFrame disturbed(const Disturbance& disturbance, const RecordedSequence&
   result.map = sequence.map;
   for (Marker& marker : result.map.markers) {
     marker.map_from_marker.translation() += drawn(disturbance.marker, generator);
-    marker.map_from_marker.linear() =
-        turn(drawn(disturbance.marker_orientation, generator)) * marker.map_from_marker.linear();
+    marker.map_from_marker.linear() = rotationOf(drawn(disturbance.marker_orientation, generator)) *
+                                      marker.map_from_marker.linear();
     marker.deviation = disturbance.stated_marker;
     marker.orientation_deviation = disturbance.stated_marker_orientation;
   }

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "omnitag/common/rotation.h"
+
 namespace omnitag {
 
 MountedCamera::MountedCamera(std::shared_ptr<const CameraModel> camera,
@@ -37,10 +39,7 @@ std::optional<Eigen::Vector2d> MountedCamera::pixelFromMap(
     if (by_point != nullptr) *by_point = by_point_in_map;
     if (by_frame != nullptr) {
       // What the base turns by, a point of it turns back: in_base x rotation.
-      const Eigen::Vector3d& b = in_base;
-      Eigen::Matrix3d by_rotation;
-      by_rotation << 0.0, -b.z(), b.y(), b.z(), 0.0, -b.x(), -b.y(), b.x(), 0.0;
-      const Eigen::Matrix<double, 2, 3> turned = by_point_in_base * by_rotation;
+      const Eigen::Matrix<double, 2, 3> turned = by_point_in_base * crossMatrix(in_base);
       *by_frame << -by_point_in_map.leftCols<2>(), turned.col(2), -by_point_in_map.col(2),
           turned.leftCols<2>(), camera_->displacementByError(*pixel);
     }

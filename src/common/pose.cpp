@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "omnitag/common/angle.h"
+#include "omnitag/common/rotation.h"
 
 namespace omnitag {
 namespace {
@@ -62,9 +63,7 @@ Pose moved(const Pose& pose, const PoseVector& change) {
   }
   Eigen::Isometry3d isometry = pose.toIsometry();
   isometry.translation() += translationPart(change);
-  const Eigen::Vector3d turn = rotationPart(change);
-  const double angle = turn.norm();
-  if (angle > 0.0) isometry.rotate(Eigen::AngleAxisd(angle, turn / angle));
+  isometry.linear() *= rotationOf(rotationPart(change));
   return Pose::fromIsometry(isometry);
 }
 
@@ -82,6 +81,10 @@ Pose operator*(const Pose& a_from_b, const Pose& b_from_c) {
 }
 
 Pose inverse(const Pose& a_from_b) { return Pose::fromIsometry(a_from_b.toIsometry().inverse()); }
+
+Pose leaningAs(const Pose& lean, const Pose& place) {
+  return {place.x, place.y, place.yaw, lean.z, lean.roll, lean.pitch};
+}
 
 PoseEstimate floorEstimate(const Pose& pose, const Eigen::Matrix3d& covariance) {
   PoseEstimate estimate{pose, PoseMatrix::Zero()};

@@ -34,22 +34,9 @@ double largestInDoubt(const cv::Mat& panorama) {
 /// Hardly anything but how the robot stands, about a pose to start from.
 PosePrior vague(const Pose& pose, const PosePrior& standing) {
   constexpr double kDeviation = 1.0;  // m and rad
-  PosePrior prior = standing;
-  prior.pose.x = pose.x;
-  prior.pose.y = pose.y;
-  prior.pose.yaw = pose.yaw;
+  PosePrior prior = standing.withPlace(pose, Eigen::Matrix3d::Zero());
   prior.information += PoseMatrix::Identity() / (kDeviation * kDeviation);
-  prior.knows_place = true;
   return prior;
-}
-
-/// The same prior of a robot that something has moved by about so much (m and rad), unknown to its
-/// odometry.
-PosePrior pushed(const PosePrior& prior, double way, double turn) {
-  PoseEstimate estimate{prior.pose, prior.information.llt().solve(PoseMatrix::Identity()),
-                        prior.shared};
-  estimate.covariance.diagonal().head<3>() += Eigen::Vector3d(way * way, way * way, turn * turn);
-  return PosePrior::about(estimate);
 }
 
 /// What remains of a prior once markers told the pose without it: less where they contradict, since
@@ -59,14 +46,13 @@ PosePrior afterPush(const PosePrior& prior, const PoseEstimate& alone) {
   constexpr double kLimit = 21.1;
   constexpr double kTimes = 3.0;
   const Eigen::Vector3d apart = prior.errorOf(alone.pose).head<3>();
-  const PoseMatrix covariance =
-      prior.information.llt().solve(PoseMatrix::Identity()) + alone.covariance;
+  const PoseMatrix covariance = prior.covariance() + alone.covariance;
   if (apart.dot(covariance.topLeftCorner<3, 3>().ldlt().solve(apart)) <= kLimit) return prior;
-  return pushed(prior, kTimes * apart.head<2>().norm(), kTimes * std::abs(apart.z()));
+  return prior.pushed(kTimes * apart.head<2>().norm(), kTimes * std::abs(apart.z()));
 }
 
-/// As much as nobody pushes a robot between two images.
-PosePrior withoutPlace(const PosePrior& prior) { return pushed(prior, 0.3, 0.3); }
+/// m and rad: nobody pushes a robot as far between two images.
+constexpr double kFarthestPush = 0.3;
 
 /// m, of a pose from which markers may be farther off in the image than they are looked for.
 constexpr double kVague = 0.01;
@@ -271,8 +257,8 @@ void FrameTracker::solve() {
   // Markers and prior that contradict each other leave large residuals.
   constexpr double kLargeExcess = 2.0;
   if (solution_ && turn_ && observations.size() >= 2 && solution_->excess > kLargeExcess) {
-    const auto alone =
-        estimatePose(tools_.map, camera_, observations, withoutPlace(prior_), config);
+    const auto alone = estimatePose(tools_.map, camera_, observations,
+                                    prior_.pushed(kFarthestPush, kFarthestPush), config);
     if (alone && std::count(alone->used.begin(), alone->used.end(), true) >= 2) {
       prior_ = afterPush(prior_, alone->map_from_base);
       solution_ = estimatePose(tools_.map, camera_, observations, prior_, config);
@@ -300,8 +286,8 @@ void FrameTracker::align() {
     if (aligned && turn_ && entries.size() >= 2 && aligned->excess > 1.0) {
       // Pixels show what corners are too coarse for.
       const Pose& start = aligned->map_from_base.pose;
-      const auto alone =
-          alignWithPixels(tools_, frame_.image, camera_, entries, start, withoutPlace(prior_));
+      const auto alone = alignWithPixels(tools_, frame_.image, camera_, entries, start,
+                                         prior_.pushed(kFarthestPush, kFarthestPush));
       if (alone) {
         prior_ = afterPush(prior_, alone->map_from_base);
         aligned = alignWithPixels(tools_, frame_.image, camera_, entries, alone->map_from_base.pose,

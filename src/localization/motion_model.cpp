@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "omnitag/common/rotation.h"
 #include "omnitag/common/symmetric_matrix.h"
 
 namespace omnitag {
@@ -209,15 +210,10 @@ void MotionModel::moveByOdometry(const Pose& motion) {
 
 void MotionModel::moveByVelocity(double interval) {
   const Eigen::Vector3d turn = rotationPart(velocity_) * interval;
-  const auto turned = [](const Eigen::Vector3d& rotation) {
-    const double angle = rotation.norm();
-    return angle > 0.0 ? Eigen::Matrix3d(Eigen::AngleAxisd(angle, rotation / angle))
-                       : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
-  };
   // Along an arc, about: in the direction of its middle.
-  const Eigen::Matrix3d halfway = turned(0.5 * turn);
+  const Eigen::Matrix3d halfway = rotationOf(0.5 * turn);
   Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
-  motion.linear() = turned(turn);
+  motion.linear() = rotationOf(turn);
   motion.translation() = halfway * translationPart(velocity_) * interval;
 
   const Eigen::Isometry3d pose = pose_.toIsometry();
@@ -257,10 +253,7 @@ void MotionModel::move(const Pose& motion, const Covariance& transition, const C
 }
 
 void MotionModel::standAnew(double interval, const std::optional<Pose>& odom_from_base) {
-  const Pose lean = leanAt(odom_from_base);
-  pose_.z = lean.z;
-  pose_.roll = lean.roll;
-  pose_.pitch = lean.pitch;
+  pose_ = leaningAs(leanAt(odom_from_base), pose_);
   const Eigen::Vector3d fast(config_.floor.height_deviation, config_.floor.lean_deviation,
                              config_.floor.lean_deviation);
   const Eigen::Vector3d whole = fast.cwiseAbs2();

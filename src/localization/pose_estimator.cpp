@@ -55,9 +55,7 @@ std::optional<LandmarkSight> sightOf(const MarkerObservation& observation, const
 /// A pose on the floor with the height and the lean that the prior has.
 PoseEstimate withLean(const PoseEstimate& on_floor, const PosePrior& prior) {
   PoseEstimate estimate = on_floor;
-  estimate.pose.z = prior.pose.z;
-  estimate.pose.roll = prior.pose.roll;
-  estimate.pose.pitch = prior.pose.pitch;
+  estimate.pose = leaningAs(prior.pose, on_floor.pose);
   for (int i = 3; i < 6; ++i) {
     if (prior.information(i, i) > 0.0) estimate.covariance(i, i) = 1.0 / prior.information(i, i);
   }
@@ -254,8 +252,7 @@ std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera&
 }  // namespace
 
 EstimatorConfig readEstimatorConfig(const YamlReader& reader) {
-  const std::string deviations = "estimation/max_misfit (standard deviations)";
-  reader.refuseReplaced("max_residual", deviations);
+  reader.refuseReplaced("max_residual", "estimation/max_misfit (standard deviations)");
   reader.refuseReplaced("robust_width", "estimation/robust_misfit (standard deviations)");
   reader.refuseReplaced("placement_deviation", "deviation in the map file");
   reader.allowOnly({"corner_noise", "poor_corner_noise", "robust_misfit", "max_misfit", "blur",

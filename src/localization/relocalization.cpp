@@ -90,13 +90,8 @@ PoseEstimate spread(const PoseHypothesis& hypothesis, const RelocalizationProble
       PoseVector shift = PoseVector::Zero();
       shift.head<3>() = side * offset * axis;
       constexpr double kPinned = 1e10;
-      PosePrior pinned = problem.standing;
-      const Pose there = moved(estimate.pose, shift);
-      pinned.pose.x = there.x;
-      pinned.pose.y = there.y;
-      pinned.pose.yaw = there.yaw;
-      pinned.information.topLeftCorner<3, 3>() = kPinned * axis * axis.transpose();
-      pinned.knows_place = true;
+      const PosePrior pinned = problem.standing.withPlace(moved(estimate.pose, shift),
+                                                          kPinned * axis * axis.transpose());
       const auto fit = refineByReprojection(problem.map, problem.camera, {observation}, pose,
                                             pinned, problem.estimation.reprojection);
       if (!fit) break;

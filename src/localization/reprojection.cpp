@@ -110,11 +110,10 @@ class Problem {
       const double shape = observations_[i].shape_deviation;
       const CornerResiduals white =
           whitened(projection->residuals, config_.poor_corner_noise, shape);
-      const CornerJacobian by_frame =
-          whitened(projection->by_frame, config_.poor_corner_noise, shape);
-      const Eigen::Matrix<double, 8, 6> by_pose = by_frame.leftCols<6>();
       double chi_square = white.squaredNorm();
       if (const auto misplaced = misplacement(i, state.pose, projection->by_frame)) {
+        const auto by_pose = whitened<Eigen::Matrix<double, 8, 6>>(
+            projection->by_frame.leftCols<6>(), config_.poor_corner_noise, shape);
         chi_square = chiSquare(chi_square, by_pose.transpose() * white,
                                by_pose.transpose() * by_pose, *misplaced);
       }

@@ -27,7 +27,7 @@ PosePrior PosePrior::standing(const Pose& lean, double height_deviation, double 
     return 1.0 / (deviation * deviation + kExact * kExact);
   };
   PosePrior prior;
-  prior.pose = {0.0, 0.0, 0.0, lean.z, lean.roll, lean.pitch};
+  prior.pose = leaningAs(lean, {});
   prior.information.diagonal().tail<3>() << informationOf(height_deviation),
       informationOf(lean_deviation), informationOf(lean_deviation);
   return prior;
@@ -35,24 +35,34 @@ PosePrior PosePrior::standing(const Pose& lean, double height_deviation, double 
 
 PosePrior PosePrior::upright() { return standing({}, 0.0, 0.0); }
 
+PosePrior PosePrior::withPlace(const Pose& place, const Eigen::Matrix3d& place_information) const {
+  PosePrior prior = *this;
+  prior.pose = leaningAs(pose, place);
+  prior.information.topLeftCorner<3, 3>() = place_information;
+  prior.knows_place = true;
+  return prior;
+}
+
+PosePrior PosePrior::pushed(double way, double turn) const {
+  PoseEstimate estimate{pose, covariance(), shared};
+  estimate.covariance.diagonal().head<3>() += Eigen::Vector3d(way * way, way * way, turn * turn);
+  return about(estimate);
+}
+
+PoseMatrix PosePrior::covariance() const { return information.llt().solve(PoseMatrix::Identity()); }
+
 PosePrior PosePrior::withoutPlace() const {
   if (!knows_place) return *this;
   PosePrior prior;
   prior.pose = pose;
   // What the rest is known to without them.
-  const PoseMatrix covariance = information.llt().solve(PoseMatrix::Identity());
   prior.information.bottomRightCorner<3, 3>() =
-      covariance.bottomRightCorner<3, 3>().llt().solve(Eigen::Matrix3d::Identity());
+      covariance().bottomRightCorner<3, 3>().llt().solve(Eigen::Matrix3d::Identity());
   return prior;
 }
 
 PoseVector PosePrior::errorOf(const Pose& other) const {
-  if (knows_place) return difference(other, pose);
-  Pose there = pose;
-  there.x = other.x;
-  there.y = other.y;
-  there.yaw = other.yaw;
-  return difference(other, there);
+  return difference(other, knows_place ? pose : leaningAs(pose, other));
 }
 
 }  // namespace omnitag

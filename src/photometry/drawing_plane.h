@@ -6,6 +6,7 @@
 
 #include "omnitag/camera/camera_model.h"
 #include "omnitag/common/pose.h"
+#include "omnitag/common/rotation.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/marker/tag_pattern.h"
 
@@ -44,10 +45,7 @@ class DrawingPlane {
     const double range = -origin.z() / direction.z();
     // What is turned with the base moves by rotation x place.
     const Eigen::Vector3d place = in_base.origin + range * in_base.direction;
-    Eigen::Matrix3d by_rotation;
-    by_rotation << 0.0, place.z(), -place.y(), -place.z(), 0.0, place.x(), place.y(), -place.x(),
-        0.0;
-    const Eigen::Matrix3d turned = drawing_from_base_ * by_rotation;
+    const Eigen::Matrix3d turned = -drawing_from_base_ * crossMatrix(place);
     Eigen::Matrix<double, 3, 6> in_drawing;
     in_drawing << drawing_from_map_.leftCols<2>(), turned.col(2), drawing_from_map_.col(2),
         turned.leftCols<2>();

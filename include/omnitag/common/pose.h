@@ -47,6 +47,9 @@ Pose operator*(const Pose& a_from_b, const Pose& b_from_c);
 /// b_from_a of a_from_b.
 Pose inverse(const Pose& a_from_b);
 
+/// The place and heading of one pose with the height, roll and pitch of another.
+Pose leaningAs(const Pose& lean, const Pose& place);
+
 /// A pose and how far it can be trusted.
 struct PoseEstimate {
   Pose pose;

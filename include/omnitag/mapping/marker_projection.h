@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "omnitag/camera/mounted_camera.h"
+#include "omnitag/common/rotation.h"
 #include "omnitag/marker/marker_map.h"
 
 namespace omnitag {
@@ -15,9 +16,6 @@ using MarkerCovariance = Eigen::Matrix<double, 6, 6>;
 
 /// The marker's place after the change.
 Eigen::Isometry3d moved(const Eigen::Isometry3d& map_from_marker, const MarkerIncrement& increment);
-
-/// The rotation that a rotation vector stands for (rad).
-Eigen::Matrix3d rotationOf(const Eigen::Vector3d& rotation_vector);
 
 /// J with rotationOf(v + d) = rotationOf(J d) rotationOf(v) for small d (the left Jacobian of the
 /// rotations).

@@ -26,6 +26,16 @@ struct PosePrior {
   /// The same on a floor that is exactly even, under a robot that stands exactly upright.
   static PosePrior upright();
 
+  /// One that knows nothing of x, y and yaw, with what is known of them.
+  PosePrior withPlace(const Pose& place, const Eigen::Matrix3d& place_information) const;
+
+  /// The same of a robot that something has moved by about so much (m and rad, standard
+  /// deviations), unknown to its odometry. It must know all six.
+  PosePrior pushed(double way, double turn) const;
+
+  /// Of a prior that knows all six.
+  PoseMatrix covariance() const;
+
   /// The same without anything of x, y and yaw.
   PosePrior withoutPlace() const;
 

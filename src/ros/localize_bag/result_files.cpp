@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 
 #include "omnitag/common/error.h"
 
@@ -60,10 +61,9 @@ ResultFiles::ResultFiles(const std::string& trajectory, const std::string& poses
 void ResultFiles::add(const ros::Time& stamp, const FrameResult& result, const MarkerMap& map) {
   for (const MarkerDetection& detection : result.detections) addDetection(stamp, detection, map);
   poses_.stream << stampOf(stamp);
-  if (result.map_from_base) {
-    const PoseEstimate estimate = result.publishedPose();
-    const Pose& pose = estimate.pose;
-    const PoseMatrix& covariance = estimate.covariance;
+  const auto estimate = result.map_from_base ? std::optional(result.publishedPose()) : std::nullopt;
+  if (estimate) {
+    const Pose& pose = estimate->pose;
     const Eigen::Quaterniond rotation(pose.toIsometry().linear());
     trajectory_.stream << stampOf(stamp);
     for (const double value :
@@ -74,19 +74,19 @@ void ResultFiles::add(const ros::Time& stamp, const FrameResult& result, const M
     poses_.stream << ',' << number(pose.x) << ',' << number(pose.y) << ',' << number(pose.yaw);
     for (int row = 0; row < 3; ++row) {
       for (int column = row; column < 3; ++column) {
-        poses_.stream << ',' << format("%.9e", covariance(row, column));
+        poses_.stream << ',' << format("%.9e", estimate->covariance(row, column));
       }
     }
   } else {
     poses_.stream << ",,,,,,,,,";
   }
   poses_.stream << ',' << toString(result.mode) << ',' << result.acceptedMarkers();
-  if (result.map_from_base) {
-    const PoseEstimate estimate = result.publishedPose();
-    for (const double value : {estimate.pose.z, estimate.pose.roll, estimate.pose.pitch}) {
+  if (estimate) {
+    const Pose& pose = estimate->pose;
+    for (const double value : {pose.z, pose.roll, pose.pitch}) {
       poses_.stream << ',' << number(value);
     }
-    for (int i = 3; i < 6; ++i) poses_.stream << ',' << format("%.9e", estimate.covariance(i, i));
+    for (int i = 3; i < 6; ++i) poses_.stream << ',' << format("%.9e", estimate->covariance(i, i));
   } else {
     poses_.stream << ",,,,,,";
   }
