@@ -36,7 +36,7 @@ struct Count {
       return;
     }
     nearest = std::max(nearest, recognition->correlation - recognition->threshold);
-    if (recognition->isAccepted()) ++accepted;
+    if (recognition->is_accepted) ++accepted;
   }
 
   void print(const char* name) const {
@@ -76,7 +76,7 @@ void run(const RecordedSequence& sequence) {
     const auto lookFor = [&](const PoseEstimate& pose, const PredictedMarker& marker,
                              const TagPattern& pattern) {
       return recognize(frame.image, sequence.map.markers[marker.map_entry], pattern, camera,
-                       pose.pose, marker, 0.0, config);
+                       pose.pose, marker, config);
     };
     for (const PredictedMarker& marker : predictMarkers(sequence.map, camera, belief, visibility)) {
       const int true_id = sequence.map.markers[marker.map_entry].id;

@@ -21,8 +21,7 @@ std::vector<MarkerReading> alignReadings(const cv::Mat& panorama, const MarkerMa
     if (!found.entries[i]) continue;
     const Marker& marker = map.markers[*found.entries[i]];
     const std::optional<AlignedCorners> corners =
-        alignCorners(panorama, marker, patterns.of(marker), camera, found.map_from_base->pose,
-                     estimation.photometric.blur);
+        alignCorners(panorama, marker, patterns.of(marker), camera, found.map_from_base->pose);
     if (!corners) continue;
     aligned.push_back(std::move(readings[i]));
     for (std::size_t k = 0; k < 4; ++k) {

@@ -74,7 +74,8 @@ std::optional<Eigen::Vector2d> CameraModel::idealFromPixel(const Eigen::Vector2d
   return isInImage(pixel) ? image_plane_.idealFromPixel(pixel) : std::nullopt;
 }
 
-Eigen::Matrix<double, 2, 6> CameraModel::displacementByError(const Eigen::Vector2d& pixel) const {
+Eigen::Matrix<double, 2, kCameraModes> CameraModel::displacementByError(
+    const Eigen::Vector2d& pixel) const {
   const double rim = image_plane_.scale() * maxRadius();  // pixels
   return omnitag::displacementByError(uncertainty_, (pixel - image_plane_.principalPoint()) / rim);
 }

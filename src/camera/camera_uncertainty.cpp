@@ -9,9 +9,9 @@ double CameraUncertainty::local() const {
   return kShare * std::max({principal_point, scale, tilt, rim});
 }
 
-Eigen::Matrix<double, 2, 6> displacementByError(const CameraUncertainty& uncertainty,
-                                                const Eigen::Vector2d& n) {
-  Eigen::Matrix<double, 2, 6> displacement;
+Eigen::Matrix<double, 2, kCameraModes> displacementByError(const CameraUncertainty& uncertainty,
+                                                           const Eigen::Vector2d& n) {
+  Eigen::Matrix<double, 2, kCameraModes> displacement;
   displacement << uncertainty.principal_point * Eigen::Matrix2d::Identity(), uncertainty.scale * n,
       uncertainty.tilt * n * n.transpose(), uncertainty.rim * n.squaredNorm() * n;
   return displacement;

@@ -56,6 +56,15 @@ PoseVector poseVector(const Eigen::Vector3d& translation, const Eigen::Vector3d&
   return change;
 }
 
+PoseMatrix changeByMotion(const Eigen::Matrix3d& target_from_base) {
+  PoseMatrix changes;
+  for (int i = 0; i < 6; ++i) {
+    const PoseVector unit = PoseVector::Unit(i);
+    changes.col(i) = poseVector(target_from_base * translationPart(unit), rotationPart(unit));
+  }
+  return changes;
+}
+
 Pose moved(const Pose& pose, const PoseVector& change) {
   if (isLevel(pose) && change[4] == 0.0 && change[5] == 0.0) {
     return {pose.x + change[0], pose.y + change[1], normalizeAngle(pose.yaw + change[2]),

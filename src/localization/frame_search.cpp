@@ -52,7 +52,7 @@ std::optional<AlignedPose> alignWithAll(const TrackingTools& tools, const Frame&
   if (!aligned || !agree(aligned->map_from_base, found)) return std::nullopt;
   const EstimatorConfig& estimation = tools.config.estimation;
   for (const Misfit& misfit : misfitsAt(tools.map, camera, recognized, aligned->map_from_base.pose,
-                                        aligned->camera_error, estimation.reprojection)) {
+                                        aligned->imaging_error, estimation.reprojection)) {
     if (misfit.deviations > estimation.max_misfit) return std::nullopt;
   }
   return aligned;
@@ -68,17 +68,16 @@ std::vector<View> viewsToSearch(const TrackingTools& tools, const MountedCamera&
                         config.look_around);
 }
 
-std::vector<MarkerReading> lookAround(const TrackingTools& tools, const Frame& frame,
-                                      const MountedCamera& camera, FrameResult* result) {
+std::vector<MarkerReading> lookAround(const TrackingTools& tools, const MountedCamera& camera,
+                                      FrameResult* result) {
   Stopwatch step;
   result->views.clear();
   result->view_images.clear();
   result->detections.clear();
   std::vector<View> views = viewsToSearch(tools, camera);
   result->timings.predict += step.lap();
-  std::vector<MarkerReading> readings =
-      withoutRepetitions(readViews(tools, frame.image, std::move(views), result), result->views,
-                         tools.reader.warper());
+  std::vector<MarkerReading> readings = withoutRepetitions(
+      readViews(tools, std::move(views), result), result->views, tools.reader.warper());
   if (tools.config.exploring_views > 0) result->explored = readings;
   return readings;
 }
@@ -116,7 +115,7 @@ bool isInPlace(const MarkerReading& reading, const TrackingTools& tools,
     if (!place) return false;
     if ((*place - reading.center).norm() < kModule * meanEdge(reading.corners)) return true;
     const MarkerObservation observation{entry, reading.corners, reading.center};
-    return misfitsAt(tools.map, camera, {observation}, map_from_base, CameraError::Zero(),
+    return misfitsAt(tools.map, camera, {observation}, map_from_base, ImagingError::Zero(),
                      estimation.reprojection)
                .front()
                .deviations <= estimation.max_misfit;
@@ -138,7 +137,7 @@ void setResiduals(const TrackingTools& tools, const MountedCamera& camera, Frame
       const MarkerObservation observation{*detection.map_entry, detection.corners,
                                           detection.center};
       misfit = misfitsAt(tools.map, camera, {observation}, result->map_from_base->pose,
-                         result->camera_error, tools.config.estimation.reprojection)
+                         result->imaging_error, tools.config.estimation.reprojection)
                    .front();
     }
     detection.residual = misfit.residual;
@@ -163,7 +162,7 @@ PoseEstimate withUndecoded(const TrackingTools& tools, const Frame& frame,
     detection.accepted = true;
     result->detections.push_back(std::move(detection));
   }
-  result->camera_error = aligned->camera_error;
+  result->imaging_error = aligned->imaging_error;
   return aligned->map_from_base;
 }
 

@@ -14,8 +14,8 @@ namespace omnitag {
 std::vector<View> viewsToSearch(const TrackingTools& tools, const MountedCamera& camera);
 
 /// Reads all of these views; they, and nothing else, are then in the result.
-std::vector<MarkerReading> lookAround(const TrackingTools& tools, const Frame& frame,
-                                      const MountedCamera& camera, FrameResult* result);
+std::vector<MarkerReading> lookAround(const TrackingTools& tools, const MountedCamera& camera,
+                                      FrameResult* result);
 
 /// Adds what a search read, and returns the entries that its pose stands on.
 std::vector<std::size_t> addDetections(const TrackingTools& tools,

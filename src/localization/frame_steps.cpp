@@ -54,10 +54,11 @@ MarkerDetection toDetection(const MarkerObservation& observation, const Marker& 
   return detection;
 }
 
-std::vector<MarkerReading> readViews(const TrackingTools& tools, const cv::Mat& panorama,
-                                     std::vector<View> views, FrameResult* result) {
+std::vector<MarkerReading> readViews(const TrackingTools& tools, std::vector<View> views,
+                                     FrameResult* result) {
   Stopwatch step;
   std::vector<cv::Mat> images(views.size());
+  const cv::Mat& panorama = tools.readable.get();
   forEachIndex(views.size(), tools.config.threads, 1,
                [&](std::size_t i) { images[i] = tools.reader.warper().warp(panorama, views[i]); });
   result->timings.warp += step.lap();
@@ -75,10 +76,9 @@ std::optional<MarkerObservation> recognizePredicted(const TrackingTools& tools,
                                                     const Pose& map_from_base,
                                                     const PredictedMarker& predicted) {
   const Marker& marker = tools.map.markers[predicted.map_entry];
-  const auto recognition =
-      recognize(panorama, marker, tools.patterns.of(marker), camera, map_from_base, predicted,
-                tools.config.estimation.photometric.blur, tools.config.recognition);
-  if (!recognition || !recognition->isAccepted()) return std::nullopt;
+  const auto recognition = recognize(panorama, marker, tools.patterns.of(marker), camera,
+                                     map_from_base, predicted, tools.config.recognition);
+  if (!recognition || !recognition->is_accepted) return std::nullopt;
   return MarkerObservation{predicted.map_entry, recognition->corners, recognition->center,
                            recognition->is_stretched ? 0.0 : predicted.shape_deviation};
 }
@@ -104,7 +104,7 @@ std::optional<AlignedPose> alignWithPixels(const TrackingTools& tools, const cv:
   };
   std::optional<PhotometricFit> fit = from(initial);
   const auto aligned = [](const PhotometricFit& optimum) {
-    return AlignedPose{optimum.map_from_base, optimum.camera_error, optimum.excess};
+    return AlignedPose{optimum.map_from_base, optimum.imaging_error, optimum.excess, optimum.blur};
   };
   if (entries.size() > 1) return fit ? std::optional(aligned(*fit)) : std::nullopt;
 
@@ -124,7 +124,7 @@ std::optional<AlignedPose> alignWithPixels(const TrackingTools& tools, const cv:
   };
   return AlignedPose{
       mixture(fit->map_from_base, misfit(*fit), other->map_from_base, misfit(*other)),
-      fit->camera_error, 1.0};
+      fit->imaging_error, 1.0, fit->blur};
 }
 
 PoseEstimate standingOnCorners(const PoseEstimate& pose, std::size_t markers,

@@ -13,6 +13,7 @@
 #include "omnitag/marker/marker_index.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/marker/marker_reader.h"
+#include "omnitag/marker/sharpening.h"
 #include "omnitag/marker/tag_pattern.h"
 
 namespace omnitag {
@@ -27,6 +28,8 @@ struct TrackingTools {
   const TagPatterns& patterns;
   /// What is known of a pose without a prediction.
   const PosePrior& standing;
+  /// The frame's image for decoders.
+  ReadableImage& readable;
 };
 
 /// A reading as a detection that is not accepted yet.
@@ -35,8 +38,8 @@ MarkerDetection toDetection(const MarkerReading& reading);
 MarkerDetection toDetection(const MarkerObservation& observation, const Marker& marker);
 
 /// Reads views and adds them, with what they show, to the result.
-std::vector<MarkerReading> readViews(const TrackingTools& tools, const cv::Mat& panorama,
-                                     std::vector<View> views, FrameResult* result);
+std::vector<MarkerReading> readViews(const TrackingTools& tools, std::vector<View> views,
+                                     FrameResult* result);
 
 /// The marker at an entry of the map, where its pattern is found about where `belief` has it.
 std::optional<MarkerObservation> recognizeMarker(const TrackingTools& tools,
@@ -54,9 +57,11 @@ std::optional<MarkerObservation> recognizePredicted(const TrackingTools& tools,
 /// A pose that was aligned with pixels, and what the camera then seems to be off by.
 struct AlignedPose {
   PoseEstimate map_from_base;
-  CameraError camera_error = CameraError::Zero();
+  ImagingError imaging_error = ImagingError::Zero();
   /// How many times more than expected the markers disagree, at least 1.
   double excess = 1.0;
+  /// What the pixels say of the camera's blur.
+  BlurEquations blur;
 };
 
 /// A pose aligned with the pixels of the markers at `entries`; nothing where that is not asked for

@@ -103,6 +103,10 @@ std::optional<PoseEstimate> FrameTracker::track() {
   Stopwatch step;
   if (solution_) align();
   result_->timings.solve += step.lap();
+  if (solution_) {
+    result_->excess = solution_->excess;
+    result_->imaging_error = solution_->imaging_error;
+  }
   report();
   if (frame_.wants_views) addViews();
   return solution_ ? std::optional(solution_->map_from_base) : std::nullopt;
@@ -228,7 +232,7 @@ void FrameTracker::decode(const std::vector<std::size_t>& targets, double max_pi
   }
   result_->timings.predict += step.lap();
   // Views overlap: what one of them shows may have been expected in another, or be seen there, too.
-  for (const MarkerReading& reading : readViews(tools_, frame_.image, std::move(views), result_)) {
+  for (const MarkerReading& reading : readViews(tools_, std::move(views), result_)) {
     const Association association =
         associate(reading, result_->predicted, tools_.map, tools_.config.association);
     if (association.prediction) {
@@ -297,14 +301,15 @@ void FrameTracker::align() {
     if (!aligned) break;
     std::vector<Misfit> misfits =
         misfitsAt(tools_.map, camera_, observations, aligned->map_from_base.pose,
-                  aligned->camera_error, tools_.config.estimation.reprojection);
+                  aligned->imaging_error, tools_.config.estimation.reprojection);
     std::size_t left = 0;
     for (std::size_t k = 0; k < misfits.size(); ++k) {
       used[k] = used[k] && misfits[k].deviations <= tools_.config.estimation.max_misfit;
       if (used[k]) ++left;
     }
     if (left == entries.size()) {
-      *solution_ = {aligned->map_from_base, aligned->camera_error, std::move(misfits),
+      result_->blur_equations = aligned->blur;
+      *solution_ = {aligned->map_from_base, aligned->imaging_error, std::move(misfits),
                     std::move(used), aligned->excess};
       return;
     }

@@ -59,7 +59,7 @@ std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& fram
   if (!annulus) return std::nullopt;
   Stopwatch choice;
   const std::vector<Sector> sectors = sectorsToGlanceAt(
-      frame.image, *annulus, camera.model().imagePlane(), config.look_around.overlap);
+      tools.readable.get(), *annulus, camera.model().imagePlane(), config.look_around.overlap);
   result->timings.predict += choice.lap();
   for (std::size_t i = 0; i < reader.count(); ++i) {
     Glance seen;
@@ -67,7 +67,7 @@ std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& fram
     for (const Sector& sector : sectors) {
       Stopwatch step;
       const GlanceAim aim{*annulus, sector, kAtMost / sectors.size(), true};
-      Glance more = reader.read(frame.image, i, warper, camera.axisUp(), aim);
+      Glance more = reader.read(tools.readable.get(), i, warper, camera.axisUp(), aim);
       result->timings.decode += step.lap();
       if (more.readings.empty()) continue;
       const bool agrees =

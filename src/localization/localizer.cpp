@@ -82,10 +82,11 @@ Localizer::Localizer(std::shared_ptr<const CameraModel> camera, MarkerMap map,
       reader_(camera_, kWorkingDistance, config.detector, familiesOf(map_), config.threads),
       glance_reader_(camera_, config.detector, reader_.detector(), config.threads),
       patterns_(map_),
-      motion_(config.motion) {}
+      motion_(config.motion),
+      blur_(config.estimation.blur * config.estimation.blur) {}
 
-TrackingTools Localizer::trackingTools() const {
-  return {map_, index_, config_, reader_, glance_reader_, patterns_, standing_};
+TrackingTools Localizer::trackingTools() {
+  return {map_, index_, config_, reader_, glance_reader_, patterns_, standing_, readable_};
 }
 
 void Localizer::setMap(MarkerMap map) {
@@ -121,12 +122,19 @@ FrameResult Localizer::process(const Frame& frame) {
   FrameResult result;
   result.stamp = frame.stamp;
   result.is_on_floor = config_.motion.pose_model == PoseModel::kFloor;
-  const MountedCamera camera(camera_, frame.base_from_camera);
   standing_ = motion_.standing(frame.odom_from_base);
   const std::optional<PoseEstimate> predicted = predict(frame);
+  const MountedCamera camera = cameraOf(frame, predicted.has_value());
+  readable_ = ReadableImage(frame.image, blurToRead());
   const bool is_refuted = predicted && !track(frame, camera, *predicted, &result);
-  if (!result.map_from_base) search(frame, camera, predicted, is_refuted, &result);
+  if (!result.map_from_base) {
+    search(frame, camera, predicted, is_refuted, &result);
+    learnBlur(frame, camera, &result);
+  }
   measure(camera, &result);
+  was_tracked_ = result.acceptedMarkers() > 0 && result.map_from_base.has_value();
+  result.exposure = exposureOf(frame.image);
+  result.image_lag = image_lag_.lag();
   result.timings.total = total.lap();
   return result;
 }
@@ -160,26 +168,105 @@ std::optional<PoseEstimate> Localizer::predict(const Frame& frame) {
   return has_pose_ ? std::optional(predicted) : std::nullopt;
 }
 
+void Localizer::learnBlur(const Frame& frame, const MountedCamera& camera, FrameResult* result) {
+  std::vector<std::size_t> entries;
+  for (const MarkerDetection& detection : result->detections) {
+    if (detection.accepted) entries.push_back(*detection.map_entry);
+  }
+  if (!result->map_from_base || entries.empty()) return;
+  MountedCamera blurred = camera;
+  constexpr int kRounds = 3;
+  for (int round = 0; round < kRounds; ++round) {
+    const auto aligned =
+        alignWithPixels(trackingTools(), frame.image, blurred, entries, result->map_from_base->pose,
+                        PosePrior::about(*result->map_from_base));
+    if (!aligned) return;
+    const ImageBlur blur = blur_.after(aligned->blur, blurred.blur());
+    if (round == kRounds - 1) blur_.take(aligned->blur, blurred.blur());
+    blurred = camera.withBlur(blur);
+  }
+  result->blur = blur_.blur();
+}
+
+double Localizer::blurToRead() {
+  lost_frames_ = was_tracked_ ? 0 : lost_frames_ + 1;
+  // Nothing tells a robot that is lost how blurred its images are.
+  constexpr double kSupposed = 1.6;  // pixels
+  const double known = blur_.blur().largestDeviation();
+  const bool is_tried = lost_frames_ > 0 && lost_frames_ % 2 == 0;
+  return is_tried ? std::max(kSupposed, known) : known;
+}
+
+MountedCamera Localizer::cameraOf(const Frame& frame, bool has_prediction) const {
+  const MountedCamera camera =
+      MountedCamera(camera_, frame.base_from_camera).withBlur(blur_.blur());
+  if (config_.shutter.isInstant()) return camera;
+  if (frame.velocity) return camera.withMotion(config_.shutter, motion_.motionBy(*frame.velocity));
+  return camera.withMotion(config_.shutter,
+                           has_prediction ? motion_.motion() : motion_.unknownMotion());
+}
+
 bool Localizer::track(const Frame& frame, const MountedCamera& camera,
                       const PoseEstimate& predicted, FrameResult* result) {
   Stopwatch step;
   result->predicted = predictMarkers(map_, index_, camera, predicted, config_.visibility);
   result->timings.predict += step.lap();
-  const TrackingTools tools = trackingTools();
-  FrameTracker tracker(tools, frame, camera, predicted, frames_++, result);
-  const std::optional<PoseEstimate> pose = tracker.track();
+  const std::optional<PoseEstimate> pose = followMarkers(frame, camera, predicted, result);
   // Where most of what is read contradicts, the prediction itself is in doubt.
   if (!pose || contradictions(*result, map_) > result->acceptedMarkers()) return true;
   if (!markersAgree(camera, predicted, pose->pose, *result)) return false;
   if (isElsewhere(frame, camera, *pose, result)) return false;
-  motion_.correct(*pose);
+  const PoseEstimate corrected = withLag(frame, predicted, *pose);
+  motion_.correct(corrected);
   result->mode = Mode::kTracking;
-  result->map_from_base = pose;
+  result->map_from_base = corrected;
   if (config_.exploring_views > 0 || frame.stamp >= next_patrol_) {
     next_patrol_ = frame.stamp + config_.recognition.period;
     patrol(frame, camera, pose->pose, result);
   }
   return true;
+}
+
+std::optional<PoseEstimate> Localizer::followMarkers(const Frame& frame,
+                                                     const MountedCamera& camera,
+                                                     const PoseEstimate& predicted,
+                                                     FrameResult* result) {
+  const TrackingTools tools = trackingTools();
+  const double rim = camera_->imagePlane().scale() * camera_->maxRadius();
+  const std::size_t turn = frames_++;
+  const FrameResult before = *result;
+  MountedCamera blurred = camera;
+  std::optional<PoseEstimate> pose;
+  // Markers that are blurred otherwise than expected are looked for again.
+  constexpr int kRounds = 4;
+  for (int round = 0; round < kRounds; ++round) {
+    pose = FrameTracker(tools, frame, blurred, predicted, turn, result).track();
+    if (!result->blur_equations) break;
+    const ImageBlur blur = blur_.after(*result->blur_equations, blurred.blur());
+    if (areAlike(blur, blurred.blur(), rim)) break;
+    if (round == kRounds - 1) break;
+    const Timings timings = result->timings;
+    *result = before;
+    result->timings = timings;
+    blurred = camera.withBlur(blur);
+  }
+  if (result->blur_equations) blur_.take(*result->blur_equations, blurred.blur());
+  result->blur = blur_.blur();
+  return pose;
+}
+
+PoseEstimate Localizer::withLag(const Frame& frame, const PoseEstimate& predicted,
+                                const PoseEstimate& pose) {
+  PoseEstimate lagging = pose;
+  if (!frame.velocity || !frame.odom_from_base) return lagging;
+  const double innovation = difference(pose.pose, predicted.pose)[2];
+  image_lag_.add(innovation, *frame.velocity, was_tracked_);
+  if (const std::optional<double> lag = image_lag_.lag()) {
+    const PoseMatrix covariance = covarianceOfLag(*lag, *frame.velocity);
+    lagging.covariance += covariance;
+    lagging.shared += covariance;
+  }
+  return lagging;
 }
 
 bool Localizer::markersAgree(const MountedCamera& camera, const PoseEstimate& predicted,
@@ -213,7 +300,7 @@ bool Localizer::isElsewhere(const Frame& frame, const MountedCamera& camera,
   next_doubt_ = frame.stamp + config_.recognition.period;
   FrameResult around;
   around.timings = result->timings;
-  const std::vector<MarkerReading> readings = lookAround(trackingTools(), frame, camera, &around);
+  const std::vector<MarkerReading> readings = lookAround(trackingTools(), camera, &around);
   Stopwatch step;
   const Relocalization found =
       relocalize(map_, camera, readings, standing_, config_.estimation, config_.relocalization);
@@ -229,10 +316,10 @@ void Localizer::patrol(const Frame& frame, const MountedCamera& camera, const Po
                        FrameResult* result) {
   const bool is_exploring = config_.exploring_views > 0;
   if (is_exploring && result->explored.empty()) {
-    explore(frame, camera, map_from_base, result);
+    explore(camera, map_from_base, result);
   }
   const std::vector<MarkerReading> readings =
-      is_exploring ? result->explored : readNextView(frame, camera, result);
+      is_exploring ? result->explored : readNextView(camera, result);
   bool is_odd = false;
   for (const MarkerReading& reading : readings) {
     const bool is_known =
@@ -257,27 +344,26 @@ void Localizer::patrol(const Frame& frame, const MountedCamera& camera, const Po
   ++patrolled_view_;
 }
 
-std::vector<MarkerReading> Localizer::readNextView(const Frame& frame, const MountedCamera& camera,
-                                                   FrameResult* result) const {
+std::vector<MarkerReading> Localizer::readNextView(const MountedCamera& camera,
+                                                   FrameResult* result) {
   const std::vector<View> all = viewsToSearch(trackingTools(), camera);
   if (all.empty()) return {};
-  return readViews(trackingTools(), frame.image, {all[patrolled_view_ % all.size()]}, result);
+  return readViews(trackingTools(), {all[patrolled_view_ % all.size()]}, result);
 }
 
-void Localizer::explore(const Frame& frame, const MountedCamera& camera, const Pose& map_from_base,
+void Localizer::explore(const MountedCamera& camera, const Pose& map_from_base,
                         FrameResult* result) {
   if (exploration_.wantsGlance(config_)) {
     Stopwatch step;
     result->explored =
-        glance_reader_.read(frame.image, 0, reader_.warper(), camera.axisUp()).readings;
+        glance_reader_.read(readable_.get(), 0, reader_.warper(), camera.axisUp()).readings;
     result->timings.decode += step.lap();
   }
   std::vector<View> views =
       exploration_.views(viewsToSearch(trackingTools(), camera), camera, map_from_base,
                          reader_.warper().table(), result->explored, config_);
-  const std::vector<MarkerReading> readings =
-      withoutRepetitions(readViews(trackingTools(), frame.image, std::move(views), result),
-                         result->views, reader_.warper());
+  const std::vector<MarkerReading> readings = withoutRepetitions(
+      readViews(trackingTools(), std::move(views), result), result->views, reader_.warper());
   result->explored.insert(result->explored.end(), readings.begin(), readings.end());
 }
 
@@ -291,7 +377,7 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
   if (const auto seen = glance(trackingTools(), frame, camera, result)) {
     return accept(*seen);
   }
-  const std::vector<MarkerReading> readings = lookAround(trackingTools(), frame, camera, result);
+  const std::vector<MarkerReading> readings = lookAround(trackingTools(), camera, result);
   Stopwatch step;
   const Relocalization found =
       relocalize(map_, camera, readings, standing_, config_.estimation, config_.relocalization);
@@ -321,7 +407,7 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
       // enough to align pixels with: corners bear more.
       const bool fits = aligned && agree(aligned->map_from_base, pose);
       pose = fits ? aligned->map_from_base : standingOnCorners(pose, explaining.size(), config_);
-      result->camera_error = fits ? aligned->camera_error : found.camera_error;
+      result->imaging_error = fits ? aligned->imaging_error : found.imaging_error;
       result->timings.solve += step.lap();
       pose = withUndecoded(trackingTools(), frame, camera, pose, explaining, prior, result);
       step.lap();
@@ -340,7 +426,7 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
 std::optional<PoseEstimate> Localizer::confirmAround(const std::vector<MarkerReading>& readings,
                                                      const Frame& frame,
                                                      const MountedCamera& camera,
-                                                     FrameResult* result) const {
+                                                     FrameResult* result) {
   const auto areTwo = [](const FrameResult& seen) { return seen.acceptedMarkers() >= 2; };
   auto seen = confirm({readings, result->views, result->view_images}, areTwo, trackingTools(),
                       frame, camera, &result->timings);

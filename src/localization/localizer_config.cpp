@@ -39,6 +39,7 @@ LocalizerConfig readLocalizerConfig(const YamlReader& reader) {
   if (reader.has("motion")) config.motion = readMotionModelConfig(reader.mapping("motion"));
   if (reader.has("floor")) config.motion.floor = readFloorConfig(reader.mapping("floor"));
   if (reader.has("pose_model")) config.motion.pose_model = readPoseModel(reader);
+  config.shutter = readShutterConfig(reader);
   reader.read("threads", &config.threads, {1, 64});
   if (reader.has("estimator")) {
     const std::string estimator = reader.text("estimator");

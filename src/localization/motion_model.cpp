@@ -24,16 +24,6 @@ PoseMatrix byPose(const Eigen::Isometry3d& pose, const Eigen::Isometry3d& motion
   return transition;
 }
 
-/// Takes velocities in base_link to changes of a pose with this rotation.
-PoseMatrix mapFromBase(const Eigen::Matrix3d& rotation) {
-  PoseMatrix turned;
-  for (int i = 0; i < 6; ++i) {
-    const PoseVector unit = PoseVector::Unit(i);
-    turned.col(i) = poseVector(rotation * translationPart(unit), rotationPart(unit));
-  }
-  return turned;
-}
-
 }  // namespace
 
 FloorConfig readFloorConfig(const YamlReader& reader) {
@@ -51,8 +41,8 @@ MotionModelConfig readMotionModelConfig(const YamlReader& reader) {
                     "odometry_rotation_per_rotation", "odometry_rotation_per_metre",
                     "odometry_translation_per_metre", "odometry_translation_per_rotation",
                     "initial_position_deviation", "initial_heading_deviation",
-                    "max_dead_reckoning_time", "max_position_deviation", "max_heading_deviation",
-                    "max_initial_time", "max_initial_position_deviation",
+                    "initial_height_deviation", "max_dead_reckoning_time", "max_position_deviation",
+                    "max_heading_deviation", "max_initial_time", "max_initial_position_deviation",
                     "max_initial_heading_deviation"});
   MotionModelConfig config;
   reader.read("acceleration_deviation", &config.acceleration_deviation, kPositive);
@@ -68,6 +58,7 @@ MotionModelConfig readMotionModelConfig(const YamlReader& reader) {
               kNonNegative);
   reader.read("initial_position_deviation", &config.initial_position_deviation, kPositive);
   reader.read("initial_heading_deviation", &config.initial_heading_deviation, kPositive);
+  reader.read("initial_height_deviation", &config.initial_height_deviation, kPositive);
   reader.read("max_dead_reckoning_time", &config.max_dead_reckoning_time, kNonNegative);
   reader.read("max_position_deviation", &config.max_position_deviation, kPositive);
   reader.read("max_heading_deviation", &config.max_heading_deviation, kPositive);
@@ -89,7 +80,18 @@ void MotionModel::reset(const PoseEstimate& map_from_base, double stamp,
 
 void MotionModel::resetToGiven(const PoseEstimate& map_from_base, double stamp,
                                const std::optional<Pose>& odom_from_base) {
-  reset(map_from_base, stamp, odom_from_base);
+  PoseEstimate given = map_from_base;
+  if (!isOnFloor()) {
+    // Who points at a place on the floor does not say how high the robot is, nor how it leans.
+    const Eigen::Vector3d unknown(config_.initial_height_deviation,
+                                  config_.initial_heading_deviation,
+                                  config_.initial_heading_deviation);
+    for (int i = 0; i < 3; ++i) {
+      double& variance = given.covariance(3 + i, 3 + i);
+      if (variance == 0.0) variance = unknown[i] * unknown[i];
+    }
+  }
+  reset(given, stamp, odom_from_base);
   is_given_ = true;
 }
 
@@ -185,15 +187,39 @@ bool MotionModel::isTrustworthy() const {
   return is_certain && without_knowledge <= config_.max_dead_reckoning_time;
 }
 
+double MotionModel::translationDeviation(double way, double turn) const {
+  return std::hypot(config_.odometry_translation_per_metre * way,
+                    config_.odometry_translation_per_rotation * turn);
+}
+
+double MotionModel::rotationDeviation(double way, double turn) const {
+  return std::hypot(config_.odometry_rotation_per_rotation * turn,
+                    config_.odometry_rotation_per_metre * way);
+}
+
+BaseMotion MotionModel::motionBy(const PoseVector& odometry) const {
+  const double speed = translationPart(odometry).norm();
+  const double turn_rate = rotationPart(odometry).norm();
+  const double translation = translationDeviation(speed, turn_rate);
+  return {odometry, {translation, translation, rotationDeviation(speed, turn_rate)}};
+}
+
+BaseMotion MotionModel::motion() const {
+  return {velocity_, covariance_.diagonal().segment<3>(6).cwiseSqrt()};
+}
+
+BaseMotion MotionModel::unknownMotion() const {
+  return {PoseVector::Zero(),
+          {config_.initial_speed_deviation, config_.initial_speed_deviation,
+           config_.initial_turn_rate_deviation}};
+}
+
 void MotionModel::moveByOdometry(const Pose& motion) {
   const Eigen::Isometry3d isometry = motion.toIsometry();
   const double distance = isometry.translation().norm();
   const double turn = std::abs(Eigen::AngleAxisd(isometry.linear()).angle());
-  const auto variance = [](double a, double b) { return a * a + b * b; };
-  const double translation_variance = variance(config_.odometry_translation_per_metre * distance,
-                                               config_.odometry_translation_per_rotation * turn);
-  const double rotation_variance = variance(config_.odometry_rotation_per_rotation * turn,
-                                            config_.odometry_rotation_per_metre * distance);
+  const double translation_variance = std::pow(translationDeviation(distance, turn), 2);
+  const double rotation_variance = std::pow(rotationDeviation(distance, turn), 2);
   Covariance noise = Covariance::Zero();
   noise.diagonal().head<3>() << translation_variance, translation_variance, rotation_variance;
   if (!isOnFloor()) {
@@ -217,7 +243,7 @@ void MotionModel::moveByVelocity(double interval) {
   motion.translation() = halfway * translationPart(velocity_) * interval;
 
   const Eigen::Isometry3d pose = pose_.toIsometry();
-  const PoseMatrix map_from_velocity = mapFromBase(pose.linear() * halfway);
+  const PoseMatrix map_from_velocity = changeByMotion(pose.linear() * halfway);
   Covariance transition = Covariance::Identity();
   transition.block<6, 6>(0, 6) = interval * map_from_velocity;
   for (int i = 0; i < 6; ++i) {

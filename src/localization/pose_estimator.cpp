@@ -93,7 +93,7 @@ std::optional<PoseSolution> triangulateRobustly(const MarkerMap& map, const Moun
       solution.map_from_base = withLean(*estimate, prior);
       const Pose& pose = solution.map_from_base.pose;
       solution.misfits =
-          misfitsAt(map, camera, observations, pose, CameraError::Zero(), config.reprojection);
+          misfitsAt(map, camera, observations, pose, ImagingError::Zero(), config.reprojection);
       yaw = pose.yaw;
       for (std::size_t k = 0; k < used.size(); ++k) {
         const double ratio = solution.misfits[used[k]].deviations / kSharp;
@@ -163,7 +163,7 @@ std::optional<ReprojectionFit> refineFromPairs(const MarkerMap& map, const Mount
                                            prior.pose, prior.withoutPlace(), trusting);
     if (!pair) continue;
     const std::vector<Misfit> misfits =
-        misfitsAt(map, camera, observations, pair->map_from_base.pose, pair->camera_error,
+        misfitsAt(map, camera, observations, pair->map_from_base.pose, pair->imaging_error,
                   config.reprojection);
     const double sum = misfitOf(misfits);
     if (!(sum < least)) continue;
@@ -175,7 +175,7 @@ std::optional<ReprojectionFit> refineFromPairs(const MarkerMap& map, const Mount
   auto fit = refineByReprojection(map, camera, chosen(observations, agree), best, prior,
                                   config.reprojection);
   if (!fit) return std::nullopt;
-  fit->misfits = misfitsAt(map, camera, observations, fit->map_from_base.pose, fit->camera_error,
+  fit->misfits = misfitsAt(map, camera, observations, fit->map_from_base.pose, fit->imaging_error,
                            config.reprojection);
   const std::vector<bool> then = agreeing(fit->misfits, config);
   if (std::find(then.begin(), then.end(), false) != then.end()) return fit;
@@ -229,15 +229,16 @@ std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera&
     const auto fit = refineByReprojection(map, camera, chosen(observations, used), start, prior,
                                           config.reprojection);
     if (!fit) return std::nullopt;
-    return PoseSolution{fit->map_from_base, fit->camera_error,
+    return PoseSolution{fit->map_from_base, fit->imaging_error,
                         misfitsAt(map, camera, observations, fit->map_from_base.pose,
-                                  fit->camera_error, config.reprojection),
+                                  fit->imaging_error, config.reprojection),
                         used, fit->excess};
   };
   const std::vector<bool> used = agreeing(best->misfits, config);
   if (std::count(used.begin(), used.end(), true) == 0) return std::nullopt;
   if (std::count(used.begin(), used.end(), false) == 0) {
-    return PoseSolution{best->map_from_base, best->camera_error, best->misfits, used, best->excess};
+    return PoseSolution{best->map_from_base, best->imaging_error, best->misfits, used,
+                        best->excess};
   }
   // What disagrees is left out altogether, which may bring others back into agreement.
   auto solution = standingOn(used, best->map_from_base.pose);
@@ -262,7 +263,7 @@ EstimatorConfig readEstimatorConfig(const YamlReader& reader) {
   reader.read("poor_corner_noise", &config.reprojection.poor_corner_noise, kPositive);
   reader.read("robust_misfit", &config.reprojection.robust_misfit, kPositive);
   reader.read("max_misfit", &config.max_misfit, kPositive);
-  reader.read("blur", &config.photometric.blur, {0.0, 5.0});
+  reader.read("blur", &config.blur, {0.0, 5.0});
   reader.read("min_noise", &config.photometric.min_noise, kPositive);
   reader.read("alignment_deviation", &config.photometric.alignment_deviation, kNonNegative);
   reader.read("max_pixels", &config.photometric.max_pixels, {50, 1000000});

@@ -184,7 +184,7 @@ class Search {
       const PoseMatrix covariance =
           pose.covariance + seenFrom(pose.pose, marker, {marker.deviation, 0.0});
       const double variance = (by_pose * covariance * by_pose.transpose()).trace() +
-                              by_frame.rightCols<6>().squaredNorm();
+                              by_frame.rightCols<kImagingUnknowns>().squaredNorm();
       const double reach =
           0.5 * meanEdge(problem_.readings[reading].corners) + kDeviations * std::sqrt(variance);
       const double offset = (*center - problem_.readings[reading].center).norm();
@@ -242,7 +242,7 @@ class Search {
         if (std::find(claimed.begin(), claimed.end(), entry) != claimed.end()) continue;
         const Misfit misfit =
             misfitsAt(problem_.map, problem_.camera, {problem_.observation(i, entry)}, pose,
-                      hypothesis->fit.camera_error, problem_.estimation.reprojection)
+                      hypothesis->fit.imaging_error, problem_.estimation.reprojection)
                 .front();
         if (misfit.deviations > least.deviations) continue;
         least = misfit;

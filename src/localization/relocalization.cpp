@@ -107,12 +107,12 @@ PoseEstimate spread(const PoseHypothesis& hypothesis, const RelocalizationProble
 }
 
 Relocalization explained(const PoseHypothesis& hypothesis, const PoseEstimate& pose) {
-  return {pose, "", hypothesis.fit.camera_error, hypothesis.entries, hypothesis.misfits};
+  return {pose, "", hypothesis.fit.imaging_error, hypothesis.entries, hypothesis.misfits};
 }
 
 Relocalization unexplained(std::size_t readings, std::string reason) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  return {std::nullopt, std::move(reason), CameraError::Zero(),
+  return {std::nullopt, std::move(reason), ImagingError::Zero(),
           std::vector<std::optional<std::size_t>>(readings),
           std::vector<Misfit>(readings, {kNaN, kNaN})};
 }

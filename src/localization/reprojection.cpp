@@ -22,7 +22,7 @@ using CornerResiduals = Eigen::Matrix<double, 8, 1>;
 /// What is estimated.
 struct State {
   Pose pose;
-  CameraError error = CameraError::Zero();
+  ImagingError error = ImagingError::Zero();
 };
 
 /// An observation's corners less where a state has them, and by what they change.
@@ -70,7 +70,11 @@ class Problem {
           const std::vector<MarkerObservation>& observations, const PosePrior& prior,
           const ReprojectionConfig& config)
       : map_(map), camera_(camera), observations_(observations), prior_(prior), config_(config) {
-    const double local = camera.model().uncertainty().local();
+    // Where edges are blurred by more than a sharp lens does, corners are found to a share of that.
+    constexpr double kShareOfBlur = 0.2;
+    constexpr double kSharp = 0.5;  // pixels
+    const double blur = std::max(0.0, camera.blur().largestDeviation() - kSharp);
+    const double local = std::hypot(camera.model().uncertainty().local(), kShareOfBlur * blur);
     config_.corner_noise = std::hypot(config.corner_noise, local);
     config_.poor_corner_noise = std::hypot(config.poor_corner_noise, local);
     corners_.reserve(observations.size());
@@ -189,7 +193,8 @@ class Problem {
 };
 
 State moved(const State& state, const FrameVector& change) {
-  return {omnitag::moved(state.pose, change.head<6>()), state.error + change.tail<6>()};
+  return {omnitag::moved(state.pose, change.head<6>()),
+          state.error + change.tail<kImagingUnknowns>()};
 }
 
 /// Levenberg-Marquardt until a step, which is still taken, is shorter than the tolerance (m and
@@ -236,23 +241,21 @@ std::optional<ReprojectionFit> refineByReprojection(
   // What is left then is far less.
   constexpr double kTolerance = 1e-6;
   const Problem problem(map, camera, observations, prior, config);
-  const std::optional<State> state = descend(problem, {initial, CameraError::Zero()}, kTolerance);
+  const std::optional<State> state = descend(problem, {initial, ImagingError::Zero()}, kTolerance);
   if (!state) return std::nullopt;
   const Linearization linear = problem.linearize(*state);
   if (!solutionOf(problem.withPriors(linear, *state))) return std::nullopt;
 
   ReprojectionFit fit;
   constexpr double kPoseUnknowns = 6.0;
-  // Of each of its modes the camera has an error of standard deviation 1.
-  const double modes = state->error.isZero(0.0) ? 0.0 : static_cast<double>(state->error.size());
-  const double freedom = kCoordinates * linear.seen - kPoseUnknowns + modes;
+  const double freedom = kCoordinates * linear.seen - kPoseUnknowns + possibleErrors(state->error);
   if (linear.seen > 0) {
     const double squares = linear.weighted_squares + state->error.squaredNorm();
     fit.excess = std::max(1.0, squares / freedom);
   }
   fit.map_from_base = estimateOf(linear.markers, prior, state->pose, fit.excess);
   if (!isDetermined(fit.map_from_base)) return std::nullopt;
-  fit.camera_error = state->error;
+  fit.imaging_error = state->error;
   fit.misfits = problem.misfits(*state);
   return fit;
 }
@@ -264,7 +267,7 @@ std::optional<ReprojectionFit> refineFromAfar(const MarkerMap& map, const Mounte
   constexpr std::array<double, 2> kWidths = {250.0, 30.0};  // standard deviations
   // From where the next one finds its way.
   constexpr double kTolerance = 1e-3;
-  State state{initial, CameraError::Zero()};
+  State state{initial, ImagingError::Zero()};
   for (const double width : kWidths) {
     ReprojectionConfig wide = config;
     wide.robust_misfit = std::max(width, config.robust_misfit);
@@ -276,7 +279,7 @@ std::optional<ReprojectionFit> refineFromAfar(const MarkerMap& map, const Mounte
 
 std::vector<Misfit> misfitsAt(const MarkerMap& map, const MountedCamera& camera,
                               const std::vector<MarkerObservation>& observations,
-                              const Pose& map_from_base, const CameraError& error,
+                              const Pose& map_from_base, const ImagingError& error,
                               const ReprojectionConfig& config) {
   return Problem(map, camera, observations, PosePrior{}, config).misfits({map_from_base, error});
 }

@@ -124,13 +124,13 @@ Unknowns fitLight(const std::vector<Footprint>& footprints, const cv::Mat& panor
 
 std::optional<AlignedCorners> alignCorners(const cv::Mat& panorama, const Marker& marker,
                                            const TagPattern& pattern, const MountedCamera& camera,
-                                           const Pose& map_from_base, double blur) {
+                                           const Pose& map_from_base) {
   const auto projection = projectMarker(marker, camera, map_from_base);
   if (!projection) return std::nullopt;
   MarkerPatch::Choice choice;
   choice.max_at_edges = kMaxPixels;
   choice.max_on_even_ground = kMaxPixels / 4;
-  const MarkerPatch patch(marker, pattern, camera, map_from_base, blur, choice);
+  const MarkerPatch patch(marker, pattern, camera, map_from_base, choice);
   const std::vector<Footprint> footprints = patch.footprints();
   constexpr std::size_t kFewestPixels = 60;
   if (footprints.size() < kFewestPixels) return std::nullopt;

@@ -245,13 +245,14 @@ class MapBuilder {
       RecordedFrame& frame = recording_->frames[f];
       if (!frame.map_from_base) continue;
       const cv::Mat panorama = panoramas_(f);
+      const MountedCamera camera = frame.camera.withBlur({config_.blur * config_.blur});
       frame.aligned.resize(frame.markers.size());
       for (std::size_t r = 0; r < frame.markers.size(); ++r) {
         if (!frame.markers[r] || !recording_->markers[*frame.markers[r]].is_placed) continue;
         const Marker& marker = recording_->markers[*frame.markers[r]].marker;
         if (residual({f, r}, marker) > limit()) continue;
-        frame.aligned[r] = alignCorners(panorama, marker, patterns.of(marker), frame.camera,
-                                        frame.map_from_base->pose, config_.blur);
+        frame.aligned[r] =
+            alignCorners(panorama, marker, patterns.of(marker), camera, frame.map_from_base->pose);
       }
     }
   }

@@ -47,7 +47,7 @@ std::optional<PredictedMarker> predict(const Marker& marker, const MountedCamera
   if (longestEdge(predicted.corners) < config.min_edge_pixels) return std::nullopt;
 
   const auto center_by_pose = center_by_frame.leftCols<6>();
-  const auto center_by_error = center_by_frame.rightCols<6>();
+  const auto center_by_error = center_by_frame.rightCols<kImagingUnknowns>();
   const Eigen::Matrix2d covariance =
       center_by_pose * map_from_base.covariance * center_by_pose.transpose() +
       marker.deviation * marker.deviation * center_by_point * center_by_point.transpose() +

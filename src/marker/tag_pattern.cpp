@@ -1,12 +1,14 @@
 #include "omnitag/marker/tag_pattern.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
 
 #include "apriltag_family.h"
 #include "omnitag/common/error.h"
+#include "omnitag/common/normal_distribution.h"
 
 namespace omnitag {
 namespace {
@@ -18,13 +20,66 @@ bool isWithinModule(const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
 
 }  // namespace
 
-TagPattern::Window::Window(const Eigen::Vector2d& side_u, const Eigen::Vector2d& side_v)
-    : reach_(0.5 * (side_u.cwiseAbs() + side_v.cwiseAbs())),
-      size_((side_u.cwiseAbs2() + side_v.cwiseAbs2()).cwiseSqrt()) {
-  const Eigen::Vector2d sum = 0.25 * (side_u + side_v);
-  const Eigen::Vector2d difference = 0.25 * (side_u - side_v);
-  parts_ = {-sum, -difference, difference, sum};
-  per_area_of_part_ = 4.0 / size_.prod();
+TagPattern::Window::Window(const Eigen::Vector2d& side_u, const Eigen::Vector2d& side_v,
+                           double blur_variance, const Eigen::Vector2d& sweep) {
+  // Pixels squared. Less is only a somewhat larger pixel.
+  constexpr double kSharp = 0.05;
+  constexpr double kVarianceOfPixel = 1.0 / 12.0;  // along either side
+  const double variance = kVarianceOfPixel + blur_variance;
+  const double width = std::sqrt(variance / kVarianceOfPixel);
+  const double side = width * std::min(side_u.norm(), side_v.norm());
+  const double steps_needed = std::ceil(2.0 * sweep.norm() / side);
+  const int steps = static_cast<int>(std::clamp(steps_needed, 1.0, double{kMostSteps}));
+  const Eigen::Vector2d step = sweep / steps;
+  const Eigen::Vector2d squares = side_u.cwiseAbs2() + side_v.cwiseAbs2();
+  is_blurred_ = blur_variance >= kSharp;
+  if (is_blurred_) {
+    const double mixed = variance * (side_u.x() * side_u.y() + side_v.x() * side_v.y());
+    const Eigen::Vector2d variances = variance * squares;
+    const double correlation = mixed / std::sqrt(variances.prod());
+    Eigen::Vector2d line = (std::abs(correlation) * variances).cwiseSqrt();
+    if (mixed < 0.0) line.y() = -line.y();
+    // Gauss and Hermite's rules of three and of five points: what lies between them, the Gaussian
+    // at each must be wide enough to fill.
+    constexpr double kStrong = 0.35;
+    add(Eigen::Vector2d::Zero(), std::abs(correlation) < kStrong ? 2.0 / 3.0 : 8.0 / 15.0, step,
+        steps);
+    const auto addBeside = [&](double deviations, double share) {
+      add(-deviations * line, share, step, steps);
+      add(deviations * line, share, step, steps);
+    };
+    if (std::abs(correlation) < kStrong) {
+      addBeside(std::sqrt(3.0), 1.0 / 6.0);
+    } else {
+      addBeside(std::sqrt(5.0 - std::sqrt(10.0)), (7.0 + 2.0 * std::sqrt(10.0)) / 60.0);
+      addBeside(std::sqrt(5.0 + std::sqrt(10.0)), (7.0 - 2.0 * std::sqrt(10.0)) / 60.0);
+    }
+    // Within a step it is swept, too.
+    extent_ = ((1.0 - std::abs(correlation)) * variances + step.cwiseAbs2() / 12.0).cwiseSqrt();
+    constexpr double kMostOfIt = 3.0;
+    constexpr double kNearlyAllOfIt = 1.75;
+    const Eigen::Vector2d deviations = variances.cwiseSqrt();
+    reach_ = kMostOfIt * deviations + 0.5 * sweep.cwiseAbs();
+    core_ = kNearlyAllOfIt * deviations + 0.5 * sweep.cwiseAbs();
+  } else {
+    const Eigen::Vector2d sum = 0.25 * width * (side_u + side_v);
+    const Eigen::Vector2d difference = 0.25 * width * (side_u - side_v);
+    for (const Eigen::Vector2d& place : {sum, difference}) {
+      add(-place, 0.25, step, steps);
+      add(place, 0.25, step, steps);
+    }
+    extent_ = 0.5 * (0.25 * width * width * squares + step.cwiseAbs2()).cwiseSqrt();
+    reach_ = 0.5 * (width * (side_u.cwiseAbs() + side_v.cwiseAbs()) + sweep.cwiseAbs());
+    core_ = reach_;
+  }
+  size_ = (width * width * squares + sweep.cwiseAbs2()).cwiseSqrt();
+}
+
+void TagPattern::Window::add(const Eigen::Vector2d& from_middle, double share,
+                             const Eigen::Vector2d& step, int steps) {
+  for (int i = 0; i < steps; ++i) {
+    places_[place_count_++] = {from_middle + (i - 0.5 * (steps - 1)) * step, share / steps};
+  }
 }
 
 TagPattern::TagPattern(const std::string& family, int id)
@@ -131,19 +186,51 @@ TagPattern::White TagPattern::average(const Eigen::Vector2d& position,
   return averageBetween(position - 0.5 * size, position + 0.5 * size, 1.0 / size.prod());
 }
 
-void TagPattern::appendDataShares(const Eigen::Vector2d& position, const Eigen::Vector2d& size,
+void TagPattern::appendDataShares(const Eigen::Vector2d& position, const Window& window,
                                   std::vector<DataShare>* shares) const {
-  const Eigen::Vector2d low = (position - 0.5 * size).cwiseMax(0.0);
-  const Eigen::Vector2d high = (position + 0.5 * size).cwiseMin(width_);
-  const auto overlap = [&low, &high](int module, int axis) {
-    return std::min(high[axis], module + 1.0) - std::max(low[axis], static_cast<double>(module));
+  const auto first_share = static_cast<std::ptrdiff_t>(shares->size());
+  const auto add = [&](int module, double share) {
+    const auto found = std::find_if(shares->begin() + first_share, shares->end(),
+                                    [module](const DataShare& s) { return s.module == module; });
+    if (found == shares->end()) {
+      shares->push_back({module, share});
+    } else {
+      found->share += share;
+    }
   };
-  const double scale = 1.0 / size.prod();
-  for (int row = static_cast<int>(low.y()); row < high.y(); ++row) {
-    const double share_of_row = scale * overlap(row, 1);
-    for (int column = static_cast<int>(low.x()); column < high.x(); ++column) {
-      const int module = data_module_[moduleIndex(column, row)];
-      if (module >= 0) shares->push_back({module, share_of_row * overlap(column, 0)});
+  const auto addRectangle = [&](const Eigen::Vector2d& middle, double share) {
+    const Eigen::Vector2d low = (middle - window.extent_).cwiseMax(0.0);
+    const Eigen::Vector2d high = (middle + window.extent_).cwiseMin(width_);
+    const auto overlap = [&low, &high](int module, int axis) {
+      return std::min(high[axis], module + 1.0) - std::max(low[axis], static_cast<double>(module));
+    };
+    const double per_area = share / (4.0 * window.extent_.prod());
+    for (int row = static_cast<int>(low.y()); row < high.y(); ++row) {
+      const double share_of_row = per_area * overlap(row, 1);
+      for (int column = static_cast<int>(low.x()); column < high.x(); ++column) {
+        const int module = data_module_[moduleIndex(column, row)];
+        if (module >= 0) add(module, share_of_row * overlap(column, 0));
+      }
+    }
+  };
+  const auto addGaussian = [&](const Eigen::Vector2d& middle, double share) {
+    const Profile columns = profileOf(middle.x(), window.extent_.x());
+    const Profile rows = profileOf(middle.y(), window.extent_.y());
+    for (int r = 0; r < rows.count; ++r) {
+      const double share_of_row = share * rows.shares[static_cast<std::size_t>(r)];
+      for (int c = 0; c < columns.count; ++c) {
+        const int module = data_module_[moduleIndex(columns.first + c, rows.first + r)];
+        if (module >= 0) add(module, share_of_row * columns.shares[static_cast<std::size_t>(c)]);
+      }
+    }
+  };
+  for (std::size_t i = 0; i < window.place_count_; ++i) {
+    const Window::Place& place = window.places_[i];
+    const Eigen::Vector2d middle = position + place.from_middle;
+    if (window.is_blurred_) {
+      addGaussian(middle, place.share);
+    } else {
+      addRectangle(middle, place.share);
     }
   }
 }
@@ -153,13 +240,64 @@ TagPattern::White TagPattern::averageOver(const Eigen::Vector2d& position,
   if (isWithinModule(position - window.reach_, position + window.reach_)) {
     return {isWhiteAt(position) ? 1.0 : 0.0, Eigen::Vector2d::Zero()};
   }
-  const Eigen::Vector2d half = 0.25 * window.size_;
+  const double per_area = 0.25 / window.extent_.prod();
   White white;
-  for (const Eigen::Vector2d& part : window.parts_) {
-    const Eigen::Vector2d middle = position + part;
-    const White of_part = averageBetween(middle - half, middle + half, window.per_area_of_part_);
-    white.share += 0.25 * of_part.share;
-    white.by_position += 0.25 * of_part.by_position;
+  for (std::size_t i = 0; i < window.place_count_; ++i) {
+    const Window::Place& place = window.places_[i];
+    const Eigen::Vector2d middle = position + place.from_middle;
+    const White there = window.is_blurred_ ? averageOverGaussian(middle, window.extent_)
+                                           : averageBetween(middle - window.extent_,
+                                                            middle + window.extent_, per_area);
+    white.share += place.share * there.share;
+    white.by_position += place.share * there.by_position;
+  }
+  return white;
+}
+
+TagPattern::Profile TagPattern::profileOf(double middle, double deviation) const {
+  const NormalDistribution& normal = NormalDistribution::tabulated();
+  const double reach = NormalDistribution::kReach * deviation;
+  const double per_deviation = 1.0 / deviation;
+  Profile profile;
+  profile.first = std::clamp(static_cast<int>(std::floor(middle - reach)), 0, width_ - 1);
+  const int last = std::clamp(static_cast<int>(std::floor(middle + reach)), profile.first,
+                              std::min(width_, profile.first + Profile::kMost) - 1);
+  profile.count = last - profile.first + 1;
+  // What is beyond the first and the last module, they have, too.
+  double below = 0.0;
+  double slope_below = 0.0;
+  for (int i = 0; i < profile.count; ++i) {
+    const bool is_last = i == profile.count - 1;
+    const auto [share, density] = is_last
+                                      ? NormalDistribution::Value{1.0, 0.0}
+                                      : normal.at((profile.first + i + 1 - middle) * per_deviation);
+    const double slope = -density * per_deviation;
+    profile.shares[static_cast<std::size_t>(i)] = share - below;
+    profile.slopes[static_cast<std::size_t>(i)] = slope - slope_below;
+    below = share;
+    slope_below = slope;
+  }
+  return profile;
+}
+
+TagPattern::White TagPattern::averageOverGaussian(const Eigen::Vector2d& middle,
+                                                  const Eigen::Vector2d& deviations) const {
+  const Profile columns = profileOf(middle.x(), deviations.x());
+  const Profile rows = profileOf(middle.y(), deviations.y());
+  White white;
+  for (int r = 0; r < rows.count; ++r) {
+    double of_row = 0.0;
+    double slope_of_row = 0.0;
+    const char* const modules = &is_white_[moduleIndex(columns.first, rows.first + r)];
+    for (int c = 0; c < columns.count; ++c) {
+      if (modules[c] == 0) continue;
+      of_row += columns.shares[static_cast<std::size_t>(c)];
+      slope_of_row += columns.slopes[static_cast<std::size_t>(c)];
+    }
+    const auto row = static_cast<std::size_t>(r);
+    white.share += rows.shares[row] * of_row;
+    white.by_position +=
+        Eigen::Vector2d(rows.shares[row] * slope_of_row, rows.slopes[row] * of_row);
   }
   return white;
 }

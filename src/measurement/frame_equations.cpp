@@ -48,13 +48,17 @@ FrameEquations withMisplacement(const FrameEquations& marker, const PoseMatrix& 
 }
 
 FrameEquations withPriors(const FrameEquations& markers, const PosePrior& prior, const Pose& pose,
-                          const CameraError& error) {
+                          const ImagingError& error) {
   FrameEquations all = markers;
   all.information.topLeftCorner<6, 6>() += prior.information;
   all.gradient.head<6>() -= prior.information * prior.errorOf(pose);
-  all.information.bottomRightCorner<6, 6>() += Eigen::Matrix<double, 6, 6>::Identity();
-  all.gradient.tail<6>() -= error;
+  all.information.diagonal().tail<kImagingUnknowns>().array() += 1.0;
+  all.gradient.tail<kImagingUnknowns>() -= error;
   return all;
+}
+
+int possibleErrors(const ImagingError& error) {
+  return static_cast<int>((error.array() != 0.0).count());
 }
 
 std::optional<FrameVector> solutionOf(const FrameEquations& equations) {
@@ -68,14 +72,17 @@ PoseEstimate estimateOf(const FrameEquations& markers, const PosePrior& prior, c
                         double excess) {
   FrameMatrix information = markers.information;
   information.topLeftCorner<6, 6>() += prior.information;
-  information.bottomRightCorner<6, 6>() += Eigen::Matrix<double, 6, 6>::Identity();
+  information.diagonal().tail<kImagingUnknowns>().array() += 1.0;
   const PoseRows gain = information.llt().solve(FrameMatrix::Identity()).topRows<6>();
   const auto through = [](const auto& rows, const auto& covariance) -> PoseMatrix {
     return rows * covariance * rows.transpose();
   };
   const Eigen::Matrix<double, 6, 6> prior_gain = gain.leftCols<6>() * prior.information;
   FrameMatrix image_shared = markers.by_shared + kRepeated * markers.by_chance;
-  image_shared.bottomRightCorner<6, 6>() += Eigen::Matrix<double, 6, 6>::Identity();
+  image_shared.diagonal().segment<kCameraModes>(6).array() += 1.0;
+  // Each image is taken in another motion.
+  FrameMatrix image_chance = (1.0 - kRepeated) * markers.by_chance;
+  image_chance.diagonal().tail<kImagingUnknowns - kCameraModes>().array() += 1.0;
   const PoseMatrix of_prior = through(prior_gain, prior.shared);
   const PoseMatrix of_image = excess * through(gain, image_shared);
   // The weights that leave the least.
@@ -88,8 +95,7 @@ PoseEstimate estimateOf(const FrameEquations& markers, const PosePrior& prior, c
                               : PoseMatrix(of_prior + of_image);
   const PoseMatrix prior_chance =
       gain.leftCols<6>() * prior.information * gain.leftCols<6>().transpose() - of_prior;
-  estimate.covariance = (1.0 - kRepeated) * excess * through(gain, markers.by_chance) +
-                        prior_chance + estimate.shared;
+  estimate.covariance = excess * through(gain, image_chance) + prior_chance + estimate.shared;
   estimate.covariance = 0.5 * (estimate.covariance + estimate.covariance.transpose()).eval();
   estimate.shared = 0.5 * (estimate.shared + estimate.shared.transpose()).eval();
   return estimate;

@@ -57,14 +57,14 @@ PixelBox boxAround(const NodeGrid& nodes, const ImageSize& size) {
 }  // namespace
 
 FacetGrid::FacetGrid(const Marker& marker, const TagPattern& pattern, const MountedCamera& camera,
-                     const Pose& map_from_base, double blur, int facets_along)
+                     const Pose& map_from_base, int facets_along)
     : facets_along_(facets_along),
       facets_per_module_(static_cast<double>(facets_along) / pattern.width()) {
   const NodeGrid nodes = nodesOf(marker, pattern, camera, map_from_base, facets_along);
   box_ = boxAround(nodes, camera.model().imageSize());
   const DrawingPlane plane(marker, pattern, map_from_base);
-  // A Gaussian blur and a box have the same variance where the box is sqrt(12) deviations wide.
-  const double stretch = std::sqrt(1.0 + 12.0 * blur * blur);
+  const PoseMatrix along_base = changeByMotion(map_from_base.toIsometry().linear());
+  const PoseVector exposed_motion = camera.exposedMotion();
   const auto nodeAt = [&](int column, int row) -> const std::optional<Eigen::Vector2d>& {
     return nodes[gridIndex(column, row, facets_along + 1)];
   };
@@ -88,11 +88,13 @@ FacetGrid::FacetGrid(const Marker& marker, const TagPattern& pattern, const Moun
       if (!ray || !plane.meet(*ray)) continue;
       facet.is_visible = true;
       facet.by_pixel = pixel_by_position.inverse();
+      const Eigen::Matrix<double, 2, 6> by_pose = plane.derivative(*ray);
+      const Eigen::Matrix<double, 2, 6> by_base = by_pose * along_base;
       // A pixel shows what a camera without its error would show where the error takes it from.
-      facet.by_frame << plane.derivative(*ray),
-          -facet.by_pixel * camera.model().displacementByError(middle);
-      facet.window =
-          TagPattern::Window(stretch * facet.by_pixel.col(0), stretch * facet.by_pixel.col(1));
+      facet.by_frame << by_pose, -facet.by_pixel * camera.model().displacementByError(middle),
+          camera.byVelocities(middle, by_base);
+      facet.window = TagPattern::Window(facet.by_pixel.col(0), facet.by_pixel.col(1),
+                                        camera.lensVariance(middle), by_base * exposed_motion);
     }
   }
 }

@@ -18,13 +18,6 @@ Light regressorsOf(const MarkerPixel& pixel) {
   return regressors;
 }
 
-double contrastAt(const Eigen::Vector2d& position, const Light& light) {
-  const double x = position.x();
-  const double y = position.y();
-  return light[1] + light[2] * x + light[3] * y + light[4] * x * x + light[5] * x * y +
-         light[6] * y * y;
-}
-
 /// Derivative of a pixel's grey level by the position on the drawing, in this light.
 Eigen::Vector2d greyByPosition(const MarkerPixel& pixel, const Light& light) {
   return contrastAt(pixel.position, light) * pixel.white_by_position;
@@ -91,6 +84,13 @@ struct FacetSums {
 
 }  // namespace
 
+double contrastAt(const Eigen::Vector2d& position, const Light& light) {
+  const double x = position.x();
+  const double y = position.y();
+  return light[1] + light[2] * x + light[3] * y + light[4] * x * x + light[5] * x * y +
+         light[6] * y * y;
+}
+
 std::optional<LitPatch> fitLight(const MarkerPixels& pixels, const PixelNoise& noise,
                                  const std::optional<Light>& start,
                                  const FrameVector& expected_change) {
@@ -103,7 +103,7 @@ std::optional<LitPatch> fitLight(const MarkerPixels& pixels, const PixelNoise& n
   const std::vector<Eigen::Vector2d> expected = pixels.positionChanges(expected_change);
   Eigen::Matrix<double, kLightTerms + 1, kLightTerms + 1> of_light;
   of_light.setZero();
-  std::vector<FacetSums<kLightTerms + 1>> facets(pixels.by_frame.size());
+  std::vector<FacetSums<kLightTerms + 1>> facets(pixels.facets().size());
   // To write a vector number by number and read it at once as a whole would take most of the time:
   // many are written before the first is read.
   std::array<Terms, 64> terms;
@@ -126,7 +126,7 @@ std::optional<LitPatch> fitLight(const MarkerPixels& pixels, const PixelNoise& n
   mixed.setZero();
   FrameMatrix of_frame = FrameMatrix::Zero();
   for (std::size_t f = 0; f < facets.size(); ++f) {
-    const FrameJacobian& by_frame = pixels.by_frame[f];
+    const FrameJacobian& by_frame = pixels.facets()[f].by_frame;
     const FrameJacobian of_position = facets[f].of_position.lazyProduct(by_frame);
     mixed += facets[f].mixed.lazyProduct(by_frame);
     of_frame += by_frame.transpose().lazyProduct(of_position);
@@ -160,7 +160,7 @@ FrameMatrix gradientCovariance(const MarkerPixels& pixels, const LitPatch& patch
   const Light light = patch.lightAfter(change);
   const std::vector<Eigen::Vector2d> changes = pixels.positionChanges(change);
   LightInformation of_light = LightInformation::Zero();
-  std::vector<FacetSums<kLightTerms>> facets(pixels.by_frame.size());
+  std::vector<FacetSums<kLightTerms>> facets(pixels.facets().size());
   int count = 0;
   for (const MarkerPixel& pixel : pixels.pixels) {
     const auto number = static_cast<std::size_t>(pixel.facet);
@@ -180,7 +180,7 @@ FrameMatrix gradientCovariance(const MarkerPixels& pixels, const LitPatch& patch
   Eigen::Matrix<double, kLightTerms, kFrameUnknowns> mixed;
   mixed.setZero();
   for (std::size_t f = 0; f < facets.size(); ++f) {
-    const FrameJacobian& by_frame = pixels.by_frame[f];
+    const FrameJacobian& by_frame = pixels.facets()[f].by_frame;
     const FrameJacobian of_position = facets[f].of_position.lazyProduct(by_frame);
     mixed += facets[f].mixed.lazyProduct(by_frame);
     covariance += by_frame.transpose().lazyProduct(of_position);

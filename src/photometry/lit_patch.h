@@ -39,6 +39,9 @@ std::optional<LitPatch> fitLight(const MarkerPixels& pixels, const PixelNoise& n
                                  const std::optional<Light>& start = std::nullopt,
                                  const FrameVector& expected_change = FrameVector::Zero());
 
+/// Grey levels between black and white in some light, at a MarkerPixel's position.
+double contrastAt(const Eigen::Vector2d& position, const Light& light);
+
 /// A pixel's difference from the pattern in some light, once the position on the drawing that it
 /// sees changes so (modules).
 PixelResidual residualOf(const MarkerPixel& pixel, const Light& light,

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "blur_fit.h"
 #include "omnitag/common/parallel.h"
 #include "omnitag/measurement/marker_misplacement.h"
 
@@ -61,7 +62,7 @@ MarkerFitter::Fits MarkerFitter::fits(const std::vector<MarkerPatch>& patches,
 }
 
 std::vector<MarkerPixels> MarkerFitter::finePixels(const Pose& pose,
-                                                   const CameraError& error) const {
+                                                   const ImagingError& error) const {
   MarkerPatch::Choice choice;
   choice.reach = 0.0;
   choice.facets = 6;
@@ -83,7 +84,7 @@ std::vector<MarkerPixels> MarkerFitter::someOf(const std::vector<MarkerPixels>& 
     const std::vector<MarkerPixel>& all = of_marker.pixels;
     const std::size_t every = std::max<std::size_t>(1, all.size() / enough);
     MarkerPixels& part = some.emplace_back();
-    part.by_frame = of_marker.by_frame;
+    part.grid = of_marker.grid;
     part.pixels.reserve(all.size() / every + 1);
     for (std::size_t i = 0; i < all.size(); i += every) part.pixels.push_back(all[i]);
   }
@@ -99,6 +100,19 @@ MarkerFitter::Fits MarkerFitter::fits(std::vector<MarkerPixels> pixels,
   forEachIndex(fits.size(), threads_, worth_a_thread,
                [&](std::size_t i) { fits[i] = fitOf(i, std::move(pixels[i]), alignment); });
   return fits;
+}
+
+BlurEquations MarkerFitter::blur(const Fits& fits, const PixelNoise& noise,
+                                 const FrameVector& change) const {
+  constexpr std::size_t kEnough = 400;  // pixels of all markers
+  BlurEquations sum;
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    if (!fits[i]) continue;
+    const TagPattern& pattern = patterns_.of(map_.markers[entries_[i]]);
+    sum.add(blurEquationsOf(fits[i]->pixels, fits[i]->patch, pattern, camera_, noise, change,
+                            kEnough / fits.size() + 1));
+  }
+  return sum;
 }
 
 PixelNoise MarkerFitter::noise(const Fits& fits, const FrameVector& change) const {
@@ -151,7 +165,7 @@ std::vector<MarkerPatch> MarkerFitter::patches(const MountedCamera& camera, cons
         std::max(kLeastPixels, static_cast<std::size_t>(max_pixels * areas[i] / whole));
     own.max_on_even_ground = std::min(own.max_at_edges / 8, kEnoughForLight);
     own.max_considered = kLookedAt * own.max_at_edges;
-    made[i].emplace(marker, patterns_.of(marker), camera, pose, config_.blur, own);
+    made[i].emplace(marker, patterns_.of(marker), camera, pose, own);
   });
   std::vector<MarkerPatch> patches;
   patches.reserve(made.size());

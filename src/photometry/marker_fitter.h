@@ -12,6 +12,7 @@
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/marker/tag_pattern.h"
 #include "omnitag/measurement/frame_equations.h"
+#include "omnitag/photometry/blur_equations.h"
 #include "omnitag/photometry/marker_patch.h"
 #include "omnitag/photometry/photometric_refinement.h"
 #include "omnitag/photometry/pixel_noise.h"
@@ -33,7 +34,7 @@ struct MarkerFit {
 /// What is estimated, and what is learnt on the way.
 struct Alignment {
   Pose pose;
-  CameraError error = CameraError::Zero();
+  ImagingError error = ImagingError::Zero();
   /// What the unknowns are expected to change by still: pixels count by how well they are explained
   /// then.
   FrameVector expected_change = FrameVector::Zero();
@@ -72,13 +73,16 @@ class MarkerFitter {
 
   /// The pixels of each marker from a pose that is hardly to change any more: only those tell more
   /// of it that have an edge in them.
-  std::vector<MarkerPixels> finePixels(const Pose& pose, const CameraError& error) const;
+  std::vector<MarkerPixels> finePixels(const Pose& pose, const ImagingError& error) const;
 
   /// About as many of them, all together, as rough patches have.
   std::vector<MarkerPixels> someOf(const std::vector<MarkerPixels>& pixels) const;
 
   /// What they say at the pose that they are from, the alignment's.
   Fits fits(std::vector<MarkerPixels> pixels, const Alignment& alignment) const;
+
+  /// What all markers' pixels say about the blur once the unknowns change so.
+  BlurEquations blur(const Fits& fits, const PixelNoise& noise, const FrameVector& change) const;
 
   /// What all markers' residuals say about the pixels' noise once the pose changes so; some marker
   /// must be seen.

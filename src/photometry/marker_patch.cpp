@@ -10,20 +10,20 @@ namespace omnitag {
 
 std::vector<Eigen::Vector2d> MarkerPixels::positionChanges(const FrameVector& change) const {
   std::vector<Eigen::Vector2d> changes;
-  changes.reserve(by_frame.size());
-  for (const FrameJacobian& jacobian : by_frame) changes.emplace_back(jacobian * change);
+  changes.reserve(facets().size());
+  for (const Facet& facet : facets()) changes.emplace_back(facet.by_frame * change);
   return changes;
 }
 
 MarkerPatch::MarkerPatch(const Marker& marker, const TagPattern& pattern,
-                         const MountedCamera& camera, const Pose& map_from_base, double blur,
+                         const MountedCamera& camera, const Pose& map_from_base,
                          const Choice& choice)
     : marker_(marker),
       pattern_(pattern),
       camera_(camera),
-      facets_(marker, pattern, camera, map_from_base, blur, choice.facets) {
+      facets_(std::make_shared<FacetGrid>(marker, pattern, camera, map_from_base, choice.facets)) {
   const DrawingPlane plane(marker, pattern, map_from_base);
-  const SortedPixels sorted = sortPixels(pattern, camera, plane, facets_, choice);
+  const SortedPixels sorted = sortPixels(pattern, camera, plane, *facets_, choice);
   places_.reserve(std::min(sorted.at_edges.size(), choice.max_at_edges) +
                   std::min(sorted.on_even_ground.size(), choice.max_on_even_ground));
   keep(sorted.at_edges, choice.max_at_edges);
@@ -38,11 +38,11 @@ void MarkerPatch::keep(const std::vector<PixelPosition>& pixels, std::size_t at_
 }
 
 inline const Facet* MarkerPatch::facetWithinDrawing(const Eigen::Vector2d& position) const {
-  const Facet& facet = facets_.at(position);
-  const Eigen::Vector2d& reach = facet.window.reach();
+  const Facet& facet = facets_->at(position);
+  const Eigen::Vector2d& core = facet.window.core();
   const double width = pattern_.width();
-  const bool is_within = facet.is_visible && (position - reach).minCoeff() >= 0.0 &&
-                         (position + reach).maxCoeff() <= width;
+  const bool is_within = facet.is_visible && (position - core).minCoeff() >= 0.0 &&
+                         (position + core).maxCoeff() <= width;
   return is_within ? &facet : nullptr;
 }
 
@@ -57,15 +57,14 @@ inline MarkerPixel MarkerPatch::pixelAt(const cv::Mat& panorama, const PixelPosi
   pixel.gradient = (white.by_position.transpose() * facet.by_pixel).norm();
   pixel.position = place.position / pattern_.width() - Eigen::Vector2d(0.5, 0.5);
   pixel.white_by_position = white.by_position;
-  pixel.facet = facets_.numberOf(facet);
+  pixel.facet = facets_->numberOf(facet);
   return pixel;
 }
 
 MarkerPixels MarkerPatch::emptyPixels(std::size_t at_most) const {
   MarkerPixels pixels;
   pixels.pixels.reserve(at_most);
-  pixels.by_frame.reserve(facets_.facets().size());
-  for (const Facet& facet : facets_.facets()) pixels.by_frame.push_back(facet.by_frame);
+  pixels.grid = facets_;
   return pixels;
 }
 
@@ -98,14 +97,15 @@ LinesOfSight MarkerPatch::linesOfSight() const {
 }
 
 MarkerPixels MarkerPatch::pixels(const cv::Mat& panorama, const LinesOfSight& lines,
-                                 const Pose& map_from_base, const CameraError& error_change) const {
+                                 const Pose& map_from_base,
+                                 const ImagingError& error_change) const {
   const DrawingPlane plane(marker_, pattern_, map_from_base);
   const bool has_error = !error_change.isZero(0.0);
   MarkerPixels pixels = emptyPixels(places_.size());
   for (std::size_t i = 0; i < places_.size(); ++i) {
     auto position = lines[i] ? plane.meet(*lines[i]) : std::nullopt;
     if (position && has_error) {
-      *position += facets_.at(*position).by_frame.rightCols<6>() * error_change;
+      *position += facets_->at(*position).by_frame.rightCols<kImagingUnknowns>() * error_change;
     }
     const Facet* const facet = position ? facetWithinDrawing(*position) : nullptr;
     if (facet == nullptr) continue;

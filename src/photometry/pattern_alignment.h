@@ -40,7 +40,7 @@ void visitPlaced(const std::vector<Footprint>& footprints, const Placement& plac
     footprint.column += offset.x;
     footprint.row += offset.y;
     footprint.position += footprint.facet->by_pixel * (whole - placement.displacementAt(predicted));
-    const Eigen::Vector2d reach = footprint.facet->window.reach().cwiseMax(least_reach);
+    const Eigen::Vector2d reach = footprint.facet->window.core().cwiseMax(least_reach);
     if (!image.contains({footprint.column, footprint.row}) ||
         (footprint.position - reach).minCoeff() < 0.0 ||
         (footprint.position + reach).maxCoeff() > width) {

@@ -67,7 +67,7 @@ std::optional<FrameVector> changeOf(const Linearization& all) {
 
 void apply(const FrameVector& change, Alignment* alignment) {
   alignment->pose = moved(alignment->pose, change.head<6>());
-  alignment->error += change.tail<6>();
+  alignment->error += change.tail<kImagingUnknowns>();
 }
 
 /// Keeps the lights that fit best once the unknowns change so.
@@ -172,10 +172,10 @@ std::optional<FinalStep> finalStep(const MarkerFitter& fitter, std::vector<Marke
 /// them, or the camera is farther off than its file says. `markers`: nothing for one that is not
 /// seen.
 double excessOf(const std::vector<std::optional<FrameEquations>>& markers,
-                const FrameVector& change, const CameraError& error) {
+                const FrameVector& change, const ImagingError& error) {
   constexpr int kUnknowns = 6;
   double chi_square = error.squaredNorm();
-  int freedom = error.isZero(0.0) ? -kUnknowns : static_cast<int>(error.size()) - kUnknowns;
+  int freedom = possibleErrors(error) - kUnknowns;
   int seen = 0;
   for (const std::optional<FrameEquations>& marker : markers) {
     if (!marker) continue;
@@ -208,7 +208,7 @@ PoseEstimate estimateAfter(const FinalStep& step, const PosePrior& prior,
   for (std::size_t i = 0; i < markers.size(); ++i) {
     if (markers[i]) sum.add(*markers[i], alignment.weights[i]);
   }
-  const CameraError error = alignment.error + step.change.tail<6>();
+  const ImagingError error = alignment.error + step.change.tail<kImagingUnknowns>();
   *excess = excessOf(markers, step.change, error);
   return estimateOf(sum, prior, moved(alignment.pose, step.change.head<6>()), *excess);
 }
@@ -224,7 +224,7 @@ double photometricMisfit(const cv::Mat& panorama, const MarkerMap& map, const Mo
   double misfit = 0.0;
   for (const MarkerPatch& patch : fitter.roughPatches(map_from_base)) {
     const MarkerPixels pixels =
-        patch.pixels(panorama, patch.linesOfSight(), map_from_base, CameraError::Zero());
+        patch.pixels(panorama, patch.linesOfSight(), map_from_base, ImagingError::Zero());
     const auto lit = fitLight(pixels, noise);
     if (!lit) return std::numeric_limits<double>::infinity();
     for (const MarkerPixel& pixel : pixels.pixels) {
@@ -262,7 +262,8 @@ std::optional<PhotometricFit> refinePhotometrically(const cv::Mat& panorama, con
   const PixelNoise noise = fitter.noise(step->all.fits, step->change);
   PhotometricFit result;
   result.map_from_base = estimateAfter(*step, prior, alignment, &result.excess);
-  result.camera_error = alignment.error + step->change.tail<6>();
+  result.imaging_error = alignment.error + step->change.tail<kImagingUnknowns>();
+  result.blur = fitter.blur(step->all.fits, noise, step->change);
   result.noise = noise.flat;
   result.edge_noise = noise.edge;
   result.weights = std::move(alignment.weights);

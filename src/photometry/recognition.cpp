@@ -1,6 +1,5 @@
 #include "omnitag/photometry/recognition.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -9,6 +8,7 @@
 #include "omnitag/marker/marker_reader.h"
 #include "omnitag/photometry/marker_patch.h"
 #include "pattern_alignment.h"
+#include "pattern_comparison.h"
 
 namespace omnitag {
 namespace {
@@ -139,135 +139,8 @@ Eigen::Vector2i bestPlace(const cv::Mat& panorama, const std::vector<Sample>& sa
   return best;
 }
 
-struct Comparison {
-  double correlation = 0.0;
-  /// In how many independent ways the data modules, as the pixels see them, can vary.
-  double dimensions = 0.0;
-};
-
-constexpr int kNuisances = 5;
-using Nuisances = Eigen::Matrix<double, kNuisances, 1>;
-
-/// A pixel that sees something of data modules.
-struct DataPixel {
-  double grey = 0.0;
-  /// What it would see of the data modules if black were -1.
-  double expected = 0.0;
-  /// What else may have made it so bright: the light, and what the layout fixes.
-  Nuisances nuisances = Nuisances::Zero();
-  /// Of the modules' shares in all pixels, how many belong to this one and those before.
-  std::ptrdiff_t shares_end = 0;
-};
-
-/// The pixels of a marker that see something of data modules, one after the other with their
-/// shares.
-struct DataPixels {
-  std::vector<DataPixel> pixels;
-  std::vector<TagPattern::DataShare> shares;
-};
-
-DataPixels dataPixels(const cv::Mat& panorama, const std::vector<Footprint>& footprints,
-                      const Placement& placement, const TagPattern& pattern) {
-  DataPixels data;
-  data.pixels.reserve(footprints.size());
-  constexpr std::size_t kUsualShares = 4;
-  data.shares.reserve(kUsualShares * footprints.size());
-  visitPlaced(footprints, placement, panorama.size(), pattern.width(), 0.0,
-              [&](const Eigen::Vector2d&, const Footprint& footprint) {
-                const Eigen::Vector2d& size = footprint.facet->window.size();
-                const std::size_t first = data.shares.size();
-                pattern.appendDataShares(footprint.position, size, &data.shares);
-                DataPixel pixel;
-                double of_data = 0.0;
-                for (std::size_t i = first; i < data.shares.size(); ++i) {
-                  const auto& [module, share] = data.shares[i];
-                  of_data += share;
-                  pixel.expected += pattern.isDataWhite(module) ? share : -share;
-                }
-                constexpr double kLeastData = 0.05;
-                if (of_data < kLeastData) {
-                  data.shares.resize(first);
-                  return;
-                }
-                const double white = pattern.average(footprint.position, size).share;
-                const double data_white = 0.5 * (of_data + pixel.expected);
-                const Eigen::Vector2d place = footprint.position / pattern.width();
-                pixel.nuisances << 1.0, place.x(), place.y(), white - data_white, of_data;
-                pixel.grey = panorama.ptr<std::uint8_t>(footprint.row)[footprint.column];
-                pixel.shares_end = static_cast<std::ptrdiff_t>(data.shares.size());
-                data.pixels.push_back(pixel);
-              });
-  return data;
-}
-
-/// Takes the nuisances to independent ones whose sums of squares are 1; those that the others
-/// explain become zero.
-Eigen::Matrix<double, kNuisances, kNuisances> normalizing(
-    const Eigen::Matrix<double, kNuisances, kNuisances>& gram) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, kNuisances, kNuisances>> eigen(gram);
-  constexpr double kSame = 1e-9;
-  const double least = kSame * eigen.eigenvalues().maxCoeff();
-  const Nuisances scales = eigen.eigenvalues().unaryExpr(
-      [least](double value) { return value > least ? 1.0 / std::sqrt(value) : 0.0; });
-  return scales.asDiagonal() * eigen.eigenvectors().transpose();
-}
-
-/// Compares the data modules with the panorama, whatever the light and the other modules are.
-std::optional<Comparison> compareData(const cv::Mat& panorama,
-                                      const std::vector<Footprint>& footprints,
-                                      const Placement& placement, const TagPattern& pattern) {
-  DataPixels data = dataPixels(panorama, footprints, placement, pattern);
-  if (data.pixels.size() <= kNuisances + 2) return std::nullopt;
-
-  // All that follows leaves out what the nuisances explain.
-  Eigen::Matrix<double, kNuisances, kNuisances> gram;
-  gram.setZero();
-  for (const DataPixel& pixel : data.pixels) gram += pixel.nuisances * pixel.nuisances.transpose();
-  const auto independent = normalizing(gram);
-  Nuisances in_grey = Nuisances::Zero();
-  Nuisances in_expected = Nuisances::Zero();
-  Eigen::Matrix<double, kNuisances, Eigen::Dynamic> in_shares(kNuisances, pattern.dataModules());
-  in_shares.setZero();
-  double share_squares = 0.0;
-  auto share = data.shares.cbegin();
-  for (DataPixel& pixel : data.pixels) {
-    pixel.nuisances = independent * pixel.nuisances;
-    in_grey += pixel.grey * pixel.nuisances;
-    in_expected += pixel.expected * pixel.nuisances;
-    for (; share != data.shares.cbegin() + pixel.shares_end; ++share) {
-      in_shares.col(share->module) += share->share * pixel.nuisances;
-      share_squares += share->share * share->share;
-    }
-  }
-  share_squares -= in_shares.squaredNorm();
-
-  double product = 0.0;
-  double grey_squares = 0.0;
-  double expected_squares = 0.0;
-  Eigen::VectorXd along_expected = Eigen::VectorXd::Zero(pattern.dataModules());
-  share = data.shares.cbegin();
-  for (const DataPixel& pixel : data.pixels) {
-    const double grey = pixel.grey - in_grey.dot(pixel.nuisances);
-    const double expected = pixel.expected - in_expected.dot(pixel.nuisances);
-    product += expected * grey;
-    grey_squares += grey * grey;
-    expected_squares += expected * expected;
-    for (; share != data.shares.cbegin() + pixel.shares_end; ++share) {
-      along_expected[share->module] += share->share * expected;
-    }
-  }
-  const double norms = std::sqrt(expected_squares * grey_squares);
-  if (!(norms > 1e-9)) return std::nullopt;
-  Comparison comparison;
-  comparison.correlation = product / norms;
-  // Of random signs r, the correlation with the expected ones s has the variance
-  // |G s|^2 / (s'G s tr G), G = A'A; of n independent dimensions it would be 1 / n.
-  comparison.dimensions = expected_squares * share_squares / along_expected.squaredNorm();
-  return comparison;
-}
-
 Recognition recognitionOf(const PredictedMarker& predicted, const Placement& placement,
-                          const Comparison& comparison, double false_accept_rate) {
+                          const PatternComparison& comparison, double false_accept_rate) {
   Recognition recognition;
   recognition.center = predicted.center + placement.displacement;
   for (std::size_t k = 0; k < predicted.corners.size(); ++k) {
@@ -275,8 +148,11 @@ Recognition recognitionOf(const PredictedMarker& predicted, const Placement& pla
     recognition.corners[k] = corner + placement.displacementAt(corner);
   }
   recognition.is_stretched = !placement.stretch.isZero(0.0);
-  recognition.correlation = comparison.correlation;
-  recognition.threshold = correlationThreshold(comparison.dimensions, false_accept_rate);
+  recognition.correlation = comparison.correlation();
+  recognition.threshold = correlationThreshold(comparison.dimensions(), false_accept_rate);
+  const bool is_alike = recognition.correlation >= recognition.threshold;
+  recognition.is_accepted =
+      is_alike || comparison.isLikelierThanOthers(-std::log(false_accept_rate));
   return recognition;
 }
 
@@ -305,7 +181,7 @@ double largestMargin(const PredictedMarker& predicted, const TagPattern& pattern
 std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& marker,
                                      const TagPattern& pattern, const MountedCamera& camera,
                                      const Pose& map_from_base, const PredictedMarker& predicted,
-                                     double blur, const RecognitionConfig& config) {
+                                     const RecognitionConfig& config) {
   const double module = moduleOf(predicted, pattern);
   const double margin = std::max(predicted.tangential_margin, predicted.radial_margin);
   if (margin > largestMargin(predicted, pattern, config)) return std::nullopt;
@@ -314,7 +190,7 @@ std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& mark
   choice.max_considered = pixelsFor(module, may_be_stretched);
   choice.tolerance = 0.02;
   choice.facets = 3;
-  const MarkerPatch patch(marker, pattern, camera, map_from_base, blur, choice);
+  const MarkerPatch patch(marker, pattern, camera, map_from_base, choice);
   const std::vector<Footprint> footprints = patch.footprints();
   constexpr std::size_t kFewestPixels = 24;
   if (footprints.size() < kFewestPixels) return std::nullopt;
@@ -330,7 +206,7 @@ std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& mark
     const auto fit = alignPattern(panorama, footprints, pattern, start, may_be_stretched);
     if (!fit || fit->contrast < config.min_contrast) return std::nullopt;
     if (!area.contains(fit->placement.displacement, step + 1.0)) return std::nullopt;
-    const auto comparison = compareData(panorama, footprints, fit->placement, pattern);
+    const auto comparison = PatternComparison::of(panorama, footprints, fit->placement, pattern);
     if (!comparison) return std::nullopt;
     const double rate = config.false_accept_rate / static_cast<double>(places.size());
     return recognitionOf(predicted, fit->placement, *comparison, rate);
@@ -339,7 +215,7 @@ std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& mark
   // which is one of the places.
   std::optional<Recognition> there;
   if (!may_be_stretched) there = recognizedFrom(Eigen::Vector2i::Zero());
-  if (there && there->isAccepted()) return there;
+  if (there && there->is_accepted) return there;
   const Eigen::Vector2i place = bestPlace(panorama, samplesOf(footprints, pattern), places);
   return !may_be_stretched && place.isZero() ? there : recognizedFrom(place);
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
 
 namespace omnitag {
@@ -170,6 +171,12 @@ LocalizationStatus toMessage(const std_msgs::Header& header, const FrameResult& 
   message.markers_predicted = static_cast<std::uint32_t>(result.predicted.size());
   message.markers_detected = static_cast<std::uint32_t>(result.detections.size());
   message.markers_used = static_cast<std::uint32_t>(result.acceptedMarkers());
+  message.residual_ratio = std::sqrt(result.excess);
+  message.blur = result.blur.largestDeviation();
+  message.blur_turn = degrees(std::sqrt(result.blur.turn_square));
+  message.image_lag = result.image_lag.value_or(kNaN);
+  message.exposure = toString(result.exposure);
+  message.advice = result.advice;
   message.predict_ms = kMilliseconds * result.timings.predict;
   message.recognize_ms = kMilliseconds * result.timings.recognize;
   message.warp_ms = kMilliseconds * result.timings.warp;

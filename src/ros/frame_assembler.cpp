@@ -2,6 +2,7 @@
 
 #include <tf2/exceptions.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "omnitag/ros/conversions.h"
@@ -23,13 +24,22 @@ Eigen::Isometry3d lookUp(const tf2::BufferCore& transforms, const std::string& t
   }
 }
 
+/// Nothing where ROS has no such time.
+std::optional<ros::Time> later(const ros::Time& stamp, double seconds) {
+  constexpr double kTimesEnd = 4294967295.0;
+  const double time = stamp.toSec() + seconds;
+  if (!(time > 0.0 && time < kTimesEnd)) return std::nullopt;
+  return stamp + ros::Duration(seconds);
+}
+
 }  // namespace
 
 FrameAssembler::FrameAssembler(std::string camera_origin, const ImageSize& image_size,
-                               FrameNames frames)
+                               FrameNames frames, const ShutterConfig& shutter)
     : camera_origin_(std::move(camera_origin)),
       image_size_(image_size),
-      frames_(std::move(frames)) {}
+      frames_(std::move(frames)),
+      shutter_(shutter) {}
 
 void FrameAssembler::check(const cv_bridge::CvImage& image) const {
   if (image.header.stamp.isZero()) throw InputError("the image's header.stamp is zero");
@@ -45,9 +55,41 @@ void FrameAssembler::check(const cv_bridge::CvImage& image) const {
 
 bool FrameAssembler::hasTransforms(const std_msgs::Header& header,
                                    const tf2::BufferCore& transforms) const {
-  return transforms.canTransform(frames_.base, header.frame_id, header.stamp) &&
-         (frames_.odom.empty() ||
-          transforms.canTransform(frames_.odom, frames_.base, header.stamp));
+  if (!transforms.canTransform(frames_.base, header.frame_id, header.stamp)) return false;
+  const auto hasOdometry = [&](double after) {
+    const std::optional<ros::Time> stamp = later(header.stamp, after);
+    return stamp && transforms.canTransform(frames_.odom, frames_.base, *stamp);
+  };
+  return frames_.odom.empty() ||
+         (hasOdometry(0.0) && (shutter_.isInstant() || hasOdometry(exposedInterval().end)));
+}
+
+FrameAssembler::Interval FrameAssembler::exposedInterval() const {
+  // Odometry comes at 20 to 100 Hz: within a shorter time it would tell its noise alone.
+  constexpr double kShortest = 0.02;
+  const double begin = shutter_.begin(image_size_.height);
+  const double end = shutter_.end(image_size_.height);
+  const double margin = std::max(0.0, 0.5 * (kShortest - (end - begin)));
+  return {begin - margin, end + margin};
+}
+
+std::optional<PoseVector> FrameAssembler::velocity(const ros::Time& stamp,
+                                                   const tf2::BufferCore& transforms) const {
+  const Interval exposed = exposedInterval();
+  const double duration = exposed.end - exposed.begin;
+  const auto within = [&](const Interval& interval) -> std::optional<PoseVector> {
+    const std::optional<ros::Time> begin = later(stamp, interval.begin);
+    const std::optional<ros::Time> end = later(stamp, interval.end);
+    if (!begin || !end || !transforms.canTransform(frames_.odom, frames_.base, *begin) ||
+        !transforms.canTransform(frames_.odom, frames_.base, *end)) {
+      return std::nullopt;
+    }
+    const Eigen::Isometry3d before = lookUp(transforms, frames_.odom, frames_.base, *begin);
+    return velocityOf(before.inverse() * lookUp(transforms, frames_.odom, frames_.base, *end),
+                      duration);
+  };
+  const std::optional<PoseVector> velocity = within(exposed);
+  return velocity ? velocity : within({-duration, 0.0});
 }
 
 AssembledFrame FrameAssembler::assemble(const cv_bridge::CvImageConstPtr& image,
@@ -65,6 +107,7 @@ AssembledFrame FrameAssembler::assemble(const cv_bridge::CvImageConstPtr& image,
       assembled.odom_from_base =
           lookUp(transforms, frames_.odom, frames_.base, image->header.stamp);
       assembled.frame.odom_from_base = Pose::fromIsometry(*assembled.odom_from_base);
+      assembled.frame.velocity = velocity(image->header.stamp, transforms);
     } catch (const TransformError& error) {
       assembled.odometry_problem = error.what();
     }

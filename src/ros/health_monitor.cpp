@@ -127,6 +127,13 @@ void HealthMonitor::localized(const LocalizationStatus& status, const FrameResul
     settle(&localization_, std::string("localized, ") + modeName(status));
     if (!result.remark.empty()) ROS_WARN_STREAM(name_ << ": " << result.remark);
   }
+  std::string advice;
+  for (const std::string& line : status.advice) advice += (advice.empty() ? "" : "; ") + line;
+  if (advice.empty()) {
+    settle(&advice_, "images, map and camera agree again");
+  } else {
+    complain(&advice_, advice);
+  }
   displacements_.add(result);
   const std::vector<DisplacedMarker> displaced = displacements_.persistent();
   if (displaced.empty()) {
@@ -208,6 +215,8 @@ void HealthMonitor::reportLocalization(Report& report) {
     report.summary(Report::WARN, localization_.problem);
   } else if (last_status_->mode == LocalizationStatus::DEAD_RECKONING) {
     report.summary(Report::WARN, modeName(*last_status_));
+  } else if (!advice_.problem.empty()) {
+    report.summary(Report::WARN, advice_.problem);
   } else {
     report.summary(Report::OK, modeName(*last_status_));
   }
@@ -216,8 +225,16 @@ void HealthMonitor::reportLocalization(Report& report) {
   report.add("markers detected", last_status_->markers_detected);
   report.add("markers used", last_status_->markers_used);
   report.add("milliseconds per image", last_status_->total_ms);
+  report.addf("age of the image", "%.3f s", last_status_->image_age);
+  report.addf("residuals, compared with what is expected", "%.2f", last_status_->residual_ratio);
+  report.addf("blur", "%.2f pixels", last_status_->blur);
+  report.addf("turn during the exposure", "%.2f deg", last_status_->blur_turn);
+  report.add("exposure", last_status_->exposure.empty() ? "good" : last_status_->exposure);
   if (last_pose_) {
     report.addf("position", "%.3f m, %.3f m", last_pose_->pose.x, last_pose_->pose.y);
+    report.addf("lean (roll, pitch)", "%.2f deg, %.2f deg", degrees(last_pose_->pose.roll),
+                degrees(last_pose_->pose.pitch));
+    report.addf("height", "%.3f m", last_pose_->pose.z);
     report.addf("yaw", "%.2f deg", degrees(last_pose_->pose.yaw));
     report.addf("standard deviation of the position", "%.2g m", positionDeviation(*last_pose_));
     report.addf("standard deviation of the yaw", "%.2g deg",

@@ -24,7 +24,8 @@ ImageLocalizer::ImageLocalizer(const LocalizerParameters& parameters, const Desc
     : parameters_(parameters),
       camera_(camera.model),
       map_(loadMarkerMap(parameters.map_file)),
-      assembler_(camera.origin, camera_->imageSize(), parameters.frames),
+      assembler_(camera.origin, camera_->imageSize(), parameters.frames,
+                 parameters.localizer.shutter),
       timeline_(parameters.restart_time_jump) {
   if (parameters_.frames.map.empty()) parameters_.frames.map = map_.frame_id;
   mapper_ = makeMapper(parameters_, camera_, map_);
@@ -38,6 +39,7 @@ void ImageLocalizer::checkMap(const LocalizerParameters& parameters) {
 
 void ImageLocalizer::start() {
   localizer_ = std::make_unique<Localizer>(camera_, map(), parameters_.localizer);
+  advisor_ = {};
   if (parameters_.initial_pose) localizer_->setPose(*parameters_.initial_pose);
 }
 
@@ -63,6 +65,8 @@ std::optional<LocalizedImage> ImageLocalizer::localize(const cv_bridge::CvImageC
   if (const auto request = std::exchange(request_, nullptr)) request(localizer_.get());
   localized.input.frame.wants_views = wants_views;
   localized.result = localizer_->process(localized.input.frame);
+  advisor_.add(localized.result, map(), *camera_);
+  localized.result.advice = advisor_.lines();
   if (mapper_) extendMap(&localized);
   return localized;
 }

@@ -215,6 +215,7 @@ void LocalizerServer::publish(const LocalizedImage& localized) {
   if (localizer_.isMapping()) publishMap(localized.map_changed);
   ResultMessages messages =
       toMessages(localized, localizer_.map(), localizer_.frames(), parameters_.transform_tolerance);
+  messages.status.image_age = ros::Time::now().toSec() - localized.input.header.stamp.toSec();
   messages.status.images_received = input_.received();
   messages.status.images_dropped = input_.dropped() + localizer_.lateImages();
 

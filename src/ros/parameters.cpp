@@ -47,7 +47,8 @@ LocalizerParameters readParameters(const YamlReader& reader) {
                     "transform_tolerance", "transform_period", "restart_time_jump", "path_min_step",
                     "path_max_poses", "robot_radius", "visibility", "view", "detector",
                     "association", "recognition", "estimation", "look_around", "relocalization",
-                    "motion", "floor", "pose_model", "threads", "estimator", "mapping", "mapper",
+                    "motion", "floor", "pose_model", "image_time_offset", "row_readout_time",
+                    "exposure_time", "threads", "estimator", "mapping", "mapper",
                     // Read by nodelet in the same namespace.
                     "num_worker_threads"});
   LocalizerParameters parameters;

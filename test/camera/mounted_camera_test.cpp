@@ -65,7 +65,7 @@ TEST_P(MountedCameraTest, AnErrorDisplacesWhatIsSeenAndTheLinesOfSight) {
       Eigen::Vector2d(0.7, 0.0), Eigen::Vector2d(0.0, 0.7),        1.5 * n,
       0.9 * n.x() * n,           Eigen::Vector2d(0.9 * n.y() * n), 2.0 * n.squaredNorm() * n};
   for (int i = 0; i < 6; ++i) {
-    const CameraError error = 1.3 * CameraError::Unit(i);
+    const ImagingError error = 1.3 * ImagingError::Unit(i);
     const Eigen::Vector2d& mode = modes[static_cast<std::size_t>(i)];
     EXPECT_LT((by_frame.col(6 + i) - mode).norm(), 1e-12) << i;
     const MountedCamera off = camera.withError(error);
@@ -82,6 +82,85 @@ TEST_P(MountedCameraTest, AnErrorDisplacesWhatIsSeenAndTheLinesOfSight) {
   }
 }
 
+class MovingCameraTest : public MountedCameraTest {
+ protected:
+  MovingCameraTest() {
+    shutter_.image_time_offset = 0.004;
+    shutter_.row_readout_time = 6e-5;
+    motion_.velocity << 0.9, -0.3, 1.4, 0.05, 0.1, -0.2;
+    motion_.deviations = {0.1, 0.2, 0.3};
+  }
+
+  MountedCamera moving() const { return camera_.withMotion(shutter_, motion_); }
+
+  ShutterConfig shutter_;
+  BaseMotion motion_;
+  Eigen::Vector3d point_{-1.0, 1.5, 1.2};
+};
+
+TEST_P(MovingCameraTest, SeesAPointWhereItIsWhenItsRowIsExposed) {
+  const auto pixel = moving().pixelFromMap(pose_, point_);
+  ASSERT_TRUE(pixel);
+  // A camera that stands where the moving one is by then. Many small steps make up the way.
+  const double time = 0.004 + 6e-5 * pixel->y();
+  constexpr int kSteps = 10000;
+  Eigen::Isometry3d then = pose_.toIsometry();
+  for (int i = 0; i < kSteps; ++i) {
+    const PoseVector step = time / kSteps * motion_.velocity;
+    const Eigen::Vector3d turn(step[4], step[5], step[2]);
+    then.translate(Eigen::Vector3d(step[0], step[1], step[3]));
+    then.rotate(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
+  }
+  const auto expected = camera_.pixelFromMap(then, point_);
+  ASSERT_TRUE(expected);
+  EXPECT_LT((*pixel - *expected).norm(), 1e-3);
+  EXPECT_GT((*pixel - *camera_.pixelFromMap(pose_, point_)).norm(), 0.5);
+  // Its line of sight is that of base_link at the stamp.
+  const Eigen::Vector3d in_base = pose_.toIsometry().inverse() * point_;
+  const auto ray = moving().rayInBase(*pixel);
+  ASSERT_TRUE(ray);
+  EXPECT_LT((in_base - ray->origin).cross(ray->direction).norm(), 1e-4);
+}
+
+TEST_P(MovingCameraTest, Derivatives) {
+  FrameJacobian by_frame;
+  Eigen::Matrix<double, 2, 3> by_point;
+  ASSERT_TRUE(moving().pixelFromMap(pose_, point_, &by_frame, &by_point));
+  constexpr double kStep = 1e-4;
+  for (int i = 0; i < 6; ++i) {
+    const auto seenFrom = [&](double sign) {
+      return *moving().pixelFromMap(moved(pose_, sign * kStep * PoseVector::Unit(i)), point_);
+    };
+    const Eigen::Vector2d numeric = (seenFrom(1.0) - seenFrom(-1.0)) / (2.0 * kStep);
+    EXPECT_LT((by_frame.col(i) - numeric).norm(), 1e-3 * by_frame.leftCols<6>().norm()) << i;
+  }
+  for (int i = 0; i < 3; ++i) {
+    const int column = kFrameUnknowns - 3 + i;
+    const auto withVelocity = [&](double sign) {
+      ImagingError error = ImagingError::Zero();
+      error[kImagingUnknowns - 3 + i] = sign;
+      return *moving().withError(error).pixelFromMap(pose_, point_);
+    };
+    const Eigen::Vector2d numeric = 0.5 * (withVelocity(1.0) - withVelocity(-1.0));
+    EXPECT_GT(numeric.norm(), 0.01) << i;
+    EXPECT_LT((by_frame.col(column) - numeric).norm(), 0.02 * numeric.norm()) << i;
+    const Eigen::Vector3d step = kStep * Eigen::Vector3d::Unit(i);
+    const Eigen::Vector2d along =
+        *moving().pixelFromMap(pose_, point_ + step) - *moving().pixelFromMap(pose_, point_ - step);
+    EXPECT_LT((by_point.col(i) - along / (2.0 * kStep)).norm(), 1e-3 * by_point.norm()) << i;
+  }
+}
+
+TEST(BaseMotionTest, AVelocityLeadsToTheMotionThatItIsOf) {
+  BaseMotion motion;
+  motion.velocity << 0.9, -0.3, 1.4, 0.05, 0.1, -0.2;
+  const PoseVector again = velocityOf(motion.after(0.04), 0.04);
+  EXPECT_LT((again - motion.velocity).norm(), 1e-9);
+}
+
+INSTANTIATE_TEST_SUITE_P(Mountings, MovingCameraTest,
+                         testing::Values(test::lookingDown(), test::lookingUp()),
+                         [](const auto& test) { return test.index == 0 ? "Down" : "Up"; });
 INSTANTIATE_TEST_SUITE_P(Mountings, MountedCameraTest,
                          testing::Values(test::lookingDown(), test::lookingUp()),
                          [](const auto& test) { return test.index == 0 ? "Down" : "Up"; });

@@ -49,7 +49,7 @@ floor: {lean_deviation: 0.02, height_deviation: 0.01, settling_time: 5}
   EXPECT_EQ(config.recognition.min_contrast, 5.0);
   EXPECT_EQ(config.recognition.period, 2.0);
   EXPECT_EQ(config.estimation.reprojection.corner_noise, 0.3);
-  EXPECT_EQ(config.estimation.photometric.blur, 0.7);
+  EXPECT_EQ(config.estimation.blur, 0.7);
   EXPECT_EQ(config.look_around.step, 0.5);
   EXPECT_EQ(config.relocalization.min_lead, 20.0);
   EXPECT_EQ(config.motion.acceleration_deviation, 3.0);

@@ -111,7 +111,7 @@ TEST_P(MarkerPoseTest, TheTrueOptimumIsAmongThemWhereTwoAreCloseTogether) {
     const MarkerReading reading = test::withNoise(*exact, 0.05, &generator);
     const MarkerObservation observation{0, reading.corners, reading.center};
     const double at_truth =
-        misfitsAt({"map", {marker}}, camera_, {observation}, truth, CameraError::Zero(), {})[0]
+        misfitsAt({"map", {marker}}, camera_, {observation}, truth, ImagingError::Zero(), {})[0]
             .residual;
     const std::vector<ReprojectionFit> fits = poses(marker, reading);
     ASSERT_FALSE(fits.empty());

@@ -34,7 +34,7 @@ class CornerAlignmentTest : public testing::Test {
 
   std::optional<AlignedCorners> align(const cv::Mat& panorama, const Marker& marker,
                                       const Pose& pose) const {
-    return alignCorners(panorama, marker, TagPattern(marker.family, marker.id), camera_, pose, 0.0);
+    return alignCorners(panorama, marker, TagPattern(marker.family, marker.id), camera_, pose);
   }
 
   /// With the light times `bright` on one side of a line through the middle of the marker's image

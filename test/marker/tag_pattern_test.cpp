@@ -242,7 +242,7 @@ TEST(TagPatternTest, TellsWhereTheDrawingIsEven) {
 /// Number of the data module at a place of the grid; nothing where the layout fixes the module.
 std::optional<int> dataModuleAt(const TagPattern& pattern, int column, int row) {
   std::vector<TagPattern::DataShare> shares;
-  pattern.appendDataShares({column + 0.5, row + 0.5}, {0.5, 0.6}, &shares);
+  pattern.appendDataShares({column + 0.5, row + 0.5}, {{0.5, 0.0}, {0.0, 0.6}}, &shares);
   if (shares.empty()) return std::nullopt;
   EXPECT_EQ(shares.size(), 1U);
   EXPECT_NEAR(shares.front().share, 1.0, 1e-12);
@@ -306,7 +306,7 @@ std::vector<Parallelogram> randomRectangles(int width, int count, double longest
 Eigen::VectorXd sharesOf(const TagPattern& pattern, const Parallelogram& rectangle) {
   // What was there before stays.
   std::vector<TagPattern::DataShare> shares = {{0, 7.0}};
-  pattern.appendDataShares(rectangle.middle, {rectangle.side_u.x(), rectangle.side_v.y()}, &shares);
+  pattern.appendDataShares(rectangle.middle, rectangle.window(), &shares);
   EXPECT_EQ(shares.front().share, 7.0);
   shares.erase(shares.begin());
   Eigen::VectorXd all = Eigen::VectorXd::Zero(pattern.dataModules());
@@ -367,6 +367,112 @@ TEST(TagPatternTest, AWindowsRectangleIsAsWideAsTheWindowAlongEitherAxis) {
     }
     const Eigen::Vector2d expected = (12.0 * variance).cwiseSqrt();
     EXPECT_LT((one.window().size() - expected).norm(), 1e-3 * expected.norm());
+  }
+}
+
+/// What a pixel sees that is blurred by so many pixels, summed up over a grid of points.
+double blurredShare(const TagPattern& pattern, const Parallelogram& pixel, double blur) {
+  constexpr int kSteps = 80;
+  const double reach = 4.0 * blur + 0.5;  // pixels
+  const auto weight = [blur](double off) {
+    const double scale = blur * std::sqrt(2.0);
+    return std::erf((off + 0.5) / scale) - std::erf((off - 0.5) / scale);
+  };
+  double white = 0.0;
+  double whole = 0.0;
+  for (int i = 0; i < kSteps; ++i) {
+    for (int j = 0; j < kSteps; ++j) {
+      const double u = reach * (2.0 * (i + 0.5) / kSteps - 1.0);
+      const double v = reach * (2.0 * (j + 0.5) / kSteps - 1.0);
+      const Eigen::Vector2d place = pixel.middle + u * pixel.side_u + v * pixel.side_v;
+      const auto module = [&](double coordinate) {
+        return std::clamp(static_cast<int>(std::floor(coordinate)), 0, pattern.width() - 1);
+      };
+      const double share = weight(u) * weight(v);
+      whole += share;
+      if (pattern.isWhite(module(place.x()), module(place.y()))) white += share;
+    }
+  }
+  return white / whole;
+}
+
+TEST(TagPatternTest, ABlurredWindowSeesWhatAGaussianDoes) {
+  const TagPattern pattern("tag36h11", 5);
+  for (const double blur : {0.5, 0.8, 1.2, 2.0}) {
+    double sum = 0.0;
+    double largest = 0.0;
+    int count = 0;
+    for (const Parallelogram& one : randomParallelograms(pattern.width(), 150, 0.7)) {
+      // No camera shows a marker so askew that is worth looking at.
+      const Eigen::Vector2d squares = one.side_u.cwiseAbs2() + one.side_v.cwiseAbs2();
+      const double mixed = one.side_u.prod() + one.side_v.prod();
+      if (std::abs(mixed) > 0.6 * std::sqrt(squares.prod())) continue;
+      const TagPattern::Window window(one.side_u, one.side_v, blur * blur);
+      const double off =
+          pattern.averageOver(one.middle, window).share - blurredShare(pattern, one, blur);
+      sum += off * off;
+      largest = std::max(largest, std::abs(off));
+      ++count;
+    }
+    EXPECT_GT(count, 50);
+    EXPECT_LT(std::sqrt(sum / count), 0.01) << blur;
+    EXPECT_LT(largest, 0.05) << blur;
+  }
+}
+
+TEST(TagPatternTest, ASweptWindowSeesTheMeanOfItsWay) {
+  const TagPattern pattern("tag36h11", 5);
+  for (const double blur_variance : {0.0, 1.0}) {
+    for (const Eigen::Vector2d& sweep : {Eigen::Vector2d(1.2, 0.0), Eigen::Vector2d(-0.5, 0.9)}) {
+      const Eigen::Vector2d side_u(0.3, 0.05);
+      const Eigen::Vector2d side_v(-0.04, 0.35);
+      const TagPattern::Window still(side_u, side_v, blur_variance);
+      const TagPattern::Window swept(side_u, side_v, blur_variance, sweep);
+      for (double x = 3.0; x < 7.0; x += 0.37) {
+        const Eigen::Vector2d middle(x, 10.0 - x);
+        constexpr int kSteps = 200;
+        double expected = 0.0;
+        for (int i = 0; i < kSteps; ++i) {
+          const Eigen::Vector2d place = middle + ((i + 0.5) / kSteps - 0.5) * sweep;
+          expected += pattern.averageOver(place, still).share / kSteps;
+        }
+        EXPECT_NEAR(pattern.averageOver(middle, swept).share, expected, 0.04)
+            << middle.transpose() << ", swept " << sweep.transpose();
+      }
+    }
+  }
+}
+
+TEST(TagPatternTest, DerivativesOfABlurredWindowAreThoseOfItsAverage) {
+  const TagPattern pattern("tag36h11", 42);
+  constexpr double kStep = 1e-2;
+  for (const Parallelogram& one : randomParallelograms(pattern.width(), 60, 0.7)) {
+    const TagPattern::Window window(one.side_u, one.side_v, 1.0, {0.4, 0.2});
+    const Eigen::Vector2d found = pattern.averageOver(one.middle, window).by_position;
+    for (int axis = 0; axis < 2; ++axis) {
+      const Eigen::Vector2d step = kStep * Eigen::Vector2d::Unit(axis);
+      const double difference = pattern.averageOver(one.middle + step, window).share -
+                                pattern.averageOver(one.middle - step, window).share;
+      EXPECT_NEAR(found[axis], difference / (2.0 * kStep), 0.01);
+    }
+  }
+}
+
+TEST(TagPatternTest, DataSharesOfABlurredWindowAddUpToItsAverage) {
+  const TagPattern pattern("tag36h11", 5);
+  const TagPattern other("tag36h11", 99);
+  for (const Parallelogram& one : randomParallelograms(pattern.width(), 60, 0.7)) {
+    const TagPattern::Window window(one.side_u, one.side_v, 1.0, {0.4, 0.2});
+    std::vector<TagPattern::DataShare> shares;
+    pattern.appendDataShares(one.middle, window, &shares);
+    double expected = 0.0;
+    for (const TagPattern::DataShare& share : shares) {
+      expected += share.share * ((pattern.isDataWhite(share.module) ? 1.0 : 0.0) -
+                                 (other.isDataWhite(share.module) ? 1.0 : 0.0));
+    }
+    EXPECT_NEAR(
+        pattern.averageOver(one.middle, window).share - other.averageOver(one.middle, window).share,
+        expected, 1e-9);
   }
 }
 

@@ -54,9 +54,9 @@ TEST_F(FrameEquationsTest, MarginalisingIsEstimatingWithThePrior) {
     information.block(kFrameUnknowns + 6 * m, kFrameUnknowns + 6 * m, 6, 6) +=
         misplacement.inverse();
   }
-  information.block(6, 6, 6, 6) += Eigen::MatrixXd::Identity(6, 6);
+  information.block(6, 6, kImagingUnknowns, kImagingUnknowns).diagonal().array() += 1.0;
   const Eigen::VectorXd expected = information.ldlt().solve(gradient);
-  const auto change = solutionOf(withPriors(sum, PosePrior{}, {}, CameraError::Zero()));
+  const auto change = solutionOf(withPriors(sum, PosePrior{}, {}, ImagingError::Zero()));
   ASSERT_TRUE(change);
   EXPECT_LT((*change - expected.head<kFrameUnknowns>()).norm(), 1e-6 * expected.norm());
 
@@ -119,7 +119,7 @@ TEST_F(FrameEquationsTest, WhatImagesShareIsNotAveragedDown) {
       }
       const PosePrior prior =
           estimate ? PosePrior::about({{}, estimate->covariance, estimate->shared}) : PosePrior{};
-      const auto change = solutionOf(withPriors(sum, prior, {}, CameraError::Zero()));
+      const auto change = solutionOf(withPriors(sum, prior, {}, ImagingError::Zero()));
       ASSERT_TRUE(change);
       mean += change->head<6>();
       estimate = estimateOf(sum, prior, {}, 1.0);

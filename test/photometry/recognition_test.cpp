@@ -88,7 +88,7 @@ std::optional<Recognition> recognizeAs(const TagPattern& pattern, const cv::Mat&
   if (!predicted) throw InputError("the marker is out of sight");
   predicted->tangential_margin = margin;
   predicted->radial_margin = margin;
-  return recognize(image, marker, pattern, camera, truth(), *predicted, 0.0, config);
+  return recognize(image, marker, pattern, camera, truth(), *predicted, config);
 }
 
 std::optional<Recognition> recognizeIn(const cv::Mat& image, const Marker& marker,
@@ -97,7 +97,7 @@ std::optional<Recognition> recognizeIn(const cv::Mat& image, const Marker& marke
 }
 
 bool isAccepted(const std::optional<Recognition>& recognition) {
-  return recognition && recognition->isAccepted();
+  return recognition && recognition->is_accepted;
 }
 
 std::string describe(const std::optional<Recognition>& recognition) {
@@ -149,7 +149,7 @@ TEST(RecognitionTest, FindsTheCornersOfAMarkerThatLooksOtherwiseThanPredicted) {
     const auto predicted = predictMarker(map, 0, camera, belief, {});
     ASSERT_TRUE(predicted) << range;
     const auto recognition = recognize(image, marker, TagPattern(marker.family, marker.id), camera,
-                                       predicted_pose, *predicted, 0.0, {});
+                                       predicted_pose, *predicted, {});
     ASSERT_TRUE(isAccepted(recognition)) << range << ": " << describe(recognition);
     double off_prediction = 0.0;
     for (std::size_t k = 0; k < recognition->corners.size(); ++k) {
@@ -249,8 +249,7 @@ TEST(RecognitionTest, AMirroredTagIsAnother) {
       const auto predicted = predictMarker(map, 0, camera, estimate, {});
       ASSERT_TRUE(predicted);
       const auto look = [&](const cv::Mat& panorama) {
-        return recognize(panorama, map.markers[0], {"tag36h11", id}, camera, pose, *predicted, 0.0,
-                         {});
+        return recognize(panorama, map.markers[0], {"tag36h11", id}, camera, pose, *predicted, {});
       };
       ASSERT_TRUE(isAccepted(look(image))) << describe(look(image));
       EXPECT_FALSE(isAccepted(look(mirrored))) << describe(look(mirrored));

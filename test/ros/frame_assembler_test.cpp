@@ -71,6 +71,31 @@ TEST_F(FrameAssemblerTest, InterpolatesOdometryAtTheStamp) {
   EXPECT_NEAR(assembled.frame.odom_from_base->yaw, 0.6, 1e-9);
 }
 
+TEST_F(FrameAssemblerTest, TakesTheVelocityWhileTheRowsAreExposed) {
+  frames_.odom = "odom";
+  // At rest until the stamp, then at 1 m/s and 0.4 rad/s.
+  transforms_.setTransform(transform("odom", "base_link", ros::Time(10.0), 1.0, 0.4), "test");
+  transforms_.setTransform(transform("odom", "base_link", ros::Time(10.5), 1.0, 0.4), "test");
+  ShutterConfig shutter;
+  shutter.row_readout_time = 1e-3;
+  const FrameAssembler assembler("camera.yaml", {40, 30}, frames_, shutter);
+  const auto input = image(40, 30);
+  // Odometry does not reach the last row yet: as long as nothing else is known, it goes on at rest.
+  EXPECT_FALSE(assembler.hasTransforms(input->header, transforms_));
+  const AssembledFrame early = assembler.assemble(input, transforms_);
+  ASSERT_TRUE(early.frame.velocity);
+  EXPECT_LT(early.frame.velocity->norm(), 1e-9);
+
+  transforms_.setTransform(transform("odom", "base_link", ros::Time(11.5), 2.0, 0.8), "test");
+  EXPECT_TRUE(assembler.hasTransforms(input->header, transforms_));
+  const AssembledFrame assembled = assembler.assemble(input, transforms_);
+  ASSERT_TRUE(assembled.frame.velocity);
+  const PoseVector& velocity = *assembled.frame.velocity;
+  EXPECT_NEAR(velocity.head<2>().norm(), 1.0, 1e-3);
+  EXPECT_NEAR(std::atan2(velocity[1], velocity[0]), -0.4, 0.01);
+  EXPECT_NEAR(velocity[2], 0.4, 1e-6);
+}
+
 TEST_F(FrameAssemblerTest, GoesOnWithoutOdometryAndSaysSo) {
   frames_.odom = "odom";
   const FrameAssembler assembler("camera.yaml", {40, 30}, frames_);

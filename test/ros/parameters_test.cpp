@@ -118,7 +118,7 @@ TEST(Parameters, ManualHasTheDefaults) {
             estimation_default.reprojection.poor_corner_noise);
   EXPECT_EQ(estimation.reprojection.robust_misfit, estimation_default.reprojection.robust_misfit);
   EXPECT_EQ(estimation.max_misfit, estimation_default.max_misfit);
-  EXPECT_EQ(estimation.photometric.blur, estimation_default.photometric.blur);
+  EXPECT_EQ(estimation.blur, estimation_default.blur);
   EXPECT_EQ(estimation.photometric.min_noise, estimation_default.photometric.min_noise);
   EXPECT_EQ(estimation.photometric.alignment_deviation,
             estimation_default.photometric.alignment_deviation);
@@ -166,6 +166,7 @@ TEST(Parameters, ManualHasTheDefaults) {
             motion_default.odometry_translation_per_rotation);
   EXPECT_EQ(motion.initial_position_deviation, motion_default.initial_position_deviation);
   EXPECT_DOUBLE_EQ(motion.initial_heading_deviation, motion_default.initial_heading_deviation);
+  EXPECT_DOUBLE_EQ(motion.initial_height_deviation, motion_default.initial_height_deviation);
   EXPECT_EQ(motion.max_dead_reckoning_time, motion_default.max_dead_reckoning_time);
   EXPECT_EQ(motion.max_position_deviation, motion_default.max_position_deviation);
   EXPECT_DOUBLE_EQ(motion.max_heading_deviation, motion_default.max_heading_deviation);

@@ -90,8 +90,9 @@ class CameraModel {
   const CameraUncertainty& uncertainty() const { return uncertainty_; }
   void setUncertainty(const CameraUncertainty& uncertainty) { uncertainty_ = uncertainty; }
 
-  /// Pixels by which a CameraError displaces what images at a pixel, for each mode.
-  Eigen::Matrix<double, 2, 6> displacementByError(const Eigen::Vector2d& pixel) const;
+  /// Pixels by which each mode of the uncertainty, off by a standard deviation, displaces what
+  /// images at a pixel.
+  Eigen::Matrix<double, 2, kCameraModes> displacementByError(const Eigen::Vector2d& pixel) const;
 
   const ImageSize& imageSize() const { return image_size_; }
   const ImagePlane& imagePlane() const { return image_plane_; }

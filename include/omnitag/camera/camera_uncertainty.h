@@ -29,11 +29,12 @@ struct CameraUncertainty {
   double local() const;
 };
 
-/// An error of each mode in standard deviations, in the order above.
-using CameraError = Eigen::Matrix<double, 6, 1>;
+/// Of the modes, in the order above.
+constexpr int kCameraModes = 6;
 
-/// Pixels by which an error displaces what images at `n` (see above), for each mode.
-Eigen::Matrix<double, 2, 6> displacementByError(const CameraUncertainty& uncertainty,
-                                                const Eigen::Vector2d& n);
+/// Pixels by which each mode, off by a standard deviation, displaces what images at `n` (see
+/// above).
+Eigen::Matrix<double, 2, kCameraModes> displacementByError(const CameraUncertainty& uncertainty,
+                                                           const Eigen::Vector2d& n);
 
 }  // namespace omnitag

@@ -6,28 +6,42 @@
 #include <optional>
 
 #include "omnitag/camera/camera_model.h"
+#include "omnitag/camera/image_blur.h"
+#include "omnitag/camera/shutter.h"
 #include "omnitag/common/pose.h"
 
 namespace omnitag {
 
-/// What one image leaves open, as changes: the robot's pose (a PoseVector), and the camera's error.
-constexpr int kFrameUnknowns = 12;
+/// By what an image may be off beside the pose, each in standard deviations: the modes of the
+/// CameraUncertainty, and the velocities that BaseMotion has deviations of.
+constexpr int kImagingUnknowns = kCameraModes + 3;
+using ImagingError = Eigen::Matrix<double, kImagingUnknowns, 1>;
+
+/// What one image leaves open, as changes: the robot's pose (a PoseVector), and the imaging error.
+constexpr int kFrameUnknowns = 6 + kImagingUnknowns;
 using FrameVector = Eigen::Matrix<double, kFrameUnknowns, 1>;
 using FrameMatrix = Eigen::Matrix<double, kFrameUnknowns, kFrameUnknowns>;
 using FrameJacobian = Eigen::Matrix<double, 2, kFrameUnknowns>;
 
-/// A camera on a robot: from points of the map to pixels, as a function of the robot's pose. Any
-/// mounting will do, looking up or down, turned or tilted.
+/// A camera on a robot while it takes an image: from points of the map to pixels, as a function of
+/// the robot's pose at the image's stamp. Any mounting will do, looking up or down, turned or
+/// tilted.
 class MountedCamera {
  public:
   MountedCamera(std::shared_ptr<const CameraModel> camera,
                 const Eigen::Isometry3d& base_from_camera);
 
   /// The same camera with an error, which displaces what it sees.
-  MountedCamera withError(const CameraError& error) const;
+  MountedCamera withError(const ImagingError& error) const;
+
+  /// The same camera on a base that moves while the shutter lets each row see its own moment.
+  MountedCamera withMotion(const ShutterConfig& shutter, const BaseMotion& motion) const;
+
+  /// The same camera with a blur.
+  MountedCamera withBlur(const ImageBlur& blur) const;
 
   /// The pixel of a point of the map (metres) and, on request, its derivatives by what is unknown
-  /// in a frame (the pose: pixels per metre and per radian; the camera's error: pixels per standard
+  /// in a frame (the pose: pixels per metre and per radian; the imaging error: pixels per standard
   /// deviation) and by the point, in pixels per metre along the map's axes. Nothing where the
   /// camera does not see it.
   std::optional<Eigen::Vector2d> pixelFromMap(
@@ -41,11 +55,24 @@ class MountedCamera {
     return pixelFromMap(map_from_base.toIsometry(), point, by_frame, by_point);
   }
 
-  /// The line of sight of a pixel in base_link. Nothing where the pixel shows no world.
+  /// The line of sight of a pixel in base_link as it is at the image's stamp. Nothing where the
+  /// pixel shows no world.
   std::optional<Ray> rayInBase(const Eigen::Vector2d& pixel) const;
 
   /// The same from the model's table, faster.
   std::optional<Ray> tabulatedRayInBase(const Eigen::Vector2d& pixel) const;
+
+  /// By how much something that a pixel sees, and that changes so with the base (a PoseVector along
+  /// its own axes), changes with each unit of the imaging error's velocities.
+  Eigen::Matrix<double, 2, 3> byVelocities(const Eigen::Vector2d& pixel,
+                                           const Eigen::Matrix<double, 2, 6>& by_base) const;
+
+  /// The motion of the base during an exposure: a PoseVector along its own axes. Its sign has no
+  /// meaning.
+  PoseVector exposedMotion() const;
+
+  /// Pixels squared, the lens's blur at a pixel.
+  double lensVariance(const Eigen::Vector2d& pixel) const;
 
   Eigen::Isometry3d mapFromCamera(const Pose& map_from_base) const;
 
@@ -54,16 +81,34 @@ class MountedCamera {
 
   const CameraModel& model() const { return *camera_; }
   const Eigen::Isometry3d& baseFromCamera() const { return base_from_camera_; }
+  const ImageBlur& blur() const { return blur_; }
 
  private:
+  /// What a point of base_link, as it is at the image's stamp, images as, and its derivatives by
+  /// the point and by the imaging error's velocities.
+  struct Image {
+    Eigen::Vector2d pixel;
+    Eigen::Matrix<double, 2, 3> by_point = Eigen::Matrix<double, 2, 3>::Zero();
+    Eigen::Matrix<double, 2, 3> by_velocities = Eigen::Matrix<double, 2, 3>::Zero();
+  };
+  std::optional<Image> imageOf(const Eigen::Vector3d& at_stamp, bool wants_derivatives) const;
+  /// The same of a point of base_link as it is when the point is seen.
+  std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& in_base,
+                                         Eigen::Matrix<double, 2, 3>* by_point) const;
+  Ray inBase(const Ray& in_camera, const Eigen::Vector2d& pixel) const;
   /// The pixel as the model has it of one that the camera's error has displaced.
   Eigen::Vector2d withoutError(const Eigen::Vector2d& pixel) const;
 
   std::shared_ptr<const CameraModel> camera_;
   Eigen::Isometry3d base_from_camera_;
   Eigen::Isometry3d camera_from_base_;
-  CameraError error_ = CameraError::Zero();
-  bool has_error_ = false;
+  ImagingError error_ = ImagingError::Zero();
+  bool has_camera_error_ = false;
+  ShutterConfig shutter_;
+  /// The imaging error taken into account.
+  BaseMotion motion_;
+  bool moves_ = false;
+  ImageBlur blur_;
 };
 
 }  // namespace omnitag

@@ -35,6 +35,10 @@ Eigen::Vector3d translationPart(const PoseVector& change);
 Eigen::Vector3d rotationPart(const PoseVector& change);
 PoseVector poseVector(const Eigen::Vector3d& translation, const Eigen::Vector3d& rotation);
 
+/// Takes a small motion along and about the axes of a base that is so turned to its change of the
+/// pose: of a PoseVector along the base's axes to one as above.
+PoseMatrix changeByMotion(const Eigen::Matrix3d& target_from_base);
+
 /// The pose after a change.
 Pose moved(const Pose& pose, const PoseVector& change);
 

@@ -6,11 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "omnitag/camera/camera_uncertainty.h"
+#include "omnitag/camera/mounted_camera.h"
 #include "omnitag/common/pose.h"
+#include "omnitag/localization/image_exposure.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/marker/marker_prediction.h"
 #include "omnitag/marker/marker_reader.h"
+#include "omnitag/photometry/blur_equations.h"
 #include "omnitag/view/view.h"
 
 namespace omnitag {
@@ -36,6 +38,9 @@ struct Frame {
   Eigen::Isometry3d base_from_camera = Eigen::Isometry3d::Identity();
   /// Odometry at the stamp, where the robot has one.
   std::optional<Pose> odom_from_base;
+  /// By odometry, how the base moves while the image is taken: per second, a PoseVector along and
+  /// about its own axes.
+  std::optional<PoseVector> velocity = std::nullopt;
   /// Whether the result is to hold a view of every predicted marker, for people to look at, also of
   /// those that are recognized without.
   bool wants_views = false;
@@ -90,10 +95,22 @@ struct FrameResult {
   /// Whether the robot moves on a floor, whose height and lean are nobody's concern.
   bool is_on_floor = true;
   /// What the camera seemed to be off by.
-  CameraError camera_error = CameraError::Zero();
+  ImagingError imaging_error = ImagingError::Zero();
+  /// The blur that the image was taken to have, and what its pixels say of it, where these aligned
+  /// the pose.
+  ImageBlur blur;
+  std::optional<BlurEquations> blur_equations;
+  /// How many times larger than expected the squared residuals are, at least 1.
+  double excess = 1.0;
+  ImageExposure exposure = ImageExposure::kGood;
+  /// s by which images seem to be later than their stamps, where that is certain.
+  std::optional<double> image_lag;
   /// In words, what is odd about the frame: why it has no pose, or that the robot was found far
   /// from where it should have been. Empty otherwise.
   std::string remark;
+  /// In words, what the last images show to be wrong with the robot's files and settings, and what
+  /// to do (Advisor).
+  std::vector<std::string> advice;
   /// What the frame was expected to show.
   std::vector<PredictedMarker> predicted;
   /// Where it was looked, and what was seen there (CV_8UC1, as many as views).

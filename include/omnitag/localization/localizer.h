@@ -14,11 +14,13 @@
 #include "omnitag/common/pose.h"
 #include "omnitag/localization/exploration.h"
 #include "omnitag/localization/frame_result.h"
+#include "omnitag/localization/image_lag.h"
 #include "omnitag/localization/localizer_config.h"
 #include "omnitag/localization/motion_model.h"
 #include "omnitag/marker/glance_reader.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/marker/marker_reader.h"
+#include "omnitag/marker/sharpening.h"
 #include "omnitag/marker/tag_pattern.h"
 
 namespace omnitag {
@@ -66,10 +68,22 @@ class Localizer {
  private:
   void check(const Frame& frame) const;
   std::optional<PoseEstimate> predict(const Frame& frame);
+  /// The camera while it takes the frame's image. After predict().
+  MountedCamera cameraOf(const Frame& frame, bool has_prediction) const;
   /// Looks where the prediction has markers; leaves the result without a pose where none agrees.
   /// Whether what was found there leaves the prediction possible.
   bool track(const Frame& frame, const MountedCamera& camera, const PoseEstimate& predicted,
              FrameResult* result);
+  /// The pose of the markers that are found about where the prediction has them, and the blur with
+  /// which they are found best.
+  std::optional<PoseEstimate> followMarkers(const Frame& frame, const MountedCamera& camera,
+                                            const PoseEstimate& predicted, FrameResult* result);
+  /// A pose less certain by what the images' lag makes of the robot's motion, if they seem to lag.
+  PoseEstimate withLag(const Frame& frame, const PoseEstimate& predicted, const PoseEstimate& pose);
+  /// Of an image in which the robot was found.
+  void learnBlur(const Frame& frame, const MountedCamera& camera, FrameResult* result);
+  /// Pixels, standard deviation of the blur that decoders are to read without.
+  double blurToRead();
   /// Whether the accepted markers alone, without the prediction, lead to where it has the robot. A
   /// prediction that is too sure of itself may hold a pose against all of them.
   bool markersAgree(const MountedCamera& camera, const PoseEstimate& predicted,
@@ -83,10 +97,8 @@ class Localizer {
   /// all around.
   void patrol(const Frame& frame, const MountedCamera& camera, const Pose& map_from_base,
               FrameResult* result);
-  std::vector<MarkerReading> readNextView(const Frame& frame, const MountedCamera& camera,
-                                          FrameResult* result) const;
-  void explore(const Frame& frame, const MountedCamera& camera, const Pose& map_from_base,
-               FrameResult* result);
+  std::vector<MarkerReading> readNextView(const MountedCamera& camera, FrameResult* result);
+  void explore(const MountedCamera& camera, const Pose& map_from_base, FrameResult* result);
   /// Looks all around, and decides between what it finds and the prediction.
   void search(const Frame& frame, const MountedCamera& camera,
               const std::optional<PoseEstimate>& predicted, bool is_refuted, FrameResult* result);
@@ -94,13 +106,13 @@ class Localizer {
   /// from there; these are then in the result.
   std::optional<PoseEstimate> confirmAround(const std::vector<MarkerReading>& readings,
                                             const Frame& frame, const MountedCamera& camera,
-                                            FrameResult* result) const;
+                                            FrameResult* result);
   /// Takes a pose that was found without the prediction, or agrees with it.
   void settle(const PoseEstimate& pose, const Frame& frame,
               const std::optional<PoseEstimate>& predicted, bool is_expected, FrameResult* result);
   /// Without a marker that agrees: the prediction, unless what was read contradicts it.
   void carryOn(const PoseEstimate& predicted, bool is_refuted, FrameResult* result) const;
-  TrackingTools trackingTools() const;
+  TrackingTools trackingTools();
   /// Fills in what the frame's pose says about its detections.
   void measure(const MountedCamera& camera, FrameResult* result);
   /// Whether it is time to see how far a marker hangs from its place; if so, it is then done.
@@ -114,6 +126,14 @@ class Localizer {
   GlanceReader glance_reader_;
   TagPatterns patterns_;
   MotionModel motion_;
+  BlurFilter blur_;
+  ImageLag image_lag_;
+  /// Whether markers told the pose of the image before.
+  bool was_tracked_ = false;
+  /// The frame's image as decoders read it.
+  ReadableImage readable_;
+  /// Since markers told a pose.
+  int lost_frames_ = 0;
   /// How the robot stands, as far as is known without a prediction.
   PosePrior standing_;
   /// A pose that was set and waits for the next frame.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "omnitag/camera/shutter.h"
 #include "omnitag/common/yaml_reader.h"
 #include "omnitag/localization/look_around.h"
 #include "omnitag/localization/motion_model.h"
@@ -24,6 +25,7 @@ struct LocalizerConfig {
   LookAroundConfig look_around;
   RelocalizationConfig relocalization;
   MotionModelConfig motion;
+  ShutterConfig shutter;
   /// How many cores a frame may use at once. One leaves the others to the robot's other nodes; more
   /// make searches and frames with many markers faster.
   int threads = 1;
@@ -35,7 +37,8 @@ struct LocalizerConfig {
 
 /// Reads the groups `visibility`, `view`, `detector`, `association`, `recognition`, `estimation`,
 /// `look_around`, `relocalization`, `motion` and `floor`, and the keys `threads`, `pose_model`
-/// (floor | free) and `estimator` (triangulation | reprojection | photometric). Absent keys keep
+/// (floor | free), `estimator` (triangulation | reprojection | photometric) and those of
+/// ShutterConfig. Absent keys keep
 /// their defaults; other keys of the top level are not looked at. Throws InputError.
 LocalizerConfig readLocalizerConfig(const YamlReader& reader);
 

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <optional>
 
+#include "omnitag/camera/shutter.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/common/pose.h"
 #include "omnitag/common/yaml_reader.h"
@@ -46,6 +47,9 @@ struct MotionModelConfig {
   /// m and rad: of a pose that is given without a covariance.
   double initial_position_deviation = 0.1;
   double initial_heading_deviation = radians(5.0);
+  /// m: with PoseModel::kFree, of the height of a pose that is given on the floor. Of its roll and
+  /// pitch it is that of the heading.
+  double initial_height_deviation = 0.3;
   /// s, how long a pose is carried on with neither a marker nor odometry.
   double max_dead_reckoning_time = 1.0;
   /// m and rad: a pose that is less certain than this is given up.
@@ -93,6 +97,12 @@ class MotionModel {
   /// s from the last correction or start to the last stamp.
   double uncorrectedTime() const { return stamp_ - corrected_stamp_; }
 
+  /// How the base moves as odometry has it, or, at the last stamp, as the images have shown.
+  BaseMotion motionBy(const PoseVector& odometry) const;
+  BaseMotion motion() const;
+  /// The same of a base that nothing is known of.
+  BaseMotion unknownMotion() const;
+
   /// What is known of the pose of an image without a prediction: on a floor how the robot stands,
   /// otherwise nothing. `odom_from_base`: odometry at the image's stamp.
   PosePrior standing(const std::optional<Pose>& odom_from_base) const;
@@ -107,6 +117,9 @@ class MotionModel {
 
   bool isOnFloor() const { return config_.pose_model == PoseModel::kFloor; }
   void restart(const PoseEstimate& map_from_base);
+  /// Of odometry: m and rad, standard deviations of what it tells of a way (m) and a turn (rad).
+  double translationDeviation(double way, double turn) const;
+  double rotationDeviation(double way, double turn) const;
   void moveByOdometry(const Pose& motion);
   void moveByVelocity(double interval);
   /// Changes the pose by a motion and its uncertainty as errors of the pose and others follow.

@@ -27,16 +27,19 @@ struct EstimatorConfig {
   /// Standard deviations (Misfit): a marker that is farther off is rejected.
   double max_misfit = 7.0;
   PhotometricConfig photometric;
+  /// Pixels of the panorama: standard deviation that the lens's blur is taken for until the images
+  /// tell.
+  double blur = 0.0;
 };
 
-/// Reads the keys of ReprojectionConfig, max_misfit, and those of PhotometricConfig; absent ones
-/// keep their defaults. Throws InputError.
+/// Reads the keys of ReprojectionConfig, max_misfit, blur, and those of PhotometricConfig; absent
+/// ones keep their defaults. Throws InputError.
 EstimatorConfig readEstimatorConfig(const YamlReader& reader);
 
 /// A pose, and what it makes of each observation.
 struct PoseSolution {
   PoseEstimate map_from_base;
-  CameraError camera_error = CameraError::Zero();
+  ImagingError imaging_error = ImagingError::Zero();
   /// Of each observation.
   std::vector<Misfit> misfits;
   /// Whether the pose stands on the observation.

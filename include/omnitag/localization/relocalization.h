@@ -20,7 +20,7 @@ struct Relocalization {
   std::optional<PoseEstimate> map_from_base;
   /// In words, why there is no pose; empty where there is one.
   std::string reason;
-  CameraError camera_error = CameraError::Zero();
+  ImagingError imaging_error = ImagingError::Zero();
   /// For each reading the entry of the map that the best pose explains it by, and its misfit; none
   /// where it does not.
   std::vector<std::optional<std::size_t>> entries;

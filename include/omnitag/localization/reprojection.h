@@ -37,7 +37,7 @@ struct Misfit {
 struct ReprojectionFit {
   PoseEstimate map_from_base;
   /// What the camera seems to be off by.
-  CameraError camera_error = CameraError::Zero();
+  ImagingError imaging_error = ImagingError::Zero();
   std::vector<Misfit> misfits;
   /// How many times larger than expected the squared residuals are, at least 1: a map or a camera
   /// that is less exact than it says must not make the pose look more certain than it is.
@@ -66,7 +66,7 @@ std::optional<ReprojectionFit> refineFromAfar(const MarkerMap& map, const Mounte
 /// One for each observation, at a pose and an error of the camera.
 std::vector<Misfit> misfitsAt(const MarkerMap& map, const MountedCamera& camera,
                               const std::vector<MarkerObservation>& observations,
-                              const Pose& map_from_base, const CameraError& error,
+                              const Pose& map_from_base, const ImagingError& error,
                               const ReprojectionConfig& config);
 
 }  // namespace omnitag

@@ -28,6 +28,6 @@ struct AlignedCorners {
 /// Nothing where too little of the pattern is in the image or too pale, or where it does not fit.
 std::optional<AlignedCorners> alignCorners(const cv::Mat& panorama, const Marker& marker,
                                            const TagPattern& pattern, const MountedCamera& camera,
-                                           const Pose& map_from_base, double blur);
+                                           const Pose& map_from_base);
 
 }  // namespace omnitag

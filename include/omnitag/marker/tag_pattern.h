@@ -43,29 +43,51 @@ class TagPattern {
   /// within the drawing.
   White average(const Eigen::Vector2d& position, const Eigen::Vector2d& size) const;
 
-  /// A parallelogram by its sides (modules), cut into four, each of which is averaged over as if
-  /// its sides ran along the modules.
+  /// What a pixel sees: a parallelogram by its sides (modules), blurred by a Gaussian of so many
+  /// pixels squared, and swept along a way (modules). Where it is sharp, the parallelogram is cut
+  /// into four, each of which is averaged over as if its sides ran along the modules. Where it is
+  /// blurred, all of it is a Gaussian: one along the modules at each of some places of a line,
+  /// which carries the correlation. The sweep is made in steps of half a side, if these are not too
+  /// many.
   class Window {
    public:
     Window() = default;
-    Window(const Eigen::Vector2d& side_u, const Eigen::Vector2d& side_v);
+    Window(const Eigen::Vector2d& side_u, const Eigen::Vector2d& side_v, double blur_variance = 0.0,
+           const Eigen::Vector2d& sweep = Eigen::Vector2d::Zero());
 
     /// How far it reaches from its middle along the modules' axes.
     const Eigen::Vector2d& reach() const { return reach_; }
+
+    /// How far from its middle nearly all of it lies, all where it is sharp. Beyond the drawing,
+    /// the drawing's edge is taken to go on.
+    const Eigen::Vector2d& core() const { return core_; }
 
     /// Of a rectangle along the modules' axes that stands for all of it, less exactly.
     const Eigen::Vector2d& size() const { return size_; }
 
    private:
     friend class TagPattern;
+    /// Steps of the way, at most, and places of each.
+    static constexpr std::size_t kMostSteps = 8;
+    static constexpr std::size_t kMostPlaces = 5;
+    struct Place {
+      Eigen::Vector2d from_middle;
+      double share;
+    };
+    void add(const Eigen::Vector2d& from_middle, double share, const Eigen::Vector2d& step,
+             int steps);
+
     Eigen::Vector2d reach_ = Eigen::Vector2d::Zero();
+    Eigen::Vector2d core_ = Eigen::Vector2d::Zero();
     Eigen::Vector2d size_ = Eigen::Vector2d::Zero();
-    /// The parts' middles; half as long and half as wide as the whole.
-    std::array<Eigen::Vector2d, 4> parts_{};
-    double per_area_of_part_ = 0.0;
+    bool is_blurred_ = false;
+    std::array<Place, kMostSteps * kMostPlaces> places_;
+    std::size_t place_count_ = 0;
+    /// At each place: of rectangles half of their sides, of Gaussians the standard deviations.
+    Eigen::Vector2d extent_ = Eigen::Vector2d::Zero();
   };
 
-  /// Average over a window about a position; it must lie within the drawing.
+  /// Average over a window about a position; its core must lie within the drawing.
   White averageOver(const Eigen::Vector2d& position, const Window& window) const;
 
   bool isWhite(int column, int row) const;
@@ -97,9 +119,9 @@ class TagPattern {
     double share;
   };
 
-  /// Appends the shares that data modules have in the rectangle of average(); a module that has
-  /// none may be missing.
-  void appendDataShares(const Eigen::Vector2d& position, const Eigen::Vector2d& size,
+  /// Appends the shares that data modules have in what averageOver() averages over, each once; a
+  /// module that has none may be missing.
+  void appendDataShares(const Eigen::Vector2d& position, const Window& window,
                         std::vector<DataShare>* shares) const;
 
   /// Whether a data module is white.
@@ -119,6 +141,17 @@ class TagPattern {
     int module;
     double within;
   };
+  /// What a Gaussian sees along one axis: shares of so many modules from the first on, which add up
+  /// to 1, and their derivatives by its middle.
+  struct Profile {
+    static constexpr int kMost = 32;
+    int first = 0;
+    int count = 0;
+    std::array<double, kMost> shares;
+    std::array<double, kMost> slopes;
+  };
+  Profile profileOf(double middle, double deviation) const;
+  White averageOverGaussian(const Eigen::Vector2d& middle, const Eigen::Vector2d& deviations) const;
   void compareNeighbours();
   Place placeOf(double coordinate) const;
   Area whiteAbove(const Place& x, const Place& y) const;

@@ -27,10 +27,15 @@ struct FrameEquations {
 /// what it errs by is shared.
 FrameEquations withMisplacement(const FrameEquations& marker, const PoseMatrix& misplacement);
 
-/// The equations with what is known beforehand: the prior of the pose, and that the camera's error
-/// is one of standard deviation 1 about zero. At a pose, and at the error that is assumed there.
+/// The equations with what is known beforehand: the prior of the pose, and that each part of the
+/// imaging error is one of standard deviation 1 about zero. At a pose, and at the error that is
+/// assumed there.
 FrameEquations withPriors(const FrameEquations& markers, const PosePrior& prior, const Pose& pose,
-                          const CameraError& error);
+                          const ImagingError& error);
+
+/// How many parts of the imaging error there are at all: the others are zero, since the camera is
+/// exact, or did not move.
+int possibleErrors(const ImagingError& error);
 
 /// The change that solves equations with their priors; nothing where they leave something open.
 std::optional<FrameVector> solutionOf(const FrameEquations& equations);

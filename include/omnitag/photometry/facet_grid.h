@@ -21,7 +21,7 @@ struct Facet {
   Eigen::Matrix2d by_pixel = Eigen::Matrix2d::Zero();
   FrameJacobian by_frame = FrameJacobian::Zero();
   /// What a pixel sees of the drawing: a parallelogram whose sides are the columns of `by_pixel`,
-  /// which the blur makes longer.
+  /// made longer by the lens's blur and swept along by the motion during the exposure.
   TagPattern::Window window;
 };
 
@@ -36,9 +36,8 @@ struct PixelBox {
 /// A marker's drawing cut into as many facets along either side, as they image from a pose.
 class FacetGrid {
  public:
-  /// `blur`: pixels, as MarkerPatch has it.
   FacetGrid(const Marker& marker, const TagPattern& pattern, const MountedCamera& camera,
-            const Pose& map_from_base, double blur, int facets_along);
+            const Pose& map_from_base, int facets_along);
 
   /// The facet of a position (modules); of one off the drawing, one of those nearest.
   const Facet& at(const Eigen::Vector2d& position) const {

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <limits>
+#include <memory>
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <vector>
@@ -49,11 +50,12 @@ struct MarkerPixel {
   int facet = 0;
 };
 
-/// Pixels of a marker and, for each of its facets, the derivative of the position on the drawing by
-/// what is unknown in a frame.
+/// Pixels of a marker and its facets.
 struct MarkerPixels {
   std::vector<MarkerPixel> pixels;
-  std::vector<FrameJacobian> by_frame;
+  std::shared_ptr<const FacetGrid> grid;
+
+  const std::vector<Facet>& facets() const { return grid->facets(); }
 
   /// For each facet, by how much the position on the drawing (modules) changes.
   std::vector<Eigen::Vector2d> positionChanges(const FrameVector& change) const;
@@ -82,10 +84,9 @@ class MarkerPatch {
   };
 
   /// `marker`, `pattern` and `camera` must outlive the patch. `map_from_base` says, to about a
-  /// pixel, where the marker images. `blur` is the standard deviation, in pixels, of the blur that
-  /// adds to the averaging over a pixel's area.
+  /// pixel, where the marker images.
   MarkerPatch(const Marker& marker, const TagPattern& pattern, const MountedCamera& camera,
-              const Pose& map_from_base, double blur, const Choice& choice);
+              const Pose& map_from_base, const Choice& choice);
 
   /// What the pixels see that see nothing but the drawing. Valid as long as the patch.
   std::vector<Footprint> footprints() const;
@@ -99,7 +100,7 @@ class MarkerPatch {
   /// As pixels() above, at a pose near the one of the constructor, where the camera's error is that
   /// much more. `lines` are the patch's.
   MarkerPixels pixels(const cv::Mat& panorama, const LinesOfSight& lines, const Pose& map_from_base,
-                      const CameraError& error_change) const;
+                      const ImagingError& error_change) const;
 
  private:
   /// Keeps at most so many of the pixels, evenly spread.
@@ -114,7 +115,7 @@ class MarkerPatch {
   const Marker& marker_;
   const TagPattern& pattern_;
   const MountedCamera& camera_;
-  FacetGrid facets_;
+  std::shared_ptr<const FacetGrid> facets_;
   /// From the pose of the constructor.
   std::vector<PixelPosition> places_;
 };

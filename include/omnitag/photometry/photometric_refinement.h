@@ -10,14 +10,12 @@
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/marker/tag_pattern.h"
 #include "omnitag/measurement/pose_prior.h"
+#include "omnitag/photometry/blur_equations.h"
 
 namespace omnitag {
 
 /// How a pose is aligned with the grey levels of the panorama.
 struct PhotometricConfig {
-  /// Pixels of the panorama: standard deviation of the blur that lens and sensor add to the
-  /// averaging over a pixel's area.
-  double blur = 0.0;
   /// Grey levels, the least that noise is taken for: grey levels are rounded, and no pattern is
   /// printed and lit as evenly as the model has it.
   double min_noise = 1.0;
@@ -35,7 +33,9 @@ struct PhotometricConfig {
 struct PhotometricFit {
   PoseEstimate map_from_base;
   /// What the camera seems to be off by.
-  CameraError camera_error = CameraError::Zero();
+  ImagingError imaging_error = ImagingError::Zero();
+  /// What the pixels say of the blur that the camera was taken to have.
+  BlurEquations blur;
   /// Standard deviations as the residuals tell them: grey levels on even ground, and pixels by
   /// which edges seem displaced by chance from pixel to pixel.
   double noise = 0.0;

@@ -38,11 +38,12 @@ struct Recognition {
   /// Whether they were displaced each for itself.
   bool is_stretched = false;
   /// Correlation of what its data modules should look like with the panorama, and what it has to
-  /// be at least.
+  /// be at least to be no other pattern, whatever the noise.
   double correlation = 0.0;
   double threshold = 1.0;
-
-  bool isAccepted() const { return correlation >= threshold; }
+  /// Whether it is the marker: by that, or since the panorama is that much likelier to show it than
+  /// another pattern, at the noise that either leaves.
+  bool is_accepted = false;
 };
 
 /// The correlation that a random pattern, which varies in `dimensions` independent ways, reaches
@@ -64,6 +65,6 @@ double largestMargin(const PredictedMarker& predicted, const TagPattern& pattern
 std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& marker,
                                      const TagPattern& pattern, const MountedCamera& camera,
                                      const Pose& map_from_base, const PredictedMarker& predicted,
-                                     double blur, const RecognitionConfig& config);
+                                     const RecognitionConfig& config);
 
 }  // namespace omnitag

@@ -37,23 +37,37 @@ struct AssembledFrame {
 class FrameAssembler {
  public:
   /// Images must be as large as the camera file says.
-  FrameAssembler(std::string camera_origin, const ImageSize& image_size, FrameNames frames);
+  FrameAssembler(std::string camera_origin, const ImageSize& image_size, FrameNames frames,
+                 const ShutterConfig& shutter = {});
 
   /// Throws InputError for an image of another size or without a stamp or frame_id.
   void check(const cv_bridge::CvImage& image) const;
 
-  /// Whether tf has all that `assemble` looks up for such an image.
+  /// Whether tf has all that `assemble` looks up for such an image: odometry until the last row is
+  /// exposed.
   bool hasTransforms(const std_msgs::Header& header, const tf2::BufferCore& transforms) const;
 
   /// Throws what `check` throws, and TransformError where the camera's mounting is not known at the
-  /// stamp. A frame without its odometry is still a frame.
+  /// stamp. A frame without its odometry is still a frame. Where odometry ends before the last row
+  /// is exposed, the base is taken to go on as it did before.
   AssembledFrame assemble(const cv_bridge::CvImageConstPtr& image,
                           const tf2::BufferCore& transforms) const;
 
  private:
+  /// s after the stamp of an image.
+  struct Interval {
+    double begin;
+    double end;
+  };
+  /// In which the rows are exposed, made long enough for odometry to tell a velocity.
+  Interval exposedInterval() const;
+  std::optional<PoseVector> velocity(const ros::Time& stamp,
+                                     const tf2::BufferCore& transforms) const;
+
   std::string camera_origin_;
   ImageSize image_size_;
   FrameNames frames_;
+  ShutterConfig shutter_;
 };
 
 }  // namespace omnitag

@@ -84,6 +84,7 @@ class HealthMonitor {
   Subject parent_;
   Subject late_;
   Subject localization_;
+  Subject advice_;
   Subject marker_map_;
   DisplacementLog displacements_;
   Clock::time_point last_report_;

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "omnitag/localization/advice.h"
 #include "omnitag/localization/localizer.h"
 #include "omnitag/ros/camera_info.h"
 #include "omnitag/ros/frame_assembler.h"
@@ -82,6 +83,7 @@ class ImageLocalizer {
   MarkerMap map_;
   FrameAssembler assembler_;
   std::optional<MarkerMapper> mapper_;
+  Advisor advisor_;
   std::unique_ptr<Localizer> localizer_;
   std::function<void(Localizer*)> request_;
   StampTimeline timeline_;

@@ -42,7 +42,7 @@ MapBuilderConfig builderConfig(const BuildOptions& options, const LocalizerParam
   }
   config.estimates_sizes = options.estimates_sizes;
   config.corner_noise = parameters.mapper.corner_noise;
-  config.blur = parameters.localizer.estimation.photometric.blur;
+  config.blur = parameters.localizer.estimation.blur;
   config.relocalization = parameters.localizer.relocalization;
   config.motion = parameters.localizer.motion;
   return config;

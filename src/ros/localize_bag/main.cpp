@@ -33,6 +33,8 @@ struct Summary {
   std::size_t markers = 0;
   std::vector<double> milliseconds;
   std::string first_problem;
+  /// As of the last frame.
+  std::vector<std::string> advice;
 
   void add(const LocalizedImage& localized) {
     ++frames;
@@ -40,6 +42,7 @@ struct Summary {
     without_odometry += localized.input.odometry_problem.empty() ? 0 : 1;
     markers += static_cast<std::size_t>(localized.result.acceptedMarkers());
     milliseconds.push_back(1e3 * localized.result.timings.total);
+    advice = localized.result.advice;
   }
 };
 
@@ -64,6 +67,8 @@ void print(const Summary& summary, std::uint64_t late) {
   if (summary.without_odometry > 0) {
     std::printf("without odometry:  %zu\n", summary.without_odometry);
   }
+  for (const std::string& line : summary.advice)
+    std::printf("advice:            %s\n", line.c_str());
   if (late > 0) std::printf("late, left out:    %llu\n", static_cast<unsigned long long>(late));
 }
 

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "omnitag/camera/camera_model.h"
+#include "omnitag/localization/frame_result.h"
+#include "omnitag/marker/marker_map.h"
+
+namespace omnitag {
+
+/// Says in words what most likely is wrong with a robot's files and settings, and what to do, where
+/// its images show it again and again.
+class Advisor {
+ public:
+  void add(const FrameResult& result, const MarkerMap& map, const CameraModel& camera);
+
+  /// One line each; none where all is as the files say.
+  std::vector<std::string> lines() const;
+
+ private:
+  /// A mean over the last images.
+  class Mean {
+   public:
+    void add(double value) {
+      constexpr double kRemembered = 0.95;
+      weight_ = kRemembered * weight_ + 1.0;
+      sum_ = kRemembered * sum_ + value;
+    }
+    /// 0 as long as there are few.
+    double value() const {
+      constexpr double kFew = 8.0;
+      return weight_ < kFew ? 0.0 : sum_ / weight_;
+    }
+
+   private:
+    double weight_ = 0.0;
+    double sum_ = 0.0;
+  };
+
+  Mean excess_;
+  /// m, by which markers are off the pose that was found.
+  Mean misplacement_;
+  /// Pixels, by which the image seems off at the rim, and standard deviations of that.
+  Mean rim_error_;
+  Mean rim_deviations_;
+  Mean blur_;
+  ImageExposure exposure_ = ImageExposure::kGood;
+  std::optional<double> lag_;
+};
+
+}  // namespace omnitag
