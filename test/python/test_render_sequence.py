@@ -237,7 +237,7 @@ class ShippedExperimentTest(unittest.TestCase):
         frames = read_route(os.path.join(ROOT, "worlds", "paper_route.csv"), world.start)
         self.assertEqual(len(frames), 66)
         self.assertEqual(len(world.marker_map.markers), 17)
-        stamps, x, y, yaw, _ = np.array(frames).T
+        stamps, x, y, yaw, *_ = np.array(frames).T
         np.testing.assert_allclose(np.diff(stamps), 0.25e9)
         self.assertLessEqual(np.hypot(np.diff(x), np.diff(y)).max(), 0.25)
         self.assertLessEqual(np.abs(np.diff(np.unwrap(yaw))).max(), np.radians(12.0))

@@ -172,3 +172,22 @@ def _tabulated_mirror(entry: Mapping) -> TabulatedMirror:
     if rim_radius > samples[-1][0]:
         raise entry["rim_radius"].error(f"at most {samples[-1][0]:g}, where the samples end")
     return TabulatedMirror(positive(entry["apex_distance"]), rim_radius, tuple(samples))
+
+
+def rim_shares(camera: Camera) -> np.ndarray:
+    """(height, width): each pixel's distance off the axis as a share of the rim's, at most 1.
+
+    The rim is the mirror's, or where a fisheye's image ends.
+    """
+    lens = camera.lens
+    u, v = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
+    distances = np.hypot((u - lens.cx) / lens.fx, (v - lens.cy) / lens.fy)
+    return np.minimum(distances / rim_distance(camera), 1.0)
+
+
+def rim_distance(camera: Camera) -> float:
+    """Of the rim from the axis in the image, for a focal length of 1."""
+    if isinstance(camera, FisheyeCamera):
+        return camera.max_angle
+    mirror = camera.mirror
+    return float(mirror.rim_radius / (mirror.apex_distance + mirror.sag(mirror.rim_radius)))
