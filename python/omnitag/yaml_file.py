@@ -105,7 +105,8 @@ class Value:
         if not keys:
             return Value(self._key, value)
         if not self.is_mapping():
-            raise self.error("a mapping of keys to values")
+            raise Value(self._join(keys[0]), value).error("a key of a mapping",
+                                                          "one of " + self._describe())
         old = [pair for pair in self._node.value if pair[0].value == keys[0]]
         inner = Value(self._join(keys[0]), old[0][1] if old else _empty_mapping(value))
         key = yaml.ScalarNode(_STRING, keys[0], value.start_mark, value.end_mark)

@@ -2,18 +2,20 @@
 
 import hashlib
 import os
-from concurrent.futures import Future, ThreadPoolExecutor
-from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from collections import Counter
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from typing import Callable, Dict, Iterator, NamedTuple, Optional, Sequence, Tuple
 
 import cv2
 import numpy as np
 
-from omnitag.rendering.camera import Camera, canvas_of
+from omnitag.rendering.camera import Camera, canvas_of, finer
 from omnitag.rendering.optics import camera_scene
 from omnitag.rendering.path import SmoothPath
 from omnitag.rendering.povray import DEFAULT_SAMPLES, render
 from omnitag.rendering.route import Frame
 from omnitag.rendering.scene import marker_bitmaps, shapes_scene, world_scene
+from omnitag.rendering.turning import FINENESS
 from omnitag.rendering.world import World, present
 
 
@@ -32,44 +34,50 @@ def render_frames(world: World, camera: Camera, frames: Sequence[Frame],
                   path: Optional[SmoothPath] = None) -> Iterator[np.ndarray]:
     """The light of each frame, (height, width) with 1 where white, in the order of the frames.
 
-    The robot moves along `path`, by default through these frames alone. Frames that see the same
-    are rendered once; those whose light is in the directory `light` are not rendered again. Pixels
-    on an edge are the mean of `samples` by `samples` rays.
+    Where the world's camera turns, the light is FINENESS times as large. The robot moves along
+    `path`, by default through these frames alone. Frames that see the same are rendered once; those
+    whose light is in the directory `light` are not rendered again. Pixels on an edge are the mean
+    of `samples` by `samples` rays.
     """
+    if world.effects.turn:
+        camera = finer(camera, FINENESS)
     bitmaps = marker_bitmaps(world.hung_markers.ever(), world.boards)
     path = path or SmoothPath(frames)
 
     def frame_light(parts: Tuple[SubFrame, ...]) -> np.ndarray:
         def render_parts() -> np.ndarray:
-            return exposed_light(camera, parts, bitmaps, samples)
+            return exposed_light(camera, parts, bitmaps, samples, renderers)
         if light is None:
             return render_parts()
         return kept_light(os.path.join(light, _light_name(camera, parts, bitmaps, samples)),
                           render_parts)
 
-    executor = ThreadPoolExecutor(jobs)
-    rendered: Dict[Tuple[SubFrame, ...], Future] = {}
-    images: List[Future] = []
+    exposures = [sub_frames(world, camera, frame, path) for frame in frames]
+    uses = Counter(exposures)
+    # A frame waits for the renderers of its moments.
+    executor, renderers = ThreadPoolExecutor(jobs), ThreadPoolExecutor(jobs)
+    images = {exposure: executor.submit(frame_light, exposure) for exposure in uses}
     try:
-        for frame in frames:
-            parts = sub_frames(world, camera, frame, path)
-            if parts not in rendered:
-                rendered[parts] = executor.submit(frame_light, parts)
-            images.append(rendered[parts])
-        for image in images:
-            yield image.result()
+        for exposure in exposures:
+            yield images[exposure].result()
+            uses[exposure] -= 1
+            if not uses[exposure]:
+                del images[exposure]
     finally:
-        for image in images:
+        for image in images.values():
             image.cancel()
         executor.shutdown()
+        renderers.shutdown()
 
 
 def sub_frames(world: World, camera: Camera, frame: Frame,
                path: SmoothPath) -> Tuple[SubFrame, ...]:
     """The moments of a frame's exposure; those that see the same are one."""
     shutter = world.shutter
-    moments = shutter.moments(camera.height)
-    weights = shutter.weights(camera.height)
+    fineness = FINENESS if world.effects.turn else 1
+    height = camera.height // fineness
+    moments = shutter.moments(height)
+    weights = np.repeat(shutter.weights(height), fineness, axis=0)
     # What stands in the room for a while is there or not for a whole image.
     base_from_camera = world.mounting.base_from_camera
     moment = frame.stamp - world.start
@@ -88,20 +96,24 @@ def sub_frames(world: World, camera: Camera, frame: Frame,
 
 
 def exposed_light(camera: Camera, parts: Sequence[SubFrame], bitmaps: Dict[str, np.ndarray],
-                  samples: int) -> np.ndarray:
+                  samples: int, renderers: Executor) -> np.ndarray:
     """The light of all moments of an exposure, each rendered only where it is in the image."""
     canvas = canvas_of(camera)
     part = (slice(canvas.top, canvas.top + camera.height),
             slice(canvas.left, canvas.left + camera.width))
+
+    def start(scene: str, rows: Optional[range] = None) -> "Future[np.ndarray]":
+        return renderers.submit(render, scene, bitmaps, canvas.width, canvas.height, samples, rows)
+
     if len(parts) == 1:
-        return render(parts[0].scene, bitmaps, canvas.width, canvas.height, samples)[part]
-    light = np.zeros((camera.height, camera.width))
+        return start(parts[0].scene).result()[part]
+    images = []
     for scene, weights in parts:
         exposed = np.flatnonzero(weights)
-        rows = range(canvas.top + int(exposed[0]), canvas.top + int(exposed[-1]) + 1)
-        image = render(scene, bitmaps, canvas.width, canvas.height, samples, rows)[part]
-        light += np.array(weights)[:, None] * image
-    return light
+        images.append(start(scene, range(canvas.top + int(exposed[0]),
+                                         canvas.top + int(exposed[-1]) + 1)))
+    return sum(np.array(weights)[:, None] * image.result()[part]
+               for (_, weights), image in zip(parts, images))
 
 
 def kept_light(path: str, render_light: Callable[[], np.ndarray]) -> np.ndarray:

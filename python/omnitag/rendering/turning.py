@@ -3,7 +3,11 @@
 import cv2
 import numpy as np
 
-from omnitag.rendering.camera import Camera, rim_distance
+from omnitag.rendering.camera import Camera, finer, rim_distance
+
+# The light that is turned has this many pixels along each edge of an image's pixel: between pixels
+# as wide as an edge is sharp, nothing can be interpolated well.
+FINENESS = 2
 
 _LARGEST_STEP = 0.25  # px, of what is on the rim
 
@@ -11,15 +15,17 @@ _LARGEST_STEP = 0.25  # px, of what is on the rim
 def turned(light: np.ndarray, camera: Camera, turn: float) -> np.ndarray:
     """The mean over all turns from -turn/2 to turn/2 rad of the camera about its axis.
 
+    `light` is FINENESS times as large as the camera's image, which is returned.
     Every model that is rendered is symmetric about the axis: its image turns about the principal
     point, in units of the focal lengths.
     """
     lens = camera.lens
-    count = int(np.ceil(abs(turn) * rim_distance(camera) * max(lens.fx, lens.fy) / _LARGEST_STEP))
+    way = abs(turn) * rim_distance(camera) * max(lens.fx, lens.fy)
+    count = int(np.ceil(way / _LARGEST_STEP))
     total = np.zeros_like(light)
     for angle in turn * ((np.arange(count) + 0.5) / count - 0.5):
-        total += _turned_once(light, camera, angle)
-    return total / count if count else light
+        total += _turned_once(light, finer(camera, FINENESS), angle)
+    return cv2.resize(total / count, (camera.width, camera.height), interpolation=cv2.INTER_AREA)
 
 
 def _turned_once(light: np.ndarray, camera: Camera, angle: float) -> np.ndarray:
