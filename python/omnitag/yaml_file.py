@@ -3,7 +3,7 @@
 import io
 import math
 import re
-from typing import Dict, Iterator, List, Optional, Sequence
+from typing import Dict, Iterator, List, Optional, Sequence, Tuple
 
 import yaml
 
@@ -34,6 +34,10 @@ class Value:
         key = self._key + ": " if self._key else ""
         return InputError("{}: {}expected {}, found {}".format(
             _place(self._node), key, expected, found or self._describe()))
+
+    def span(self) -> Tuple[int, int]:
+        """Where it stands in its text: first character and the one behind the last."""
+        return self._node.start_mark.index, self._node.end_mark.index
 
     def text(self) -> str:
         """A string that is not empty."""

@@ -11,6 +11,8 @@ from omnitag.yaml_file import Mapping, Value, read_yaml
 
 CONIC_CONSTANTS = {"spherical": 0.0, "parabolic": -1.0}
 PROFILES = ("spherical", "parabolic", "hyperbolic", "aspheric", "tabulated")
+CAMERA_KEYS = ("model", "image", "uncertainty", "lens", "mirror", "xi", "distortion", "max_angle",
+               "calibration_file", "through_mirror")
 CONIC_KEYS = ("profile", "radius_of_curvature", "conic_constant", "apex_distance", "rim_radius")
 MINIMUM_SAMPLES = 4
 
@@ -60,8 +62,7 @@ class Canvas(NamedTuple):
 
 def load_camera(path: str) -> Camera:
     """Read a camera file; raises InputError naming file, line and key."""
-    root = read_yaml(path).mapping(("model", "image", "uncertainty", "lens", "mirror", "xi", "distortion",
-                                    "max_angle", "calibration_file", "through_mirror"))
+    root = read_yaml(path).mapping(CAMERA_KEYS)
     model = root["model"].text()
     if model == "catadioptric":
         root = read_yaml(path).mapping(("model", "image", "uncertainty", "lens", "mirror"))
