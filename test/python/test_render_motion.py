@@ -164,8 +164,8 @@ class SmoothOdometryTest(unittest.TestCase):
         frames = curve(6, (3,))
         path = SmoothPath(frames)
         lead, tail = 20 * MILLISECOND, 40 * MILLISECOND
-        samples = sum(odometry_samples(Odometry(rate=100.0), frames, range(6), path, lead, tail),
-                      [])
+        samples = sum(odometry_samples(Odometry(rate=100.0, lean=True), frames, range(6), path,
+                                       lead, tail), [])
         poses = {(s.stamp - frames[2].stamp) // MILLISECOND:
                  upright_transform([s.x, s.y, 0.0], s.yaw) for s in samples}
         for times, frame in (((0, 10, 40), frames[2]), ((230, 240, 250), frames[3])):
@@ -177,6 +177,8 @@ class SmoothOdometryTest(unittest.TestCase):
                                            np.linalg.inv(truths[0]) @ truths[1], atol=1e-9)
         for time in (50, 150, 220, 230):
             np.testing.assert_allclose(poses[time], poses[40], atol=1e-12)
+        leans = {(s.stamp - frames[2].stamp) // MILLISECOND: s[4:] for s in samples}
+        self.assertEqual(leans[220], leans[40])
 
 
 class ShutterTest(FileTest):

@@ -122,7 +122,8 @@ class _Wheels:
         # The pose at the stamp is where the rest and the way from there lead.
         first = self._path.pose(after, after.stamp - lead)
         end = _moved(rest, self._scaled(_true_motion(first, after)))
-        still = [self.sample(after, before.stamp + time, rest)
+        standing = self.sample(before, before.stamp + tail, rest)
+        still = [standing._replace(stamp=before.stamp + time)
                  for time in self._ticks(0, duration)[1:-1] if tail < time < duration - lead]
         return (behind + still + self.about(after, end, -lead, 0)
                 + [self.sample(after, after.stamp, end)])
