@@ -49,7 +49,8 @@ def render(scene: str, bitmaps: Dict[str, np.ndarray], width: int, height: int,
     the mean of `samples` by `samples` rays. Where `rows` are given, the others stay black.
     """
     # A pixel is compared with its neighbours to see whether it is on an edge.
-    first, end = (0, height) if rows is None else (max(rows.start - 2, 0), min(rows.stop + 2, height))
+    rows = rows or range(height)
+    first, end = max(rows.start - 2, 0), min(rows.stop + 2, height)
     with tempfile.TemporaryDirectory(prefix="omnitag_render_") as directory:
         with open(os.path.join(directory, "scene.pov"), "w", encoding="ascii") as file:
             file.write(scene)
@@ -60,7 +61,7 @@ def render(scene: str, bitmaps: Dict[str, np.ndarray], width: int, height: int,
         command = ["povray", *_OPTIONS, "Input_File_Name=scene.pov", "Output_File_Name=image.png",
                    f"Width={width}", f"Height={height}", f"Antialias_Depth={samples}",
                    f"Render_Block_Size={max(width, height)}"]
-        if rows is not None:
+        if end - first < height:
             command += [f"Start_Row={first + 1}", f"End_Row={end}"]
         try:
             result = subprocess.run(command, cwd=directory, stdin=subprocess.DEVNULL,

@@ -11,7 +11,7 @@ KEYS = ("exposure_time", "row_readout_time", "image_time_offset", "sub_frame_int
 
 
 class Shutter(NamedTuple):
-    """Seconds. The middle of row v's exposure is at stamp + image_time_offset + v row_readout_time."""
+    """Row v's exposure has its middle at stamp + image_time_offset + v row_readout_time; seconds."""
 
     exposure_time: float = 0.0
     row_readout_time: float = 0.0
