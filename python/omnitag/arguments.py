@@ -32,6 +32,14 @@ def positive(text: str) -> float:
     return number
 
 
+def real(text: str) -> float:
+    """A finite number."""
+    number = _real(text)
+    if not math.isfinite(number):
+        raise argparse.ArgumentTypeError(f"expected a finite number, found '{text}'")
+    return number
+
+
 def _real(text: str) -> float:
     try:
         return float(text)

@@ -1,13 +1,18 @@
 """YAML files whose errors name file, line and key."""
 
+import io
 import math
 import re
-from typing import Dict, Iterator, List, Optional, Sequence
+from typing import Dict, Iterator, List, Optional, Sequence, Tuple
 
 import yaml
 
 from omnitag.command_line import InputError
 
+SETTING = "--set"
+"""The option of the command line whose values stand in for those of a file."""
+
+_STRING, _MAPPING = "tag:yaml.org,2002:str", "tag:yaml.org,2002:map"
 _INTEGER = re.compile(r"[-+]?(0|[1-9][0-9]*)")
 # A zero before other digits: octal to YAML 1.1, decimal to YAML 1.2.
 _AMBIGUOUS = re.compile(r"[-+]?0[0-9]+")
@@ -20,16 +25,19 @@ class Value:
     repeated key goes unnoticed in them, and `1e-3` is a string to PyYAML.
     """
 
-    def __init__(self, path: str, key: str, node: yaml.Node) -> None:
-        self._path = path
+    def __init__(self, key: str, node: yaml.Node) -> None:
         self._key = key
         self._node = node
 
     def error(self, expected: str, found: Optional[str] = None) -> InputError:
         """The error to raise at this place; `found` describes the value unless given."""
         key = self._key + ": " if self._key else ""
-        return InputError("{}:{}: {}expected {}, found {}".format(
-            self._path, self._node.start_mark.line + 1, key, expected, found or self._describe()))
+        return InputError("{}: {}expected {}, found {}".format(
+            _place(self._node), key, expected, found or self._describe()))
+
+    def span(self) -> Tuple[int, int]:
+        """Where it stands in its text: first character and the one behind the last."""
+        return self._node.start_mark.index, self._node.end_mark.index
 
     def text(self) -> str:
         """A string that is not empty."""
@@ -40,6 +48,10 @@ class Value:
     def is_mapping(self) -> bool:
         """Whether `mapping` can read it."""
         return isinstance(self._node, yaml.MappingNode)
+
+    def is_list(self) -> bool:
+        """Whether `items` can read it."""
+        return isinstance(self._node, yaml.SequenceNode)
 
     def is_integer(self) -> bool:
         """Whether `integer` can read it."""
@@ -72,9 +84,9 @@ class Value:
 
     def items(self, expected: str = "a list") -> "Iterator[Value]":
         """The elements of a list."""
-        if not isinstance(self._node, yaml.SequenceNode):
+        if not self.is_list():
             raise self.error(expected)
-        return (Value(self._path, "{}[{}]".format(self._key, index), node)
+        return (Value("{}[{}]".format(self._key, index), node)
                 for index, node in enumerate(self._node.value))
 
     def mapping(self, keys: Sequence[str]) -> "Mapping":
@@ -84,13 +96,28 @@ class Value:
         values = {}
         for key_node, node in self._node.value:
             name = key_node.value if isinstance(key_node, yaml.ScalarNode) else "a key of parts"
-            at_key = Value(self._path, self._join(name), key_node)
+            at_key = Value(self._join(name), key_node)
             if name not in keys:
                 raise at_key.error("one of the keys " + ", ".join(keys), "this unknown key")
             if name in values:
                 raise at_key.error("each key once", "it again")
-            values[name] = Value(self._path, self._join(name), node)
+            values[name] = Value(self._join(name), node)
         return Mapping(self, values)
+
+    def with_key(self, keys: Sequence[str], value: yaml.Node) -> "Value":
+        """This mapping with `value` at the place that `keys` lead to, which may be new."""
+        if not keys:
+            return Value(self._key, value)
+        if not self.is_mapping():
+            raise Value(self._join(keys[0]), value).error("a key of a mapping",
+                                                          "one of " + self._describe())
+        old = [pair for pair in self._node.value if pair[0].value == keys[0]]
+        inner = Value(self._join(keys[0]), old[0][1] if old else _empty_mapping(value))
+        key = yaml.ScalarNode(_STRING, keys[0], value.start_mark, value.end_mark)
+        pairs = [pair for pair in self._node.value if pair not in old]
+        pairs.append((key, inner.with_key(keys[1:], value)._node))
+        return Value(self._key, yaml.MappingNode(_MAPPING, pairs, self._node.start_mark,
+                                                 self._node.end_mark))
 
     def _join(self, name: str) -> str:
         return "{}.{}".format(self._key, name) if self._key else name
@@ -99,7 +126,7 @@ class Value:
         return isinstance(self._node, yaml.ScalarNode) and self._node.style is None
 
     def _describe(self) -> str:
-        if isinstance(self._node, yaml.SequenceNode):
+        if self.is_list():
             return "a list"
         if self.is_mapping():
             return "a mapping"
@@ -130,6 +157,20 @@ class Mapping:
         """This mapping, completed by the keys that only `base` has."""
         return Mapping(self._place, {**base._values, **self._values})
 
+    def with_setting(self, setting: str, known: Sequence[str]) -> "Mapping":
+        """This mapping with what `KEY=VALUE` says; KEY joins the keys, of `known` first, by dots.
+
+        Raises InputError where it says nothing.
+        """
+        name, _, text = setting.partition("=")
+        node = _compose_setting(setting, text)
+        first, *others = name.strip().split(".")
+        if first not in known:
+            raise Value(first, node).error("one of the keys " + ", ".join(known),
+                                           "this unknown key")
+        value = self._values.get(first, Value(first, _empty_mapping(node)))
+        return Mapping(self._place, {**self._values, first: value.with_key(others, node)})
+
     def error(self, expected: str, found: str) -> InputError:
         """The error to raise about the mapping as a whole."""
         return self._place.error(expected, found)
@@ -149,4 +190,27 @@ def read_yaml(path: str) -> Value:
         raise InputError("{}: cannot be read: {}".format(path, error.strerror))
     if node is None:
         raise InputError("{}: expected YAML, found an empty file".format(path))
-    return Value(path, "", node)
+    return Value("", node)
+
+
+def _compose_setting(setting: str, text: str) -> yaml.Node:
+    stream = io.StringIO(text)
+    stream.name = SETTING
+    try:
+        node = yaml.compose(stream, Loader=yaml.SafeLoader)
+    except yaml.YAMLError:
+        node = None
+    if node is None:
+        raise InputError("{}: expected KEY=VALUE with a value as in YAML, found '{}'".format(
+            SETTING, setting))
+    return node
+
+
+def _empty_mapping(origin: yaml.Node) -> yaml.MappingNode:
+    return yaml.MappingNode(_MAPPING, [], origin.start_mark, origin.end_mark)
+
+
+def _place(node: yaml.Node) -> str:
+    """Where it stands: file and line, or the command line's option."""
+    mark = node.start_mark
+    return mark.name if mark.name == SETTING else "{}:{}".format(mark.name, mark.line + 1)

@@ -27,7 +27,7 @@ def turning(count: int) -> list:
 
 def at_frames(odometry: Odometry, frames: list, first_row: int = 0) -> np.ndarray:
     rows = range(first_row, first_row + len(frames))
-    return np.array([samples[-1][1:] for samples in odometry_samples(odometry, frames, rows)])
+    return np.array([samples[-1][1:4] for samples in odometry_samples(odometry, frames, rows)])
 
 
 def motions(poses: np.ndarray) -> np.ndarray:

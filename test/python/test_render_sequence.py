@@ -9,7 +9,9 @@ import cv2
 import numpy as np
 import rosbag
 from omnitag.command_line import InputError
+from omnitag.marker_map import rotation_from_quaternion
 from omnitag.rendering.camera import canvas_of, load_camera
+from omnitag.rendering.poses import leaning_transform
 from omnitag.rendering.route import read_route
 from omnitag.rendering.world import load_world
 from omnitag.trajectory import read_trajectory
@@ -62,6 +64,10 @@ lens: {fx: 20, fy: 20, cx: 30.5, cy: 23}
 distortion: [0, 0, 0, 0]
 max_angle: 1.6
 """
+
+
+def values(message, names):
+    return [getattr(message, name) for name in names]
 
 
 class FisheyeFileTest(FileTest):
@@ -186,6 +192,57 @@ class RenderSequenceTest(FileTest):
         self.assertNotEqual(seeded[1], noisy[1])
         self.assertEqual(mapped, (*plain[:2], "other"))
 
+    def test_truth_has_six_numbers(self):
+        self.route = self.write("route.csv", "stamp,x,y,yaw,z,roll,pitch\n0,0,0,0.4,0.1,0.2,-0.1\n"
+                                "0.25,0.1,0,0.5,0.1,0.2,-0.1\n")
+        result = self.render("--set", "floor.constant_lean=[0.01, 0.02]", "--set",
+                             "floor.constant_height=0.3", "--set", "odometry.lean=true")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        expected = leaning_transform([0.1, 0.0, 0.4], 0.5, 0.21, -0.08)
+        reference = read_trajectory(self.path("out.tum"))
+        pose = self.messages("/ground_truth/pose")[1].pose
+        transform = self.messages("/tf")[-1].transforms[0].transform
+        # Of the odometry, as seen from the first pose in the plane.
+        seen = np.linalg.inv(leaning_transform([0, 0, 0], 0.4, 0.0, 0.0)) @ expected
+        for position, orientation, truth in (
+                (reference.positions[1], reference.orientations[1], expected),
+                (values(pose.position, "xyz"), values(pose.orientation, "xyzw"), expected),
+                (values(transform.translation, "xyz"), values(transform.rotation, "xyzw"), seen)):
+            np.testing.assert_allclose(position, truth[:3, 3], atol=1e-8)
+            np.testing.assert_allclose(rotation_from_quaternion(np.array(orientation)),
+                                       truth[:3, :3], atol=1e-8)
+
+    def test_image_comes_when_its_last_row_is_exposed(self):
+        result = self.render("--frames", "0:2", "--set", "images.row_readout_time=0.001", "--set",
+                             "images.exposure_time=0.01", "--set", "images.sub_frame_interval=0.1",
+                             "--set", "odometry.rate=50")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with rosbag.Bag(self.path("out.bag")) as bag:
+            received = [(message.header.stamp.to_nsec(), stamp.to_nsec()) for _, message, stamp in
+                        bag.read_messages("/camera/image/compressed")]
+        self.assertEqual(received, [(stamp, stamp + 52000000)
+                                    for stamp in (100500000000, 100750000000)])
+        stamps = [message.transforms[0].header.stamp.to_nsec() // 10**6 - 100500
+                  for message in self.messages("/tf")]
+        self.assertEqual(stamps[:4], [-5, 0, 20, 40])
+        self.assertEqual(stamps[-4:], [250, 270, 290, 302])
+
+    def test_kept_light_serves_all_that_follows_it(self):
+        light = self.path("light")
+        images = []
+        for settings in ((), ("--set", "images.gain=0.5"), ("--set", "images.turn=0.05"),
+                         ("--set", "floor.constant_height=0.2")):
+            result = self.render("--frames", "0:1", "--light", light, *settings)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            images.append(self.messages("/camera/image/compressed")[0].data)
+        self.assertEqual(len(set(images)), 4)
+        self.assertEqual(len(os.listdir(light)), 3)
+
+    def test_wrong_setting(self):
+        self.assert_refused(self.render("--set", "images.blurr=1"), "--set: images.blurr",
+                            "unknown key")
+        self.assertFalse(os.path.exists(self.path("out.bag")))
+
     def refused_world(self, old, new, *parts):
         self.world = self.write("world.yaml", WORLD.replace(old, new))
         self.assert_refused(self.render(), "world.yaml:", *parts)
@@ -237,7 +294,7 @@ class ShippedExperimentTest(unittest.TestCase):
         frames = read_route(os.path.join(ROOT, "worlds", "paper_route.csv"), world.start)
         self.assertEqual(len(frames), 66)
         self.assertEqual(len(world.marker_map.markers), 17)
-        stamps, x, y, yaw, _ = np.array(frames).T
+        stamps, x, y, yaw, *_ = np.array(frames).T
         np.testing.assert_allclose(np.diff(stamps), 0.25e9)
         self.assertLessEqual(np.hypot(np.diff(x), np.diff(y)).max(), 0.25)
         self.assertLessEqual(np.abs(np.diff(np.unwrap(yaw))).max(), np.radians(12.0))

@@ -11,7 +11,7 @@ from omnitag.rendering.mirror import ConicMirror, TabulatedMirror
 from omnitag.rendering.optics import camera_scene
 from omnitag.rendering.povray import matrix, render
 from omnitag.rendering.scene import marker_bitmaps, marker_scene
-from omnitag.rendering.sequence import grey_levels
+from omnitag.rendering.effects import grey_levels
 from omnitag.rendering.world import Boards, Material
 from omnitag.tag_bitmap import tag_bitmap
 

@@ -2,7 +2,7 @@
 
 import contextlib
 import os
-from typing import Iterator
+from typing import Iterable, Iterator, Optional
 
 import cv2
 import genpy
@@ -13,7 +13,8 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from tf2_msgs.msg import TFMessage
 
 from omnitag.rendering.camera import FisheyeCamera
-from omnitag.rendering.odometry import Sample
+from omnitag.rendering.odometry import Odometry, Sample
+from omnitag.rendering.poses import leaning_quaternion
 from omnitag.rendering.world import Mounting
 
 IMAGE_TOPIC = "/camera/image"
@@ -59,19 +60,20 @@ class SequenceBag:
         self._bag.write("/tf_static", TFMessage([transform]), _time(stamp),
                         connection_header=header)
 
-    def write_odometry(self, frame_id: str, sample: Sample) -> None:
-        """The transform from base_link to the odometry frame; in the bag before its image."""
-        transform = TransformStamped()
-        transform.header.stamp = _time(sample.stamp)
-        transform.header.frame_id = frame_id
-        transform.child_frame_id = BASE_FRAME
-        _assign(transform.transform.translation, "xy", (sample.x, sample.y))
-        _assign(transform.transform.rotation, "zw",
-                (np.sin(0.5 * sample.yaw), np.cos(0.5 * sample.yaw)))
-        # The order of what was received in the same nanosecond is left to the reader.
-        self._bag.write("/tf", TFMessage([transform]), _time(max(sample.stamp - 1, 0)))
+    def write_odometry(self, odometry: Optional[Odometry], samples: Iterable[Sample]) -> None:
+        """Transforms from base_link to the odometry frame; in the bag before an image of then."""
+        for sample in samples:
+            transform = TransformStamped()
+            transform.header.stamp = _time(sample.stamp)
+            transform.header.frame_id = odometry.frame_id
+            transform.child_frame_id = BASE_FRAME
+            _assign(transform.transform.translation, "xyz", (sample.x, sample.y, sample.z))
+            _assign(transform.transform.rotation, "xyzw",
+                    leaning_quaternion(sample.yaw, sample.roll, sample.pitch))
+            # The order of what was received in the same nanosecond is left to the reader.
+            self._bag.write("/tf", TFMessage([transform]), _time(max(sample.stamp - 1, 0)))
 
-    def write_image(self, pixels: np.ndarray, frame_id: str, stamp: int) -> None:
+    def write_image(self, pixels: np.ndarray, frame_id: str, stamp: int, received: int) -> None:
         """An 8-bit grey image."""
         message = Image() if self._encoding == "raw" else CompressedImage()
         message.header.stamp = _time(stamp)
@@ -80,11 +82,11 @@ class SequenceBag:
             message.height, message.width = pixels.shape
             message.encoding, message.step = "mono8", pixels.shape[1]
             message.data = pixels.tobytes()
-            self._bag.write(IMAGE_TOPIC, message, message.header.stamp)
+            self._bag.write(IMAGE_TOPIC, message, _time(received))
             return
         message.format = f"mono8; {self._encoding} compressed mono8"
         message.data = self._compress(pixels)
-        self._bag.write(IMAGE_TOPIC + "/compressed", message, message.header.stamp)
+        self._bag.write(IMAGE_TOPIC + "/compressed", message, _time(received))
 
     def write_camera_info(self, camera: FisheyeCamera, frame_id: str, stamp: int) -> None:
         """What a driver says of a calibrated fisheye, beside its image."""

@@ -11,6 +11,8 @@ from omnitag.yaml_file import Mapping, Value, read_yaml
 
 CONIC_CONSTANTS = {"spherical": 0.0, "parabolic": -1.0}
 PROFILES = ("spherical", "parabolic", "hyperbolic", "aspheric", "tabulated")
+CAMERA_KEYS = ("model", "image", "uncertainty", "lens", "mirror", "xi", "distortion", "max_angle",
+               "calibration_file", "through_mirror")
 CONIC_KEYS = ("profile", "radius_of_curvature", "conic_constant", "apex_distance", "rim_radius")
 MINIMUM_SAMPLES = 4
 
@@ -60,8 +62,7 @@ class Canvas(NamedTuple):
 
 def load_camera(path: str) -> Camera:
     """Read a camera file; raises InputError naming file, line and key."""
-    root = read_yaml(path).mapping(("model", "image", "uncertainty", "lens", "mirror", "xi", "distortion",
-                                    "max_angle", "calibration_file", "through_mirror"))
+    root = read_yaml(path).mapping(CAMERA_KEYS)
     model = root["model"].text()
     if model == "catadioptric":
         root = read_yaml(path).mapping(("model", "image", "uncertainty", "lens", "mirror"))
@@ -81,6 +82,14 @@ def canvas_of(camera: Camera) -> Canvas:
     width, left = _centred(camera.width, camera.lens.cx)
     height, top = _centred(camera.height, camera.lens.cy)
     return Canvas(width, height, left, top)
+
+
+def finer(camera: Camera, factor: int) -> Camera:
+    """The same camera with `factor` by `factor` pixels in the place of each."""
+    lens = camera.lens
+    shift = 0.5 * (factor - 1)
+    return camera._replace(width=factor * camera.width, height=factor * camera.height, lens=Lens(
+        factor * lens.fx, factor * lens.fy, factor * lens.cx + shift, factor * lens.cy + shift))
 
 
 def _centred(size: int, center: float) -> Tuple[int, int]:
@@ -172,3 +181,22 @@ def _tabulated_mirror(entry: Mapping) -> TabulatedMirror:
     if rim_radius > samples[-1][0]:
         raise entry["rim_radius"].error(f"at most {samples[-1][0]:g}, where the samples end")
     return TabulatedMirror(positive(entry["apex_distance"]), rim_radius, tuple(samples))
+
+
+def rim_shares(camera: Camera) -> np.ndarray:
+    """(height, width): each pixel's distance off the axis as a share of the rim's, at most 1.
+
+    The rim is the mirror's, or where a fisheye's image ends.
+    """
+    lens = camera.lens
+    u, v = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
+    distances = np.hypot((u - lens.cx) / lens.fx, (v - lens.cy) / lens.fy)
+    return np.minimum(distances / rim_distance(camera), 1.0)
+
+
+def rim_distance(camera: Camera) -> float:
+    """Of the rim from the axis in the image, for a focal length of 1."""
+    if isinstance(camera, FisheyeCamera):
+        return camera.max_angle
+    mirror = camera.mirror
+    return float(mirror.rim_radius / (mirror.apex_distance + mirror.sag(mirror.rim_radius)))

@@ -1,10 +1,11 @@
 """What the robot's odometry says of its way: the true motions, with errors that add up."""
 
-from typing import List, NamedTuple, Sequence
+from typing import List, NamedTuple, Optional, Sequence, Union
 
 import numpy as np
 
-from omnitag.rendering.checks import not_negative, positive, seed
+from omnitag.rendering.checks import boolean, not_negative, positive, seed
+from omnitag.rendering.path import Pose, SmoothPath
 from omnitag.rendering.route import Frame
 from omnitag.yaml_file import Value
 
@@ -32,6 +33,8 @@ class Odometry(NamedTuple):
     rate: float = 20.0
     """Hz of the transforms between two images."""
     seed: int = 0
+    lean: bool = False
+    """Whether it knows the height, the roll and the pitch, without error; else it is planar."""
 
 
 class Sample(NamedTuple):
@@ -41,64 +44,133 @@ class Sample(NamedTuple):
     x: float
     y: float
     yaw: float
+    z: float = 0.0
+    roll: float = 0.0
+    pitch: float = 0.0
 
 
 def read_odometry(value: Value) -> Odometry:
     """The mapping `odometry` of a world file; what is left out is without error."""
-    entry = value.mapping(("frame_id", *NOISE_KEYS, "scale", "rate", "seed"))
+    entry = value.mapping(("frame_id", *NOISE_KEYS, "scale", "rate", "seed", "lean"))
     given = {key: not_negative(entry[key]) for key in NOISE_KEYS if key in entry}
     given.update({key: positive(entry[key]) for key in ("scale", "rate") if key in entry})
     if "frame_id" in entry:
         given["frame_id"] = entry["frame_id"].text()
     if "seed" in entry:
         given["seed"] = seed(entry["seed"])
+    if "lean" in entry:
+        given["lean"] = boolean(entry["lean"])
     return Odometry(**given)
 
 
-def odometry_samples(odometry: Odometry, frames: Sequence[Frame],
-                     rows: Sequence[int]) -> List[List[Sample]]:
+def odometry_samples(odometry: Odometry, frames: Sequence[Frame], rows: Sequence[int],
+                     path: Optional[SmoothPath] = None, lead: int = 0,
+                     tail: int = 0) -> List[List[Sample]]:
     """For each frame the samples since the frame before; the last one is at the frame's stamp.
 
-    The first pose is the identity. The error of a motion belongs to the row of the route that it
-    leads to, whichever rows are rendered.
+    They follow `path`, by default through these frames alone. The pose at the first frame is the
+    identity, in the plane. Exposures begin `lead` nanoseconds before the frames' stamps and end
+    `tail` after them: there are samples all along, also before the first frame, and after the last
+    one by `samples_after`. The error of a motion belongs to the row of the route that it leads to,
+    whichever rows are rendered, and grows evenly on the way.
     """
-    samples = [[Sample(frames[0].stamp, 0.0, 0.0, 0.0)]]
+    wheels = _Wheels(odometry, path or SmoothPath(frames))
+    ahead = wheels.about(frames[0], np.zeros(3), -lead, 0)
+    samples = [ahead + [wheels.sample(frames[0], frames[0].stamp, np.zeros(3))]]
     for before, after, row in zip(frames, frames[1:], rows[1:]):
+        start = np.array(samples[-1][-1][1:4])
+        if after.jump:
+            samples.append(wheels.carried(before, after, start, lead, tail))
+            continue
         generator = np.random.default_rng([odometry.seed, row, _STREAM])
-        motion = _measured(odometry, _true_motion(before, after), generator)
-        samples.append(_drive(samples[-1][-1], motion, after.stamp, odometry.rate))
+        samples.append(wheels.driven(before, after, start, generator.standard_normal(3)))
     return samples
 
 
-def _true_motion(before: Frame, after: Frame) -> np.ndarray:
-    """x, y and yaw of `after` in the base_link of `before`, as far as the robot itself drove."""
-    if after.jump:
-        return np.zeros(3)
+def samples_after(odometry: Odometry, frame: Frame, last: Sample, path: SmoothPath,
+                  tail: int) -> List[Sample]:
+    """On from `last`, which is at `frame`, until the exposure is over, `tail` nanoseconds later."""
+    return _Wheels(odometry, path).about(frame, np.array(last[1:4]), 0, tail)
+
+
+class _Wheels:
+    """Odometry along a path, a piece at a time."""
+
+    def __init__(self, odometry: Odometry, path: SmoothPath) -> None:
+        self._odometry = odometry
+        self._path = path
+
+    def driven(self, before: Frame, after: Frame, start: np.ndarray,
+               draws: np.ndarray) -> List[Sample]:
+        """From `before`, where odometry is at `start`, to `after`; without the first of them."""
+        error = _deviations(self._odometry, _true_motion(before, after)) * draws
+        duration = after.stamp - before.stamp
+        samples = []
+        for time in self._ticks(0, duration)[1:]:
+            now = self._path.pose(before, before.stamp + time) if time < duration else after
+            motion = self._scaled(_true_motion(before, now)) + time / duration * error
+            samples.append(self.sample(before, before.stamp + time, _moved(start, motion)))
+        return samples
+
+    def carried(self, before: Frame, after: Frame, start: np.ndarray, lead: int,
+                tail: int) -> List[Sample]:
+        """Driving on until the last exposure is over, then still, unseen, until the next begins."""
+        duration = after.stamp - before.stamp
+        lead, tail = min(lead, duration // 2), min(tail, duration // 2)
+        behind = self.about(before, start, 0, tail)
+        rest = np.array(behind[-1][1:4]) if behind else start
+        # The pose at the stamp is where the rest and the way from there lead.
+        first = self._path.pose(after, after.stamp - lead)
+        end = _moved(rest, self._scaled(_true_motion(first, after)))
+        standing = self.sample(before, before.stamp + tail, rest)
+        still = [standing._replace(stamp=before.stamp + time)
+                 for time in self._ticks(0, duration)[1:-1] if tail < time < duration - lead]
+        return (behind + still + self.about(after, end, -lead, 0)
+                + [self.sample(after, after.stamp, end)])
+
+    def about(self, frame: Frame, start: np.ndarray, begin: int, end: int) -> List[Sample]:
+        """Without errors, from `begin` to `end` nanoseconds about `frame`, which is left out."""
+        return [self.sample(frame, frame.stamp + time, _moved(start, self._scaled(_true_motion(
+            frame, self._path.pose(frame, frame.stamp + time)))))
+            for time in self._ticks(begin, end) if time != 0]
+
+    def sample(self, frame: Frame, stamp: int, planar: np.ndarray) -> Sample:
+        """With the lean that the robot has at `stamp`, on the stretch that `frame` is on."""
+        if not self._odometry.lean:
+            return Sample(stamp, *planar)
+        pose = self._path.pose(frame, stamp)
+        return Sample(stamp, *planar, pose.z, pose.roll, pose.pitch)
+
+    def _scaled(self, motion: np.ndarray) -> np.ndarray:
+        return np.array([self._odometry.scale, self._odometry.scale, 1.0]) * motion
+
+    def _ticks(self, begin: int, end: int) -> List[int]:
+        """`begin`, `end`, and the odometry's ticks between them, in nanoseconds from a stamp."""
+        rate = self._odometry.rate
+        counts = range(int(begin * rate / 1e9), int(end * rate / 1e9) + 1)
+        between = [round(count * 1e9 / rate) for count in counts]
+        return [begin] + [time for time in between if begin < time < end] + [end] * (end > begin)
+
+
+def _true_motion(before: Union[Frame, Pose], after: Union[Frame, Pose]) -> np.ndarray:
+    """x, y and yaw of `after` in the base_link of `before`, in the plane."""
     x, y = after.x - before.x, after.y - before.y
     cosine, sine = np.cos(before.yaw), np.sin(before.yaw)
     turn = np.arctan2(np.sin(after.yaw - before.yaw), np.cos(after.yaw - before.yaw))
     return np.array([cosine * x + sine * y, cosine * y - sine * x, turn])
 
 
-def _measured(odometry: Odometry, motion: np.ndarray,
-              generator: np.random.Generator) -> np.ndarray:
+def _deviations(odometry: Odometry, motion: np.ndarray) -> np.ndarray:
     distance, turn = np.hypot(motion[0], motion[1]), abs(motion[2])
     translation = np.hypot(odometry.translation_per_metre * distance,
                            odometry.translation_per_rotation * turn)
     rotation = np.hypot(odometry.rotation_per_rotation * turn,
                         odometry.rotation_per_metre * distance)
-    scales = np.array([odometry.scale, odometry.scale, 1.0])
-    deviations = np.array([translation, translation, rotation])
-    return scales * motion + deviations * generator.standard_normal(3)
+    return np.array([translation, translation, rotation])
 
 
-def _drive(start: Sample, motion: np.ndarray, end_stamp: int, rate: float) -> List[Sample]:
-    """From `start` in a straight line to where `motion` leads, as tf interpolates poses."""
-    cosine, sine = np.cos(start.yaw), np.sin(start.yaw)
-    step = np.array([cosine * motion[0] - sine * motion[1],
-                     sine * motion[0] + cosine * motion[1], motion[2]])
-    duration = end_stamp - start.stamp
-    elapsed = [round(count * 1e9 / rate) for count in range(1, int(duration * rate / 1e9) + 1)]
-    stamps = [start.stamp + time for time in elapsed if 0 < time < duration] + [end_stamp]
-    poses = [np.array(start[1:]) + (stamp - start.stamp) / duration * step for stamp in stamps]
-    return [Sample(stamp, *pose) for stamp, pose in zip(stamps, poses)]
+def _moved(start: np.ndarray, motion: np.ndarray) -> np.ndarray:
+    """x, y and yaw after a motion that begins at `start`."""
+    cosine, sine = np.cos(start[2]), np.sin(start[2])
+    return start + [cosine * motion[0] - sine * motion[1],
+                    sine * motion[0] + cosine * motion[1], motion[2]]

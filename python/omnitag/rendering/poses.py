@@ -1,4 +1,4 @@
-"""Poses of what stands on the floor."""
+"""Poses of what stands on the floor, and of what leans."""
 
 import numpy as np
 
@@ -10,3 +10,24 @@ def upright_transform(position: np.ndarray, yaw: float) -> np.ndarray:
     transform[:2, :2] = [[cosine, -sine], [sine, cosine]]
     transform[:3, 3] = position
     return transform
+
+
+def leaning_transform(position: np.ndarray, yaw: float, roll: float, pitch: float) -> np.ndarray:
+    """(4, 4) transform of a body at `position`, turned by Rz(yaw) Ry(pitch) Rx(roll), in rad."""
+    transform = upright_transform(position, yaw)
+    if roll != 0.0 or pitch != 0.0:
+        about_y, about_x = np.eye(3), np.eye(3)
+        sine, cosine = np.sin(pitch), np.cos(pitch)
+        about_y[::2, ::2] = [[cosine, sine], [-sine, cosine]]
+        sine, cosine = np.sin(roll), np.cos(roll)
+        about_x[1:, 1:] = [[cosine, -sine], [sine, cosine]]
+        transform[:3, :3] = transform[:3, :3] @ about_y @ about_x
+    return transform
+
+
+def leaning_quaternion(yaw: np.ndarray, roll: np.ndarray, pitch: np.ndarray) -> np.ndarray:
+    """(..., 4) unit quaternions x, y, z, w of Rz(yaw) Ry(pitch) Rx(roll), in rad."""
+    sy, sr, sp = (np.sin(0.5 * np.asarray(angle, dtype=float)) for angle in (yaw, roll, pitch))
+    cy, cr, cp = (np.cos(0.5 * np.asarray(angle, dtype=float)) for angle in (yaw, roll, pitch))
+    return np.stack([sr * cp * cy - cr * sp * sy, cr * sp * cy + sr * cp * sy,
+                     cr * cp * sy - sr * sp * cy, cr * cp * cy + sr * sp * sy], axis=-1)

@@ -8,7 +8,7 @@ only the camera's own vectors decide about handedness in POV-Ray.
 import os
 import subprocess
 import tempfile
-from typing import Dict, Sequence
+from typing import Dict, Optional, Sequence
 
 import cv2
 import numpy as np
@@ -42,12 +42,15 @@ def matrix(transform: np.ndarray) -> str:
 
 
 def render(scene: str, bitmaps: Dict[str, np.ndarray], width: int, height: int,
-           samples: int = DEFAULT_SAMPLES) -> np.ndarray:
+           samples: int = DEFAULT_SAMPLES, rows: Optional[range] = None) -> np.ndarray:
     """Renders a scene; (height, width) light, 1 where white, proportional to intensity.
 
     `bitmaps` are the image files, 8 bit, that the scene refers to by name. Pixels on an edge are
-    the mean of `samples` by `samples` rays.
+    the mean of `samples` by `samples` rays. Where `rows` are given, the others stay black.
     """
+    # A pixel is compared with its neighbours to see whether it is on an edge.
+    rows = rows or range(height)
+    first, end = max(rows.start - 2, 0), min(rows.stop + 2, height)
     with tempfile.TemporaryDirectory(prefix="omnitag_render_") as directory:
         with open(os.path.join(directory, "scene.pov"), "w", encoding="ascii") as file:
             file.write(scene)
@@ -58,6 +61,8 @@ def render(scene: str, bitmaps: Dict[str, np.ndarray], width: int, height: int,
         command = ["povray", *_OPTIONS, "Input_File_Name=scene.pov", "Output_File_Name=image.png",
                    f"Width={width}", f"Height={height}", f"Antialias_Depth={samples}",
                    f"Render_Block_Size={max(width, height)}"]
+        if end - first < height:
+            command += [f"Start_Row={first + 1}", f"End_Row={end}"]
         try:
             result = subprocess.run(command, cwd=directory, stdin=subprocess.DEVNULL,
                                     stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)

@@ -1,16 +1,17 @@
 """The route: where the robot is in each frame."""
 
 import csv
-from typing import Iterable, List, NamedTuple
+from typing import List, NamedTuple, Sequence
 
 import numpy as np
 
 from omnitag.command_line import InputError
-from omnitag.rendering.poses import upright_transform
-from omnitag.trajectory import Trajectory, format_stamp, parse_stamp, planar_trajectory
+from omnitag.rendering.poses import leaning_quaternion, leaning_transform
+from omnitag.trajectory import Trajectory, format_stamp, parse_stamp
 
-POSE_FIELDS = ["stamp", "x", "y", "yaw"]
-FIELDS = POSE_FIELDS + ["jump"]
+PLANAR_FIELDS = ["stamp", "x", "y", "yaw"]
+LEAN_FIELDS = ["z", "roll", "pitch"]
+HEADERS = [PLANAR_FIELDS + lean + jump for lean in ([], LEAN_FIELDS) for jump in ([], ["jump"])]
 
 
 class Frame(NamedTuple):
@@ -22,15 +23,21 @@ class Frame(NamedTuple):
     yaw: float
     jump: bool = False
     """Whether the robot was carried here from the frame before."""
+    z: float = 0.0
+    roll: float = 0.0
+    pitch: float = 0.0
 
     @property
     def map_from_base(self) -> np.ndarray:
         """(4, 4) transform."""
-        return upright_transform(np.array([self.x, self.y, 0.0]), self.yaw)
+        return leaning_transform(np.array([self.x, self.y, self.z]), self.yaw, self.roll,
+                                 self.pitch)
 
 
 def read_route(path: str, start: int) -> List[Frame]:
-    """Reads a CSV file `stamp,x,y,yaw[,jump]`, one row per image, and adds `start` nanoseconds.
+    """Reads a CSV file `stamp,x,y,yaw[,z,roll,pitch][,jump]`, one row per image.
+
+    `start` is added to its stamps, in nanoseconds.
 
     Raises InputError naming file, line and field.
     """
@@ -42,9 +49,10 @@ def read_route(path: str, start: int) -> List[Frame]:
         except (UnicodeDecodeError, csv.Error) as error:
             raise InputError(f"{path}: expected CSV, found: {error}")
     fields = [field.strip() for field in rows[0][1]] if rows else []
-    if fields not in (POSE_FIELDS, FIELDS):
-        raise InputError(f"{path}:1: expected the header {','.join(POSE_FIELDS)} or "
-                         f"{','.join(FIELDS)}, found '{','.join(rows[0][1]) if rows else ''}'")
+    if fields not in HEADERS:
+        raise InputError(f"{path}:1: expected the header "
+                         f"{' or '.join(','.join(header) for header in HEADERS)}, "
+                         f"found '{','.join(rows[0][1]) if rows else ''}'")
     for line, row in rows[1:]:
         frame = _parse_frame(row, fields, start, f"{path}:{line}")
         if frames and frame.stamp <= frames[-1].stamp:
@@ -56,19 +64,22 @@ def read_route(path: str, start: int) -> List[Frame]:
     return frames
 
 
-def write_route(path: str, frames: Iterable[Frame]) -> None:
-    """Writes a route, to a tenth of a millimetre and 1e-5 rad."""
+def write_route(path: str, frames: Sequence[Frame]) -> None:
+    """Writes a route, to a tenth of a millimetre and 1e-5 rad; z, roll, pitch where there are."""
+    leans = any(frame.z or frame.roll or frame.pitch for frame in frames)
     with open(path, "w", encoding="utf-8") as file:
-        file.write(",".join(FIELDS) + "\n")
+        file.write(",".join(PLANAR_FIELDS + leans * LEAN_FIELDS + ["jump"]) + "\n")
         for frame in frames:
+            lean = f"{frame.z:.4f},{frame.roll:.5f},{frame.pitch:.5f}," if leans else ""
             file.write(f"{format_stamp(frame.stamp)},{frame.x:.4f},{frame.y:.4f},"
-                       f"{frame.yaw:.5f},{frame.jump:d}\n")
+                       f"{frame.yaw:.5f},{lean}{frame.jump:d}\n")
 
 
-def trajectory_of(frames: List[Frame]) -> Trajectory:
+def trajectory_of(frames: Sequence[Frame]) -> Trajectory:
     """The ground truth of the frames."""
-    stamps, x, y, yaw, _ = zip(*frames)
-    return planar_trajectory(np.array(stamps), np.array(x), np.array(y), np.array(yaw))
+    stamps, x, y, yaw, _, z, roll, pitch = zip(*frames)
+    return Trajectory(np.array(stamps, dtype=np.int64), np.column_stack([x, y, z]).astype(float),
+                      leaning_quaternion(np.array(yaw), np.array(roll), np.array(pitch)))
 
 
 def _parse_frame(row: List[str], fields: List[str], start: int, place: str) -> Frame:
@@ -79,16 +90,21 @@ def _parse_frame(row: List[str], fields: List[str], start: int, place: str) -> F
         stamp = parse_stamp(row[0])
     except ValueError:
         raise InputError(f"{place}: stamp: expected seconds, found '{row[0]}'")
-    pose = []
-    for name, text in zip(POSE_FIELDS[1:], row[1:]):
-        try:
-            number = float(text)
-        except ValueError:
-            number = np.nan
-        if not np.isfinite(number):
-            raise InputError(f"{place}: {name}: expected a finite number, found '{text}'")
-        pose.append(number)
-    jump = row[-1].strip() if fields == FIELDS else "0"
+    pose = {}
+    for name, text in zip(fields[1:], row[1:]):
+        if name != "jump":
+            pose[name] = _finite(text, f"{place}: {name}")
+    jump = row[-1].strip() if fields[-1] == "jump" else "0"
     if jump not in ("0", "1"):
         raise InputError(f"{place}: jump: expected 0 or 1, found '{row[-1]}'")
-    return Frame(start + stamp, *pose, jump == "1")
+    return Frame(start + stamp, jump=jump == "1", **pose)
+
+
+def _finite(text: str, place: str) -> float:
+    try:
+        number = float(text)
+    except ValueError:
+        number = np.nan
+    if not np.isfinite(number):
+        raise InputError(f"{place}: expected a finite number, found '{text}'")
+    return number

@@ -1,56 +1,119 @@
-"""From a route to images: what the robot's camera sees in each frame."""
+"""From a route to light: what the robot's camera sees in each frame."""
 
+import hashlib
 import os
-from concurrent.futures import ThreadPoolExecutor
-from typing import Callable, Iterator, List, Optional
+from collections import Counter
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from typing import Callable, Dict, Iterator, NamedTuple, Optional, Sequence, Tuple
 
 import cv2
 import numpy as np
 
-from omnitag.rendering.camera import Camera, canvas_of
+from omnitag.rendering.camera import Camera, canvas_of, finer
 from omnitag.rendering.optics import camera_scene
+from omnitag.rendering.path import SmoothPath
 from omnitag.rendering.povray import DEFAULT_SAMPLES, render
 from omnitag.rendering.route import Frame
 from omnitag.rendering.scene import marker_bitmaps, shapes_scene, world_scene
+from omnitag.rendering.turning import FINENESS
 from omnitag.rendering.world import World, present
 
 
-def render_frames(world: World, camera: Camera, frames: List[Frame],
+class SubFrame(NamedTuple):
+    """What is seen at one moment of an exposure."""
+
+    scene: str
+    """POV-Ray text."""
+    weights: Tuple[float, ...]
+    """What it gives to each row of the image."""
+
+
+def render_frames(world: World, camera: Camera, frames: Sequence[Frame],
                   jobs: int, light: Optional[str] = None,
-                  samples: int = DEFAULT_SAMPLES) -> Iterator[np.ndarray]:
+                  samples: int = DEFAULT_SAMPLES,
+                  path: Optional[SmoothPath] = None) -> Iterator[np.ndarray]:
     """The light of each frame, (height, width) with 1 where white, in the order of the frames.
 
-    Frames whose light is in the directory `light`, named by their stamps, are not rendered again.
-    Pixels on an edge are the mean of `samples` by `samples` rays.
+    Where the world's camera turns, the light is FINENESS times as large. The robot moves along
+    `path`, by default through these frames alone. Frames that see the same are rendered once; those
+    whose light is in the directory `light` are not rendered again. Pixels on an edge are the mean
+    of `samples` by `samples` rays.
     """
+    if world.effects.turn:
+        camera = finer(camera, FINENESS)
     bitmaps = marker_bitmaps(world.hung_markers.ever(), world.boards)
+    path = path or SmoothPath(frames)
+
+    def frame_light(parts: Tuple[SubFrame, ...]) -> np.ndarray:
+        def render_parts() -> np.ndarray:
+            return exposed_light(camera, parts, bitmaps, samples, renderers)
+        if light is None:
+            return render_parts()
+        return kept_light(os.path.join(light, _light_name(camera, parts, bitmaps, samples)),
+                          render_parts)
+
+    exposures = [sub_frames(world, camera, frame, path) for frame in frames]
+    uses = Counter(exposures)
+    # A frame waits for the renderers of its moments.
+    executor, renderers = ThreadPoolExecutor(jobs), ThreadPoolExecutor(jobs)
+    images = {exposure: executor.submit(frame_light, exposure) for exposure in uses}
+    try:
+        for exposure in exposures:
+            yield images[exposure].result()
+            uses[exposure] -= 1
+            if not uses[exposure]:
+                del images[exposure]
+    finally:
+        for image in images.values():
+            image.cancel()
+        executor.shutdown()
+        renderers.shutdown()
+
+
+def sub_frames(world: World, camera: Camera, frame: Frame,
+               path: SmoothPath) -> Tuple[SubFrame, ...]:
+    """The moments of a frame's exposure; those that see the same are one."""
+    shutter = world.shutter
+    fineness = FINENESS if world.effects.turn else 1
+    height = camera.height // fineness
+    moments = shutter.moments(height)
+    weights = np.repeat(shutter.weights(height), fineness, axis=0)
+    # What stands in the room for a while is there or not for a whole image.
     base_from_camera = world.mounting.base_from_camera
+    moment = frame.stamp - world.start
+    surroundings = world_scene(world, moment)
+    robot = present(world.robot, moment)
+    seen: Dict[str, np.ndarray] = {}
+    for seconds, weight in zip(moments, weights.T):
+        nanoseconds = round(1e9 * seconds)
+        map_from_base = frame.map_from_base
+        if nanoseconds != 0:
+            map_from_base = path.pose(frame, frame.stamp + nanoseconds).map_from_base
+        scene = "".join([surroundings, shapes_scene(robot, map_from_base, world.ambient),
+                         camera_scene(camera, map_from_base @ base_from_camera)])
+        seen[scene] = seen.get(scene, 0.0) + weight
+    return tuple(SubFrame(scene, tuple(weight)) for scene, weight in seen.items())
+
+
+def exposed_light(camera: Camera, parts: Sequence[SubFrame], bitmaps: Dict[str, np.ndarray],
+                  samples: int, renderers: Executor) -> np.ndarray:
+    """The light of all moments of an exposure, each rendered only where it is in the image."""
     canvas = canvas_of(camera)
     part = (slice(canvas.top, canvas.top + camera.height),
             slice(canvas.left, canvas.left + camera.width))
 
-    def render_frame(frame: Frame) -> np.ndarray:
-        moment = frame.stamp - world.start
-        scene = "".join([
-            world_scene(world, moment),
-            shapes_scene(present(world.robot, moment), frame.map_from_base, world.ambient),
-            camera_scene(camera, frame.map_from_base @ base_from_camera)])
-        return render(scene, bitmaps, canvas.width, canvas.height, samples)[part]
+    def start(scene: str, rows: Optional[range] = None) -> "Future[np.ndarray]":
+        return renderers.submit(render, scene, bitmaps, canvas.width, canvas.height, samples, rows)
 
-    def frame_light(frame: Frame) -> np.ndarray:
-        if light is None:
-            return render_frame(frame)
-        return kept_light(os.path.join(light, f"{frame.stamp}.png"), lambda: render_frame(frame))
-
-    executor = ThreadPoolExecutor(jobs)
-    images = [executor.submit(frame_light, frame) for frame in frames]
-    try:
-        for image in images:
-            yield image.result()
-    finally:
-        for image in images:
-            image.cancel()
-        executor.shutdown()
+    if len(parts) == 1:
+        return start(parts[0].scene).result()[part]
+    images = []
+    for scene, weights in parts:
+        exposed = np.flatnonzero(weights)
+        images.append(start(scene, range(canvas.top + int(exposed[0]),
+                                         canvas.top + int(exposed[-1]) + 1)))
+    return sum(np.array(weights)[:, None] * image.result()[part]
+               for (_, weights), image in zip(parts, images))
 
 
 def kept_light(path: str, render_light: Callable[[], np.ndarray]) -> np.ndarray:
@@ -64,7 +127,11 @@ def kept_light(path: str, render_light: Callable[[], np.ndarray]) -> np.ndarray:
     return cv2.imread(path, cv2.IMREAD_UNCHANGED).astype(float) / most
 
 
-def grey_levels(light: np.ndarray, noise: float, generator: np.random.Generator) -> np.ndarray:
-    """8-bit image: light and normal noise (standard deviation in grey levels), once rounded."""
-    levels = 255.0 * light + noise * generator.standard_normal(light.shape)
-    return np.clip(np.rint(levels), 0, 255).astype(np.uint8)
+def _light_name(camera: Camera, parts: Sequence[SubFrame], bitmaps: Dict[str, np.ndarray],
+                samples: int) -> str:
+    """A file's name that belongs to all that the light depends on."""
+    digest = hashlib.sha256(repr((canvas_of(camera), camera.width, camera.height, samples,
+                                  tuple(parts))).encode())
+    for name in sorted(bitmaps):
+        digest.update(name.encode() + bitmaps[name].tobytes())
+    return digest.hexdigest()[:20] + ".png"

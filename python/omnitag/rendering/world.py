@@ -1,20 +1,26 @@
 """The world file: the room, what stands in it, its light, and how the robot carries its camera."""
 
 import os
-from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple, Union
+from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
 from omnitag.marker_map import MarkerMap, load_marker_map, rotation_from_quaternion
+from omnitag.rendering import effects, shutter
 from omnitag.rendering.checks import not_negative, positive, share
+from omnitag.rendering.effects import Effects, read_effects
+from omnitag.rendering.floor import LEVEL, Floor, read_floor
 from omnitag.rendering.hung_markers import HungMarkers, read_hung_markers
 from omnitag.rendering.odometry import Odometry, read_odometry
 from omnitag.rendering.poses import upright_transform
+from omnitag.rendering.shutter import Shutter, read_shutter
 from omnitag.rendering.stretches import Stretches, read_during
 from omnitag.yaml_file import Mapping, Value, read_yaml
 
 KEYS = ("marker_map", "camera", "images", "ambient", "lights", "materials", "room", "boards",
-        "furniture", "robot", "displaced_markers", "missing_markers", "decoys", "odometry")
+        "furniture", "robot", "displaced_markers", "missing_markers", "decoys", "odometry",
+        "floor")
+IMAGE_KEYS = ("start", "noise", *effects.KEYS, *shutter.KEYS)
 PATTERNS = ("plain", "checker", "brick", "wood", "granite", "clouds")
 QUATERNION_TOLERANCE = 1e-3
 
@@ -126,15 +132,22 @@ class World(NamedTuple):
     robot: Tuple[Shape, ...]
     """Parts of the robot, in base_link."""
     odometry: Optional[Odometry]
+    effects: Effects = Effects()
+    shutter: Shutter = Shutter()
+    floor: Floor = LEVEL
 
 
-def load_world(path: str, map_path: Optional[str] = None) -> World:
+def load_world(path: str, map_path: Optional[str] = None,
+               settings: Sequence[str] = ()) -> World:
     """Read a world file, with the marker map at `map_path` instead of its own where given.
 
-    Raises InputError naming file, line and key.
+    Each of `settings`, `KEY=VALUE`, stands in for what the file says; KEY joins the mappings' keys
+    by dots. Raises InputError naming file, line and key.
     """
     root = _root(path)
-    images = root["images"].mapping(("start", "noise"))
+    for setting in settings:
+        root = root.with_setting(setting, KEYS)
+    images = root["images"].mapping(IMAGE_KEYS)
     materials = _materials(root["materials"])
     own_map_path = os.path.join(os.path.dirname(path), root["marker_map"].text())
     marker_map = load_marker_map(own_map_path if map_path is None else map_path)
@@ -150,7 +163,10 @@ def load_world(path: str, map_path: Optional[str] = None) -> World:
         boards=_boards(root["boards"], materials),
         furniture=_shapes(root, "furniture", materials),
         robot=_shapes(root, "robot", materials),
-        odometry=read_odometry(root["odometry"]) if "odometry" in root else None)
+        odometry=read_odometry(root["odometry"]) if "odometry" in root else None,
+        effects=read_effects(images),
+        shutter=read_shutter(images),
+        floor=read_floor(root["floor"]) if "floor" in root else LEVEL)
 
 
 def _root(path: str) -> Mapping:

@@ -1,0 +1,137 @@
+"""Maps and cameras that are off: files whose numbers are not quite the true ones."""
+
+import re
+from typing import Dict, List, NamedTuple, Optional, Tuple
+
+import numpy as np
+
+from omnitag.marker_map import Marker, MarkerMap
+from omnitag.rendering.camera import CAMERA_KEYS, CONIC_KEYS
+from omnitag.yaml_file import Mapping, read_yaml
+
+LENS_KEYS = ("fx", "fy", "cx", "cy", "distortion")
+
+
+class MapDeviations(NamedTuple):
+    """By how much markers hang elsewhere, about each axis; standard deviations."""
+
+    position: float = 0.0  # m
+    orientation: float = 0.0  # rad
+
+
+class CameraErrors(NamedTuple):
+    """By how much a camera is off: standard deviations, or the errors themselves."""
+
+    principal_point: float = 0.0  # px, of cx and of cy
+    scale: float = 0.0  # share, of fx and fy alike
+    apex: float = 0.0  # m, of the mirror's apex distance
+
+    def drawn(self, generator: np.random.Generator) -> Tuple[float, float, float, float]:
+        """Errors of cx, cy, scale and apex distance with these deviations."""
+        factors = (self.principal_point, self.principal_point, self.scale, self.apex)
+        return tuple(np.array(factors) * generator.standard_normal(4))
+
+    def exactly(self) -> Tuple[float, float, float, float]:
+        """The same, of cx and of cy alike, as they are."""
+        return self.principal_point, self.principal_point, self.scale, self.apex
+
+
+def displaced(marker_map: MarkerMap, deviations: MapDeviations, seed: int) -> MarkerMap:
+    """The map with each marker elsewhere; what one draws depends on the seed and its place."""
+    markers = []
+    for index, marker in enumerate(marker_map.markers):
+        draws = np.random.default_rng([seed, index]).standard_normal((2, 3))
+        pose = marker.map_from_marker.copy()
+        pose[:3, 3] += deviations.position * draws[0]
+        pose[:3, :3] = pose[:3, :3] @ _rotation(deviations.orientation * draws[1])
+        markers.append(Marker(marker.id, marker.family, marker.name, marker.size, pose))
+    return MarkerMap(tuple(markers), marker_map.frame_id, marker_map.defaults)
+
+
+def map_text(marker_map: MarkerMap, said: Optional[MapDeviations]) -> str:
+    """A map file, which says that its markers deviate by as much as `said`, if anything."""
+    lines = [f"frame_id: {_quoted(marker_map.frame_id)}"]
+    if said:
+        lines += [f"deviation: {said.position:g}", f"orientation_deviation: {said.orientation:g}"]
+    lines.append("markers:")
+    for marker in marker_map.markers:
+        name = f"name: {_quoted(marker.name)}, " if marker.name else ""
+        lines.append(f"  - {{id: {marker.id}, {name}family: {marker.family}, "
+                     f"size: {marker.size:.9g}, position: {_numbers(marker.position, 6)}, "
+                     f"orientation: {_numbers(_quaternion(marker.map_from_marker[:3, :3]), 9)}}}")
+    return "\n".join(lines) + "\n"
+
+
+def camera_text(path: str, errors: Tuple[float, float, float, float],
+                said: Optional[CameraErrors]) -> str:
+    """The text of a camera file with these errors; its `uncertainty` is `said`, if anything.
+
+    Raises InputError where the file lacks what is to be off.
+    """
+    root = read_yaml(path).mapping(CAMERA_KEYS)
+    cx, cy, scale, apex = errors
+    lens = root["lens"].mapping(LENS_KEYS)
+    changes = _changed(lens, {"fx": (1.0 + scale, 0.0), "fy": (1.0 + scale, 0.0),
+                              "cx": (1.0, cx), "cy": (1.0, cy)})
+    if apex != 0.0:
+        mirror = root["mirror"].mapping(CONIC_KEYS + ("coefficients", "samples"))
+        changes += _changed(mirror, {"apex_distance": (1.0, apex)})
+    with open(path, encoding="utf-8") as file:
+        text = file.read()
+    for (begin, end), number in sorted(changes, reverse=True):
+        text = text[:begin] + number + text[end:]
+    text = re.sub(r"^uncertainty:.*\n?([ \t]+.*\n?)*", "", text, flags=re.MULTILINE)
+    if said:
+        text = text.rstrip("\n") + "\nuncertainty: " + _uncertainty(root, said) + "\n"
+    return text
+
+
+def _changed(entry: Mapping,
+             changes: Dict[str, Tuple[float, float]]) -> List[Tuple[Tuple[int, int], str]]:
+    """Places in the text and what is to stand there: factor times the number plus a term."""
+    return [(entry[key].span(), repr(round(factor * entry[key].real() + term, 12)))
+            for key, (factor, term) in changes.items() if factor != 1.0 or term != 0.0]
+
+
+def _uncertainty(root: Mapping, said: CameraErrors) -> str:
+    """In pixels, at the rim: a mirror that is further off has a smaller image, too."""
+    size = root["image"].mapping(("width", "height"))
+    rim = 0.5 * min(size["width"].integer(), size["height"].integer())
+    share = said.scale
+    if "mirror" in root:
+        mirror = root["mirror"].mapping(CONIC_KEYS + ("coefficients", "samples"))
+        distance = mirror["apex_distance"].real()
+        lens = root["lens"].mapping(LENS_KEYS)
+        rim = min(rim, lens["fx"].real() * mirror["rim_radius"].real() / distance)
+        share = np.hypot(share, said.apex / distance)
+    return (f"{{principal_point: {said.principal_point:.6g}, scale: {share * rim:.6g}, "
+            "tilt: 0, rim: 0}")
+
+
+def _rotation(vector: np.ndarray) -> np.ndarray:
+    """(3, 3) rotation about `vector` by its length in rad."""
+    angle = np.linalg.norm(vector)
+    if angle == 0.0:
+        return np.eye(3)
+    x, y, z = vector / angle
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross
+
+
+def _quaternion(rotation: np.ndarray) -> np.ndarray:
+    """x, y, z, w of a rotation: the eigenvector that it leaves alone."""
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = rotation
+    matrix = np.array([[xx - yy - zz, xy + yx, xz + zx, zy - yz],
+                       [xy + yx, yy - xx - zz, yz + zy, xz - zx],
+                       [xz + zx, yz + zy, zz - xx - yy, yx - xy],
+                       [zy - yz, xz - zx, yx - xy, xx + yy + zz]]) / 3.0
+    quaternion = np.linalg.eigh(matrix)[1][:, -1]
+    return quaternion if quaternion[3] >= 0.0 else -quaternion
+
+
+def _numbers(values: np.ndarray, decimals: int) -> str:
+    return "[" + ", ".join(f"{value + 0.0:.{decimals}f}" for value in values) + "]"
+
+
+def _quoted(text: str) -> str:
+    return "'" + text.replace("'", "''") + "'"

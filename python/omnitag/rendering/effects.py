@@ -1,0 +1,90 @@
+"""From light to grey levels, as a real camera makes them."""
+
+from typing import NamedTuple, Tuple
+
+import numpy as np
+
+from omnitag.rendering.bayer import PATTERNS, develop
+from omnitag.rendering.blur import blurred
+from omnitag.rendering.camera import Camera, rim_shares
+from omnitag.rendering.checks import not_negative, positive, share
+from omnitag.rendering.turning import turned
+from omnitag.yaml_file import Mapping, Value
+
+KEYS = ("turn", "blur", "vignetting", "gain", "gamma", "bayer")
+
+
+class Effects(NamedTuple):
+    """What happens to the light; nothing by default."""
+
+    turn: float = 0.0
+    """rad that the camera turns about its axis during each exposure, from half before the pose."""
+    blur: Tuple[float, float] = (0.0, 0.0)
+    """Standard deviations in pixels, on the axis and on the rim."""
+    vignetting: float = 0.0
+    """Share of the light that is lost on the rim."""
+    gain: float = 1.0
+    gamma: float = 1.0
+    """Grey levels are proportional to light^(1/gamma)."""
+    bayer: str = ""
+    """Colours of the first two pixels of the first two rows; empty: no colour filters."""
+
+
+def read_effects(entry: Mapping) -> Effects:
+    """The effects among the keys of a world's images."""
+    given = {key: positive(entry[key]) for key in ("gain", "gamma") if key in entry}
+    if "turn" in entry:
+        given["turn"] = entry["turn"].real()
+    if "blur" in entry:
+        given["blur"] = _blur(entry["blur"])
+    if "vignetting" in entry:
+        given["vignetting"] = share(entry["vignetting"])
+    if "bayer" in entry:
+        given["bayer"] = entry["bayer"].text()
+        if given["bayer"] not in PATTERNS:
+            raise entry["bayer"].error("one of " + ", ".join(PATTERNS))
+    return Effects(**given)
+
+
+def collected_light(light: np.ndarray, camera: Camera, effects: Effects) -> np.ndarray:
+    """What falls on the sensor, 1 where it saturates: turn, blur, vignetting and gain."""
+    if effects.turn:
+        light = turned(light, camera, effects.turn)
+    centre, rim = effects.blur
+    if centre or rim:
+        shares = 0.0 if centre == rim else np.square(rim_shares(camera))
+        light = blurred(light, centre + (rim - centre) * shares)
+    if effects.vignetting:
+        light = light * (1.0 - effects.vignetting * np.square(rim_shares(camera)))
+    if effects.gain != 1.0:
+        light = effects.gain * light
+    return light
+
+
+def image_pixels(light: np.ndarray, camera: Camera, effects: Effects, noise: float,
+                 generator: np.random.Generator) -> np.ndarray:
+    """8-bit image of what a camera with these effects and this noise sees."""
+    light = collected_light(light, camera, effects)
+    if effects.bayer:
+        return develop(light, effects.bayer, effects.gamma,
+                       lambda filtered: grey_levels(filtered, noise, generator, effects.gamma))
+    return grey_levels(light, noise, generator, effects.gamma)
+
+
+def grey_levels(light: np.ndarray, noise: float, generator: np.random.Generator,
+                gamma: float = 1.0) -> np.ndarray:
+    """8-bit image: light and normal noise (standard deviation in grey levels), once rounded."""
+    light = np.clip(light, 0.0, 1.0)
+    encoded = light if gamma == 1.0 else light ** (1.0 / gamma)
+    levels = 255.0 * encoded + noise * generator.standard_normal(light.shape)
+    return np.clip(np.rint(levels), 0, 255).astype(np.uint8)
+
+
+def _blur(value: Value) -> Tuple[float, float]:
+    if value.is_list():
+        centre, rim = value.reals(2)
+        if min(centre, rim) < 0.0:
+            raise value.error("two numbers of at least 0", f"[{centre:g}, {rim:g}]")
+        return centre, rim
+    deviation = not_negative(value)
+    return deviation, deviation

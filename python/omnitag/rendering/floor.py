@@ -1,0 +1,69 @@
+"""A floor that is not level: what leans and lifts the robot beside what the route says."""
+
+from typing import List, NamedTuple, Sequence, Tuple
+
+import numpy as np
+
+from omnitag.rendering.checks import not_negative, seed
+from omnitag.rendering.route import Frame
+from omnitag.yaml_file import Value
+
+DEVIATION_KEYS = ("lean_deviation", "height_deviation", "lean_walk", "height_walk")
+
+# Apart from the images' noise and the odometry's, which the same seed and row may begin.
+_STREAM = 2
+
+
+class Floor(NamedTuple):
+    """What is added to the route's roll, pitch and z. Level by default."""
+
+    lean_deviation: float = 0.0
+    """rad, of roll and of pitch, in each frame by itself."""
+    height_deviation: float = 0.0
+    """Metres, in each frame by itself."""
+    lean_walk: float = 0.0
+    """rad per square root of a metre of the route, of roll and of pitch."""
+    height_walk: float = 0.0
+    """Metres per square root of a metre of the route."""
+    constant_lean: Tuple[float, float] = (0.0, 0.0)
+    """rad, roll and pitch."""
+    constant_height: float = 0.0
+    """Metres."""
+    seed: int = 0
+
+
+LEVEL = Floor()
+
+
+def read_floor(value: Value) -> Floor:
+    """The mapping `floor` of a world file; what is left out is level."""
+    entry = value.mapping((*DEVIATION_KEYS, "constant_lean", "constant_height", "seed"))
+    given = {key: not_negative(entry[key]) for key in DEVIATION_KEYS if key in entry}
+    if "constant_lean" in entry:
+        given["constant_lean"] = tuple(entry["constant_lean"].reals(2))
+    if "constant_height" in entry:
+        given["constant_height"] = entry["constant_height"].real()
+    if "seed" in entry:
+        given["seed"] = seed(entry["seed"])
+    return Floor(**given)
+
+
+def on_floor(floor: Floor, frames: Sequence[Frame]) -> List[Frame]:
+    """The frames of a whole route as the floor leans and lifts them.
+
+    What a row draws depends on the seed and the row alone.
+    """
+    deviations = np.array([floor.lean_deviation, floor.lean_deviation, floor.height_deviation])
+    walks = np.array([floor.lean_walk, floor.lean_walk, floor.height_walk])
+    constant = np.array([*floor.constant_lean, floor.constant_height])
+    walked = np.zeros(3)
+    leaning = []
+    for row, frame in enumerate(frames):
+        draws = np.random.default_rng([floor.seed, row, _STREAM]).standard_normal((2, 3))
+        before = frames[max(row - 1, 0)]
+        distance = np.hypot(frame.x - before.x, frame.y - before.y)
+        walked = walked + np.sqrt(distance) * walks * draws[0]
+        roll, pitch, z = constant + walked + deviations * draws[1]
+        leaning.append(frame._replace(roll=frame.roll + roll, pitch=frame.pitch + pitch,
+                                      z=frame.z + z))
+    return leaning
