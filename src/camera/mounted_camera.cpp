@@ -108,7 +108,8 @@ std::optional<MountedCamera::Image> MountedCamera::imageOf(const Eigen::Vector3d
 
 std::optional<Eigen::Vector2d> MountedCamera::project(const Eigen::Vector3d& in_base,
                                                       Eigen::Matrix<double, 2, 3>* by_point) const {
-  const auto pixel = camera_->pixelFromPoint(camera_from_base_ * in_base, by_point);
+  std::optional<Eigen::Vector2d> pixel =
+      camera_->pixelFromPoint(camera_from_base_ * in_base, by_point);
   if (pixel && by_point != nullptr) *by_point *= camera_from_base_.linear();
   return pixel;
 }
@@ -124,8 +125,7 @@ std::optional<Ray> MountedCamera::tabulatedRayInBase(const Eigen::Vector2d& pixe
 }
 
 Ray MountedCamera::inBase(const Ray& in_camera, const Eigen::Vector2d& pixel) const {
-  const Ray ray{base_from_camera_ * in_camera.origin,
-                base_from_camera_.linear() * in_camera.direction};
+  Ray ray{base_from_camera_ * in_camera.origin, base_from_camera_.linear() * in_camera.direction};
   if (!moves_) return ray;
   const Eigen::Isometry3d motion = motion_.after(shutter_.timeOf(pixel.y()));
   return {motion * ray.origin, motion.linear() * ray.direction};

@@ -198,8 +198,7 @@ double Localizer::blurToRead() {
 }
 
 MountedCamera Localizer::cameraOf(const Frame& frame, bool has_prediction) const {
-  const MountedCamera camera =
-      MountedCamera(camera_, frame.base_from_camera).withBlur(blur_.blur());
+  MountedCamera camera = MountedCamera(camera_, frame.base_from_camera).withBlur(blur_.blur());
   if (config_.shutter.isInstant()) return camera;
   if (frame.velocity) return camera.withMotion(config_.shutter, motion_.motionBy(*frame.velocity));
   return camera.withMotion(config_.shutter,

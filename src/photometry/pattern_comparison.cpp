@@ -147,11 +147,13 @@ bool PatternComparison::isLikelierThanOthers(double log_ratio) const {
   };
   // Others that explain the pixels better leave less noise.
   double best_of_others = -std::numeric_limits<double>::infinity();
-  for (double variance = own_variance; variance >= kLeastVariance; variance *= 0.5) {
+  double variance = own_variance;
+  while (variance >= kLeastVariance) {
     const double others = ofOthers(variance);
     if (!(own - others >= 2.0 * log_ratio)) return false;
     if (others <= best_of_others) break;
     best_of_others = others;
+    variance *= 0.5;
   }
   return true;
 }

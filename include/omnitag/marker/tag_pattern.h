@@ -71,8 +71,8 @@ class TagPattern {
     static constexpr std::size_t kMostSteps = 8;
     static constexpr std::size_t kMostPlaces = 5;
     struct Place {
-      Eigen::Vector2d from_middle;
-      double share;
+      Eigen::Vector2d from_middle = Eigen::Vector2d::Zero();
+      double share = 0.0;
     };
     void add(const Eigen::Vector2d& from_middle, double share, const Eigen::Vector2d& step,
              int steps);
@@ -81,7 +81,7 @@ class TagPattern {
     Eigen::Vector2d core_ = Eigen::Vector2d::Zero();
     Eigen::Vector2d size_ = Eigen::Vector2d::Zero();
     bool is_blurred_ = false;
-    std::array<Place, kMostSteps * kMostPlaces> places_;
+    std::array<Place, kMostSteps * kMostPlaces> places_{};
     std::size_t place_count_ = 0;
     /// At each place: of rectangles half of their sides, of Gaussians the standard deviations.
     Eigen::Vector2d extent_ = Eigen::Vector2d::Zero();
@@ -147,8 +147,8 @@ class TagPattern {
     static constexpr int kMost = 32;
     int first = 0;
     int count = 0;
-    std::array<double, kMost> shares;
-    std::array<double, kMost> slopes;
+    std::array<double, kMost> shares{};
+    std::array<double, kMost> slopes{};
   };
   Profile profileOf(double middle, double deviation) const;
   White averageOverGaussian(const Eigen::Vector2d& middle, const Eigen::Vector2d& deviations) const;
