@@ -7,6 +7,7 @@
 #include "omnitag/calibration/observability.h"
 #include "omnitag/common/error.h"
 #include "outliers.h"
+#include "remaining_uncertainty.h"
 
 namespace omnitag {
 namespace {
@@ -67,6 +68,11 @@ CalibrationResult resultOf(const CalibrationOutcome& outcome, const ResidualSumm
   result.parameters = parametersOf(outcome, uncertainty);
   result.camera_values = outcome.model.cameraValues(outcome.state.values);
   result.base_from_camera = outcome.model.baseFromCamera(outcome.state.values);
+  // What all corners err by alike, parameters do not pass on as they do what chance gives each.
+  const ParameterUncertainty by_chance = uncertaintyOf(
+      outcome.model, outcome.observed, {information.matrix, information.noise, {}, 0.0});
+  result.uncertainty = remainingUncertainty(outcome.model, outcome.state.values, by_chance,
+                                            information.common_error);
   result.noise = information.noise;
   result.frames = outcome.data.frames.size();
   std::map<std::size_t, int> markers;

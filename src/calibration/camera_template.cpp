@@ -130,6 +130,17 @@ MirrorProfile profileOf(const YAML::Node& mirror) {
                               mirror["conic_constant"].as<double>(), coefficients);
 }
 
+YAML::Node nodeOf(const CameraUncertainty& uncertainty) {
+  const auto rounded = [](double pixels) { return std::ceil(1e3 * pixels) / 1e3; };
+  YAML::Node node(YAML::NodeType::Map);
+  node.SetStyle(YAML::EmitterStyle::Flow);
+  node["principal_point"] = rounded(uncertainty.principal_point);
+  node["scale"] = rounded(uncertainty.scale);
+  node["tilt"] = rounded(uncertainty.tilt);
+  node["rim"] = rounded(uncertainty.rim);
+  return node;
+}
+
 }  // namespace
 
 CameraTemplate CameraTemplate::fromFile(const std::string& path) {
@@ -192,8 +203,10 @@ std::shared_ptr<const CameraModel> CameraTemplate::widened(const Eigen::VectorXd
 }
 
 std::string CameraTemplate::text(const Eigen::VectorXd& values,
-                                 const std::optional<double>& rim_radius) const {
+                                 const std::optional<double>& rim_radius,
+                                 const std::optional<CameraUncertainty>& uncertainty) const {
   YAML::Node file = withValues(values);
+  if (uncertainty) file["uncertainty"] = nodeOf(*uncertainty);
   if (rim_radius) file["mirror"]["rim_radius"] = *rim_radius;
   return emitted(file);
 }

@@ -97,6 +97,41 @@ TEST_F(CameraCalibrationTest, RecoversASphereFromBadGuesses) {
   }
 }
 
+TEST_F(CameraCalibrationTest, SaysWhatIsLeftOfTheCamerasError) {
+  // Over drives whose noise is drawn anew: where markers image, less where they should, is about as
+  // large as what is left says.
+  const MountedCamera truth = truthOf(kTruth, test::mounting(1.1, 0.0, 0.0));
+  const std::string guess = catadioptricFile(1190, 252.0, 247.5, 0.21, kSphere);
+  const Eigen::Vector2d center(251.3, 248.2);
+  constexpr double kCircle = 190.0;  // pixels
+  double expected = 0.0;
+  double found = 0.0;
+  int count = 0;
+  for (int drive = 0; drive < 6; ++drive) {
+    const CalibrationResult result = calibrate(guess, truth, test::mounting(1.1, 0.0, 0.0));
+    const CameraUncertainty& left = result.uncertainty;
+    const MountedCamera calibrated(
+        CameraTemplate::fromText(guess, "guess").widened(result.camera_values),
+        result.base_from_camera);
+    for (const Pose& pose : test::posesInRoom(10, 2.5, &generator)) {
+      for (const Marker& marker : map.markers) {
+        const auto a = truth.pixelFromMap(pose, marker.center());
+        const auto b = calibrated.pixelFromMap(pose, marker.center());
+        if (!a || !b) continue;
+        found += (*b - *a).squaredNorm();
+        const double n = (*a - center).norm() / kCircle;
+        expected += 2.0 * std::pow(left.principal_point, 2) + std::pow(left.scale * n, 2) +
+                    std::pow(left.tilt * n * n, 2) + std::pow(left.rim * n * n * n, 2);
+        ++count;
+      }
+    }
+  }
+  ASSERT_GT(count, 400);
+  const double ratio = std::sqrt(found / expected);
+  EXPECT_GT(ratio, 0.33);
+  EXPECT_LT(ratio, 1.1);
+}
+
 TEST_F(CameraCalibrationTest, RecoversHowACameraLeans) {
   const Eigen::Isometry3d mounting = test::mounting(1.1, radians(9.0), radians(-12.0));
   const MountedCamera truth = truthOf(kTruth, mounting);

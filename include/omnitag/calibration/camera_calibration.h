@@ -55,6 +55,8 @@ struct CalibrationResult {
   ResidualSummary before;
   ResidualSummary after;
   std::vector<CornerResidual> residuals;
+  /// What is left of the camera's and the mounting's errors, for the camera file.
+  CameraUncertainty uncertainty;
   /// Pixels, along each axis: the noise of a corner.
   double noise = 0.0;
   std::size_t frames = 0;

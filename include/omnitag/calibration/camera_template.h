@@ -58,10 +58,11 @@ class CameraTemplate {
   /// numbers are wrong, what the mirror shows may seem to lie beyond the rim.
   std::shared_ptr<const CameraModel> widened(const Eigen::VectorXd& values) const;
 
-  /// The camera file with these numbers, in full precision. `rim_radius`: m, in place of the
-  /// file's.
+  /// The camera file with these numbers, in full precision. `rim_radius` (m) and `uncertainty` (to
+  /// a thousandth of a pixel) stand in place of the file's.
   std::string text(const Eigen::VectorXd& values,
-                   const std::optional<double>& rim_radius = std::nullopt) const;
+                   const std::optional<double>& rim_radius = std::nullopt,
+                   const std::optional<CameraUncertainty>& uncertainty = std::nullopt) const;
 
   /// The rim (m) that images at a radius (pixels) of the image about the lens's centre, at most the
   /// silhouette of the mirror. For cameras with a mirror only.

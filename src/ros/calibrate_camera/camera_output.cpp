@@ -62,6 +62,10 @@ std::string calibrationReport(const CalibrationResult& result, const MountingFra
   report += summaryOf("residual after (px)", result.after);
   report += format("%-26s %12.3f   of a corner, along each axis; %zu images, %zu markers\n",
                    "noise (px)", result.noise, result.frames, result.markers);
+  const CameraUncertainty& left = result.uncertainty;
+  report +=
+      format("left of the camera (px)    principal point %.3f, scale %.3f, tilt %.3f, rim %.3f\n",
+             left.principal_point, left.scale, left.tilt, left.rim);
   report +=
       "\nMounting (the optical axis leans by " +
       format("%.2f", degrees(leanOf(result.base_from_camera))) +
@@ -80,7 +84,7 @@ std::string calibratedFile(const CalibrationResult& result, const CameraTemplate
                            const MountingFrames& frames) {
   return "# Calibrated by calibrate_camera from the guess " + guess.origin() + ".\n#\n" +
          asComment(calibrationReport(result, frames)) +
-         guess.text(result.camera_values, result.rim_radius);
+         guess.text(result.camera_values, result.rim_radius, result.uncertainty);
 }
 
 void writeAtomically(const std::string& path, const std::string& content) {
