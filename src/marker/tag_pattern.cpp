@@ -29,8 +29,9 @@ TagPattern::Window::Window(const Eigen::Vector2d& side_u, const Eigen::Vector2d&
   const double width = std::sqrt(variance / kVarianceOfPixel);
   const double side = width * std::min(side_u.norm(), side_v.norm());
   const double steps_needed = std::ceil(2.0 * sweep.norm() / side);
-  const int steps = static_cast<int>(std::clamp(steps_needed, 1.0, double{kMostSteps}));
-  const Eigen::Vector2d step = sweep / steps;
+  constexpr double kMostSteps = 8.0;
+  steps_ = static_cast<int>(std::clamp(steps_needed, 1.0, kMostSteps));
+  step_ = sweep / steps_;
   const Eigen::Vector2d squares = side_u.cwiseAbs2() + side_v.cwiseAbs2();
   is_blurred_ = blur_variance >= kSharp;
   if (is_blurred_) {
@@ -42,11 +43,10 @@ TagPattern::Window::Window(const Eigen::Vector2d& side_u, const Eigen::Vector2d&
     // Gauss and Hermite's rules of three and of five points: what lies between them, the Gaussian
     // at each must be wide enough to fill.
     constexpr double kStrong = 0.35;
-    add(Eigen::Vector2d::Zero(), std::abs(correlation) < kStrong ? 2.0 / 3.0 : 8.0 / 15.0, step,
-        steps);
+    add(Eigen::Vector2d::Zero(), std::abs(correlation) < kStrong ? 2.0 / 3.0 : 8.0 / 15.0);
     const auto addBeside = [&](double deviations, double share) {
-      add(-deviations * line, share, step, steps);
-      add(deviations * line, share, step, steps);
+      add(-deviations * line, share);
+      add(deviations * line, share);
     };
     if (std::abs(correlation) < kStrong) {
       addBeside(std::sqrt(3.0), 1.0 / 6.0);
@@ -55,7 +55,7 @@ TagPattern::Window::Window(const Eigen::Vector2d& side_u, const Eigen::Vector2d&
       addBeside(std::sqrt(5.0 + std::sqrt(10.0)), (7.0 - 2.0 * std::sqrt(10.0)) / 60.0);
     }
     // Within a step it is swept, too.
-    extent_ = ((1.0 - std::abs(correlation)) * variances + step.cwiseAbs2() / 12.0).cwiseSqrt();
+    extent_ = ((1.0 - std::abs(correlation)) * variances + step_.cwiseAbs2() / 12.0).cwiseSqrt();
     constexpr double kMostOfIt = 3.0;
     constexpr double kNearlyAllOfIt = 1.75;
     const Eigen::Vector2d deviations = variances.cwiseSqrt();
@@ -65,21 +65,14 @@ TagPattern::Window::Window(const Eigen::Vector2d& side_u, const Eigen::Vector2d&
     const Eigen::Vector2d sum = 0.25 * width * (side_u + side_v);
     const Eigen::Vector2d difference = 0.25 * width * (side_u - side_v);
     for (const Eigen::Vector2d& place : {sum, difference}) {
-      add(-place, 0.25, step, steps);
-      add(place, 0.25, step, steps);
+      add(-place, 0.25);
+      add(place, 0.25);
     }
-    extent_ = 0.5 * (0.25 * width * width * squares + step.cwiseAbs2()).cwiseSqrt();
+    extent_ = 0.5 * (0.25 * width * width * squares + step_.cwiseAbs2()).cwiseSqrt();
     reach_ = 0.5 * (width * (side_u.cwiseAbs() + side_v.cwiseAbs()) + sweep.cwiseAbs());
     core_ = reach_;
   }
   size_ = (width * width * squares + sweep.cwiseAbs2()).cwiseSqrt();
-}
-
-void TagPattern::Window::add(const Eigen::Vector2d& from_middle, double share,
-                             const Eigen::Vector2d& step, int steps) {
-  for (int i = 0; i < steps; ++i) {
-    places_[place_count_++] = {from_middle + (i - 0.5 * (steps - 1)) * step, share / steps};
-  }
 }
 
 TagPattern::TagPattern(const std::string& family, int id)
@@ -198,13 +191,14 @@ void TagPattern::appendDataShares(const Eigen::Vector2d& position, const Window&
       found->share += share;
     }
   };
-  const auto addRectangle = [&](const Eigen::Vector2d& middle, double share) {
-    const Eigen::Vector2d low = (middle - window.extent_).cwiseMax(0.0);
-    const Eigen::Vector2d high = (middle + window.extent_).cwiseMin(width_);
+  const auto addRectangle = [&](const Eigen::Vector2d& middle, const Eigen::Vector2d& half,
+                                double share) {
+    const Eigen::Vector2d low = (middle - half).cwiseMax(0.0);
+    const Eigen::Vector2d high = (middle + half).cwiseMin(width_);
     const auto overlap = [&low, &high](int module, int axis) {
       return std::min(high[axis], module + 1.0) - std::max(low[axis], static_cast<double>(module));
     };
-    const double per_area = share / (4.0 * window.extent_.prod());
+    const double per_area = share / (4.0 * half.prod());
     for (int row = static_cast<int>(low.y()); row < high.y(); ++row) {
       const double share_of_row = per_area * overlap(row, 1);
       for (int column = static_cast<int>(low.x()); column < high.x(); ++column) {
@@ -213,7 +207,11 @@ void TagPattern::appendDataShares(const Eigen::Vector2d& position, const Window&
       }
     }
   };
-  const auto addGaussian = [&](const Eigen::Vector2d& middle, double share) {
+  if (!window.is_blurred_) {
+    addRectangle(position, 0.5 * window.size_, 1.0);
+    return;
+  }
+  window.visit(position, [&](const Eigen::Vector2d& middle, double share) {
     const Profile columns = profileOf(middle.x(), window.extent_.x());
     const Profile rows = profileOf(middle.y(), window.extent_.y());
     for (int r = 0; r < rows.count; ++r) {
@@ -223,16 +221,7 @@ void TagPattern::appendDataShares(const Eigen::Vector2d& position, const Window&
         if (module >= 0) add(module, share_of_row * columns.shares[static_cast<std::size_t>(c)]);
       }
     }
-  };
-  for (std::size_t i = 0; i < window.place_count_; ++i) {
-    const Window::Place& place = window.places_[i];
-    const Eigen::Vector2d middle = position + place.from_middle;
-    if (window.is_blurred_) {
-      addGaussian(middle, place.share);
-    } else {
-      addRectangle(middle, place.share);
-    }
-  }
+  });
 }
 
 TagPattern::White TagPattern::averageOver(const Eigen::Vector2d& position,
@@ -242,15 +231,13 @@ TagPattern::White TagPattern::averageOver(const Eigen::Vector2d& position,
   }
   const double per_area = 0.25 / window.extent_.prod();
   White white;
-  for (std::size_t i = 0; i < window.place_count_; ++i) {
-    const Window::Place& place = window.places_[i];
-    const Eigen::Vector2d middle = position + place.from_middle;
+  window.visit(position, [&](const Eigen::Vector2d& middle, double share) {
     const White there = window.is_blurred_ ? averageOverGaussian(middle, window.extent_)
                                            : averageBetween(middle - window.extent_,
                                                             middle + window.extent_, per_area);
-    white.share += place.share * there.share;
-    white.by_position += place.share * there.by_position;
-  }
+    white.share += share * there.share;
+    white.by_position += share * there.by_position;
+  });
   return white;
 }
 

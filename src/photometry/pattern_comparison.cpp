@@ -59,7 +59,9 @@ void PatternComparison::look(const cv::Mat& panorama, const std::vector<Footprin
                   shares_.resize(first);
                   return;
                 }
-                const double white = pattern.averageOver(footprint.position, window).share;
+                const double white = window.isBlurred()
+                                         ? pattern.averageOver(footprint.position, window).share
+                                         : pattern.average(footprint.position, window.size()).share;
                 const double data_white = 0.5 * (of_data + pixel.expected);
                 const Eigen::Vector2d place = footprint.position / pattern.width();
                 pixel.nuisances << 1.0, place.x(), place.y(), white - data_white, of_data;

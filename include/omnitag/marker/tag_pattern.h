@@ -62,29 +62,44 @@ class TagPattern {
     /// the drawing's edge is taken to go on.
     const Eigen::Vector2d& core() const { return core_; }
 
+    bool isBlurred() const { return is_blurred_; }
+
     /// Of a rectangle along the modules' axes that stands for all of it, less exactly.
     const Eigen::Vector2d& size() const { return size_; }
 
    private:
     friend class TagPattern;
-    /// Steps of the way, at most, and places of each.
-    static constexpr std::size_t kMostSteps = 8;
-    static constexpr std::size_t kMostPlaces = 5;
+    /// One of the rectangles or Gaussians that it is made of.
     struct Place {
       Eigen::Vector2d from_middle = Eigen::Vector2d::Zero();
       double share = 0.0;
     };
-    void add(const Eigen::Vector2d& from_middle, double share, const Eigen::Vector2d& step,
-             int steps);
+    void add(const Eigen::Vector2d& from_middle, double share) {
+      places_[place_count_++] = {from_middle, share};
+    }
+
+    /// Calls back with the middle of each, also at each step of the sweep, and its share.
+    template <typename Visit>
+    void visit(const Eigen::Vector2d& position, const Visit& visit) const {
+      const double per_step = 1.0 / steps_;
+      for (int i = 0; i < steps_; ++i) {
+        const Eigen::Vector2d middle = position + (i - 0.5 * (steps_ - 1)) * step_;
+        for (std::size_t k = 0; k < place_count_; ++k) {
+          visit(middle + places_[k].from_middle, per_step * places_[k].share);
+        }
+      }
+    }
 
     Eigen::Vector2d reach_ = Eigen::Vector2d::Zero();
     Eigen::Vector2d core_ = Eigen::Vector2d::Zero();
     Eigen::Vector2d size_ = Eigen::Vector2d::Zero();
-    bool is_blurred_ = false;
-    std::array<Place, kMostSteps * kMostPlaces> places_{};
+    std::array<Place, 5> places_{};
     std::size_t place_count_ = 0;
     /// At each place: of rectangles half of their sides, of Gaussians the standard deviations.
     Eigen::Vector2d extent_ = Eigen::Vector2d::Zero();
+    Eigen::Vector2d step_ = Eigen::Vector2d::Zero();
+    int steps_ = 1;
+    bool is_blurred_ = false;
   };
 
   /// Average over a window about a position; its core must lie within the drawing.
@@ -119,8 +134,8 @@ class TagPattern {
     double share;
   };
 
-  /// Appends the shares that data modules have in what averageOver() averages over, each once; a
-  /// module that has none may be missing.
+  /// Appends the shares that data modules have in what a window sees, each once; a module that has
+  /// none may be missing. Of a sharp window, in the rectangle of its size().
   void appendDataShares(const Eigen::Vector2d& position, const Window& window,
                         std::vector<DataShare>* shares) const;
 
