@@ -31,7 +31,7 @@ std::shared_ptr<const CameraModel> disturbedCamera(const Disturbance& disturbanc
                                                    std::mt19937* generator) {
   Normal normal(0.0, 1.0);
   const double pixel = exact.imageSize().height / 500.0;
-  const double rim = exact.imagePlane().scale() * exact.maxRadius();
+  const double rim = exact.rimPixels();
   YAML::Node file = YAML::LoadFile(camera_file);
   YAML::Node lens = file["lens"];
   const double direction = std::uniform_real_distribution<double>(-kPi, kPi)(*generator);

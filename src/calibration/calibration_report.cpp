@@ -70,9 +70,7 @@ void addLean(const std::vector<CalibratedParameter>& parameters,
 
 std::optional<double> rimOf(const CameraTemplate& camera, const CalibrationResult& result) {
   if (!camera.hasMirror()) return std::nullopt;
-  const auto radiusOf = [](const CameraModel& model) {
-    return model.maxRadius() * model.imagePlane().scale();
-  };
+  const auto radiusOf = [](const CameraModel& model) { return model.rimPixels(); };
   const Eigen::VectorXd& values = result.camera_values;
   const Eigen::Vector2d centre = camera.widened(values)->imagePlane().principalPoint();
   const double limit = farLimit(result.residuals);

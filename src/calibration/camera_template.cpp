@@ -164,7 +164,7 @@ CameraTemplate::CameraTemplate(const YAML::Node& file, std::string origin)
                   "calibrated with its own toolbox)");
   }
   const auto camera = parseCamera(emitted(file_), origin_);
-  circle_ = camera->maxRadius() * camera->imagePlane().scale();
+  circle_ = camera->rimPixels();
 
   addLens(reader.mapping("lens"), &parameters_);
   if (model == "catadioptric") {

@@ -80,7 +80,7 @@ void drawChart(const CalibrationResult& result, const CameraModel& camera, doubl
   constexpr int kRings = 16;
   std::array<Ring, kRings> rings{};
   const Eigen::Vector2d& centre = camera.imagePlane().principalPoint();
-  const double last = camera.maxRadius() * camera.imagePlane().scale();
+  const double last = camera.rimPixels();
   for (const CornerResidual& corner : result.residuals) {
     if (lengthOf(corner) > far) continue;
     const Eigen::Vector2d way = corner.pixel - centre;

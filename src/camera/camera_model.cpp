@@ -76,8 +76,8 @@ std::optional<Eigen::Vector2d> CameraModel::idealFromPixel(const Eigen::Vector2d
 
 Eigen::Matrix<double, 2, kCameraModes> CameraModel::displacementByError(
     const Eigen::Vector2d& pixel) const {
-  const double rim = image_plane_.scale() * maxRadius();  // pixels
-  return omnitag::displacementByError(uncertainty_, (pixel - image_plane_.principalPoint()) / rim);
+  return omnitag::displacementByError(uncertainty_,
+                                      (pixel - image_plane_.principalPoint()) / rimPixels());
 }
 
 void CameraModel::tabulateRays() {

@@ -147,15 +147,14 @@ Eigen::Matrix<double, 2, 3> MountedCamera::byVelocities(
 
 PoseVector MountedCamera::exposedMotion() const {
   PoseVector motion = shutter_.exposure_time * motion_.velocity;
-  if (shutter_.exposure_time == 0.0) motion[2] = std::sqrt(blur_.turn_square);
+  if (!knowsExposure()) motion[2] = std::sqrt(blur_.turn_square);
   return motion;
 }
 
 double MountedCamera::lensVariance(const Eigen::Vector2d& pixel) const {
   if (blur_.rim_variance == 0.0) return blur_.variance;
-  const ImagePlane& plane = camera_->imagePlane();
-  const double rim = plane.scale() * camera_->maxRadius();
-  const double square = (pixel - plane.principalPoint()).squaredNorm() / (rim * rim);
+  const double radius = (pixel - camera_->imagePlane().principalPoint()).norm();
+  const double square = std::pow(radius / camera_->rimPixels(), 2);
   return std::max(0.0, blur_.variance + square * blur_.rim_variance);
 }
 

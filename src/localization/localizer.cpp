@@ -231,7 +231,6 @@ std::optional<PoseEstimate> Localizer::followMarkers(const Frame& frame,
                                                      const PoseEstimate& predicted,
                                                      FrameResult* result) {
   const TrackingTools tools = trackingTools();
-  const double rim = camera_->imagePlane().scale() * camera_->maxRadius();
   const std::size_t turn = frames_++;
   const FrameResult before = *result;
   MountedCamera blurred = camera;
@@ -242,7 +241,7 @@ std::optional<PoseEstimate> Localizer::followMarkers(const Frame& frame,
     pose = FrameTracker(tools, frame, blurred, predicted, turn, result).track();
     if (!result->blur_equations) break;
     const ImageBlur blur = blur_.after(*result->blur_equations, blurred.blur());
-    if (areAlike(blur, blurred.blur(), rim)) break;
+    if (areAlike(blur, blurred.blur(), camera_->rimPixels())) break;
     if (round == kRounds - 1) break;
     const Timings timings = result->timings;
     *result = before;

@@ -235,13 +235,8 @@ void MotionModel::moveByOdometry(const Pose& motion) {
 }
 
 void MotionModel::moveByVelocity(double interval) {
-  const Eigen::Vector3d turn = rotationPart(velocity_) * interval;
-  // Along an arc, about: in the direction of its middle.
-  const Eigen::Matrix3d halfway = rotationOf(0.5 * turn);
-  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
-  motion.linear() = rotationOf(turn);
-  motion.translation() = halfway * translationPart(velocity_) * interval;
-
+  const Eigen::Isometry3d motion = this->motion().after(interval);
+  const Eigen::Matrix3d halfway = rotationOf(0.5 * interval * rotationPart(velocity_));
   const Eigen::Isometry3d pose = pose_.toIsometry();
   const PoseMatrix map_from_velocity = changeByMotion(pose.linear() * halfway);
   Covariance transition = Covariance::Identity();

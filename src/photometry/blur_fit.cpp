@@ -28,9 +28,7 @@ std::optional<double> rise(const TagPattern& pattern, const TagPattern::Window& 
 class BlurSlopes {
  public:
   BlurSlopes(const TagPattern& pattern, const MountedCamera& camera)
-      : pattern_(pattern), plane_(camera.model().imagePlane()) {
-    rim_ = plane_.scale() * camera.model().maxRadius();
-  }
+      : pattern_(pattern), camera_(camera) {}
 
   std::optional<BlurVector> at(const MarkerPixel& pixel, const Facet& facet) const {
     constexpr double kStep = 0.7;  // pixels
@@ -43,8 +41,11 @@ class BlurSlopes {
     const auto along_v = riseAlong(kStep * facet.by_pixel.col(1));
     if (!along_u || !along_v) return std::nullopt;
     const double by_variance = (*along_u + *along_v) / (kStep * kStep);
-    const Eigen::Vector2d pixel_place(pixel.column, pixel.row);
-    const double radius = (pixel_place - plane_.principalPoint()).norm() / rim_;
+    const Eigen::Vector2d center = camera_.model().imagePlane().principalPoint();
+    const Eigen::Vector2d from_center = Eigen::Vector2d(pixel.column, pixel.row) - center;
+    const double radius = from_center.norm() / camera_.model().rimPixels();
+    BlurVector slopes(by_variance, by_variance * radius * radius, 0.0);
+    if (camera_.knowsExposure()) return slopes;
 
     // A turn by an angle sweeps each pixel evenly along a way.
     const Eigen::Vector2d sweep = facet.by_frame.col(2);
@@ -53,14 +54,13 @@ class BlurSlopes {
     const auto along_sweep = riseAlong(angle * sweep);
     if (!along_sweep) return std::nullopt;
     constexpr double kVarianceOfSweep = 1.0 / 12.0;
-    return BlurVector(by_variance, by_variance * radius * radius,
-                      kVarianceOfSweep * *along_sweep / (angle * angle));
+    slopes[2] = kVarianceOfSweep * *along_sweep / (angle * angle);
+    return slopes;
   }
 
  private:
   const TagPattern& pattern_;
-  const ImagePlane& plane_;
-  double rim_ = 1.0;
+  const MountedCamera& camera_;
 };
 
 }  // namespace

@@ -26,7 +26,6 @@ Eigen::Isometry3d lookUp(const tf2::BufferCore& transforms, const std::string& t
 
 /// Nothing where ROS has no such time.
 std::optional<ros::Time> later(const ros::Time& stamp, double seconds) {
-  constexpr double kTimesEnd = 4294967295.0;
   const double time = stamp.toSec() + seconds;
   if (!(time > 0.0 && time < kTimesEnd)) return std::nullopt;
   return stamp + ros::Duration(seconds);

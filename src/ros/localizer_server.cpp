@@ -23,9 +23,6 @@ namespace {
 /// s, the longest that transforms wait where no image comes.
 constexpr double kTransformsWait = 0.1;
 
-/// s, beyond which ros::Time has no stamps and throws.
-constexpr double kTimesEnd = 4294967295.0;
-
 /// By a pointer: subscribers in the same nodelet manager get it without a copy, and without a
 /// thread that ROS would wake to hand it on.
 template <typename Message>

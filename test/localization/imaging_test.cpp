@@ -8,6 +8,7 @@
 
 #include "../support/panorama_renderer.h"
 #include "../support/sample_cameras.h"
+#include "../support/sample_markers.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/localization/localizer.h"
 
@@ -20,20 +21,6 @@ constexpr double kMoment = 0.25;  // s between images
 /// A robot among markers whose camera takes images as real ones do.
 class ImagingTest : public testing::Test {
  protected:
-  ImagingTest() {
-    for (int i = 0; i < 8; ++i) {
-      const double direction = 2.0 * kPi * i / 8 + 0.15 * (i % 3);
-      Marker marker;
-      marker.family = "tag36h11";
-      marker.id = 3 * i;
-      marker.size = 0.9;
-      marker.map_from_marker = Eigen::Translation3d(3.2 * std::cos(direction),
-                                                    3.2 * std::sin(direction), 0.8 + 0.12 * i) *
-                               uprightOrientation(direction + kPi, 0.0);
-      map_.markers.push_back(marker);
-    }
-  }
-
   cv::Mat sharpImage(const Pose& truth) const {
     constexpr int kSamples = 4;
     return test::renderPanorama(map_, MountedCamera(camera_, mounting_), truth, kSamples);
@@ -93,7 +80,7 @@ class ImagingTest : public testing::Test {
 
   std::shared_ptr<const CameraModel> camera_ = test::sphericalCamera();
   Eigen::Isometry3d mounting_ = test::lookingDown();
-  MarkerMap map_{"map", {}};
+  MarkerMap map_{"map", test::markersAround(3.2, 0.9)};
   std::uint64_t seed_ = 0;
 };
 
@@ -133,6 +120,22 @@ TEST_F(ImagingTest, LearnsTheTurnDuringTheExposure) {
     EXPECT_LT(result.blur.largestDeviation(), 0.4) << i;
     EXPECT_GE(result.acceptedMarkers(), 7) << i;
     EXPECT_LT(errorOf(result, truth), 1e-3) << i;
+  }
+}
+
+TEST_F(ImagingTest, LooksForNoTurnWhereTheExposureIsKnown) {
+  // Not even where odometry tells another one: nothing would come of it.
+  LocalizerConfig config;
+  config.shutter.exposure_time = 0.02;
+  Localizer localizer(camera_, map_, config);
+  localizer.setPose(truthAt(0));
+  for (int i = 0; i < 2; ++i) {
+    const Pose truth = truthAt(i);
+    Frame frame{kMoment * i, turningImage(truth, radians(1.5)), mounting_, truth};
+    frame.velocity = PoseVector::Zero();
+    const FrameResult result = localizer.process(frame);
+    EXPECT_GE(result.acceptedMarkers(), 6) << i;
+    EXPECT_EQ(result.blur.turn_square, 0.0) << i;
   }
 }
 

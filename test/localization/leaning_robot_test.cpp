@@ -7,6 +7,7 @@
 
 #include "../support/panorama_renderer.h"
 #include "../support/sample_cameras.h"
+#include "../support/sample_markers.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/localization/localizer.h"
 
@@ -16,20 +17,6 @@ namespace {
 /// A robot that leans, among markers that a sphere shows it.
 class LeaningRobotTest : public testing::Test {
  protected:
-  LeaningRobotTest() {
-    for (int i = 0; i < 8; ++i) {
-      const double direction = 2.0 * kPi * i / 8 + 0.15 * (i % 3);
-      Marker marker;
-      marker.family = "tag36h11";
-      marker.id = 3 * i;
-      marker.size = 0.8;
-      marker.map_from_marker = Eigen::Translation3d(3.5 * std::cos(direction),
-                                                    3.5 * std::sin(direction), 0.8 + 0.12 * i) *
-                               uprightOrientation(direction + kPi, 0.0);
-      map_.markers.push_back(marker);
-    }
-  }
-
   Frame frameFrom(const Pose& truth, double stamp) const {
     constexpr int kSamples = 8;
     return {stamp, test::renderPanorama(map_, MountedCamera(camera_, mounting_), truth, kSamples),
@@ -48,7 +35,7 @@ class LeaningRobotTest : public testing::Test {
 
   std::shared_ptr<const CameraModel> camera_ = test::sphericalCamera();
   Eigen::Isometry3d mounting_ = test::lookingDown();
-  MarkerMap map_{"map", {}};
+  MarkerMap map_{"map", test::markersAround(3.5, 0.8)};
 };
 
 TEST_F(LeaningRobotTest, IsLocalizedOnAFloorAndToldToBeInItsPlane) {

@@ -24,6 +24,20 @@ inline Marker wallMarker(int id, const Eigen::Vector3d& center, double yaw, doub
   return marker;
 }
 
+/// Eight markers of this size about the origin, so far from it (m), at various heights and turned
+/// toward it.
+inline std::vector<Marker> markersAround(double distance, double size) {
+  std::vector<Marker> markers;
+  for (int i = 0; i < 8; ++i) {
+    const double direction = 2.0 * kPi * i / 8 + 0.15 * (i % 3);
+    markers.push_back(wallMarker(
+        3 * i, {distance * std::cos(direction), distance * std::sin(direction), 0.8 + 0.12 * i},
+        direction + kPi));
+    markers.back().size = size;
+  }
+  return markers;
+}
+
 /// A marker that lies on the floor, or face down under the ceiling; `turn` is about the vertical.
 inline Marker lyingMarker(int id, const Eigen::Vector3d& center, bool face_up, double turn,
                           double size) {

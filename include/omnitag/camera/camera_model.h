@@ -86,6 +86,9 @@ class CameraModel {
   virtual double minRadius() const = 0;
   virtual double maxRadius() const = 0;
 
+  /// Pixels: radius, in the image, of what the camera shows.
+  double rimPixels() const { return image_plane_.scale() * maxRadius(); }
+
   /// How far the model may be off; not at all unless something else was set.
   const CameraUncertainty& uncertainty() const { return uncertainty_; }
   void setUncertainty(const CameraUncertainty& uncertainty) { uncertainty_ = uncertainty; }

@@ -67,6 +67,10 @@ class MountedCamera {
   Eigen::Matrix<double, 2, 3> byVelocities(const Eigen::Vector2d& pixel,
                                            const Eigen::Matrix<double, 2, 6>& by_base) const;
 
+  /// Whether the shutter says for how long each pixel is exposed; the blur's turn then says
+  /// nothing.
+  bool knowsExposure() const { return shutter_.exposure_time > 0.0; }
+
   /// The motion of the base during an exposure: a PoseVector along its own axes. Its sign has no
   /// meaning.
   PoseVector exposedMotion() const;

@@ -18,6 +18,9 @@
 
 namespace omnitag {
 
+/// s, beyond which ros::Time has no stamps and throws.
+constexpr double kTimesEnd = 4294967295.0;
+
 /// The name of a frame as tf2 compares it.
 std::string withoutSlash(const std::string& frame);
 

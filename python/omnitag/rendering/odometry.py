@@ -5,7 +5,8 @@ from typing import List, NamedTuple, Optional, Sequence, Union
 import numpy as np
 
 from omnitag.rendering.checks import boolean, not_negative, positive, seed
-from omnitag.rendering.path import Pose, SmoothPath
+from omnitag.rendering.path import SmoothPath
+from omnitag.rendering.poses import Pose
 from omnitag.rendering.route import Frame
 from omnitag.yaml_file import Value
 

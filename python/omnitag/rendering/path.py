@@ -1,29 +1,12 @@
 """The robot's way between the rows of the route: a smooth curve through their poses."""
 
 from bisect import bisect_right
-from typing import List, NamedTuple, Sequence
+from typing import List, Sequence
 
 import numpy as np
 
-from omnitag.rendering.poses import leaning_transform
+from omnitag.rendering.poses import Pose
 from omnitag.rendering.route import Frame
-
-
-class Pose(NamedTuple):
-    """base_link in the map; metres and radians, the yaw without steps of a turn."""
-
-    x: float
-    y: float
-    yaw: float
-    z: float = 0.0
-    roll: float = 0.0
-    pitch: float = 0.0
-
-    @property
-    def map_from_base(self) -> np.ndarray:
-        """(4, 4) transform."""
-        return leaning_transform(np.array([self.x, self.y, self.z]), self.yaw, self.roll,
-                                 self.pitch)
 
 
 class SmoothPath:

@@ -1,5 +1,7 @@
 """Poses of what stands on the floor, and of what leans."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 
@@ -31,3 +33,20 @@ def leaning_quaternion(yaw: np.ndarray, roll: np.ndarray, pitch: np.ndarray) -> 
     cy, cr, cp = (np.cos(0.5 * np.asarray(angle, dtype=float)) for angle in (yaw, roll, pitch))
     return np.stack([sr * cp * cy - cr * sp * sy, cr * sp * cy + sr * cp * sy,
                      cr * cp * sy - sr * sp * cy, cr * cp * cy + sr * sp * sy], axis=-1)
+
+
+class Pose(NamedTuple):
+    """base_link in the map; metres and radians."""
+
+    x: float
+    y: float
+    yaw: float
+    z: float = 0.0
+    roll: float = 0.0
+    pitch: float = 0.0
+
+    @property
+    def map_from_base(self) -> np.ndarray:
+        """(4, 4) transform."""
+        return leaning_transform(np.array([self.x, self.y, self.z]), self.yaw, self.roll,
+                                 self.pitch)

@@ -6,7 +6,7 @@ from typing import List, NamedTuple, Sequence
 import numpy as np
 
 from omnitag.command_line import InputError
-from omnitag.rendering.poses import leaning_quaternion, leaning_transform
+from omnitag.rendering.poses import Pose, leaning_quaternion
 from omnitag.trajectory import Trajectory, format_stamp, parse_stamp
 
 PLANAR_FIELDS = ["stamp", "x", "y", "yaw"]
@@ -30,8 +30,7 @@ class Frame(NamedTuple):
     @property
     def map_from_base(self) -> np.ndarray:
         """(4, 4) transform."""
-        return leaning_transform(np.array([self.x, self.y, self.z]), self.yaw, self.roll,
-                                 self.pitch)
+        return Pose(self.x, self.y, self.yaw, self.z, self.roll, self.pitch).map_from_base
 
 
 def read_route(path: str, start: int) -> List[Frame]:
