@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -20,11 +21,12 @@ struct SeenPoint {
 
 /// All over the field, at the distance at which markers hang.
 std::vector<SeenPoint> pointsSeenBy(const MountedCamera& camera, double circle) {
-  constexpr double kRange = 3.0;  // m
+  constexpr double kRange = 3.0;                                        // m
+  constexpr std::array<double, 5> kShares{0.25, 0.4, 0.55, 0.7, 0.85};  // of the circle's radius
   constexpr int kDirections = 16;
   const Eigen::Vector2d center = camera.model().imagePlane().principalPoint();
   std::vector<SeenPoint> points;
-  for (double share = 0.25; share < 1.0; share += 0.15) {
+  for (const double share : kShares) {
     for (int i = 0; i < kDirections; ++i) {
       const double azimuth = 2.0 * kPi * i / kDirections;
       const Eigen::Vector2d pixel =
@@ -45,7 +47,7 @@ Eigen::Matrix<double, kCameraModes, 1> modesOf(const MountedCamera& larger,
   constexpr CameraUncertainty kOnePixel{1.0, 1.0, 1.0, 1.0};
   const Eigen::Vector2d center = larger.model().imagePlane().principalPoint();
   std::vector<Eigen::Vector2d> displacements;
-  Eigen::MatrixXd by_modes(2 * points.size(), kCameraModes);
+  Eigen::MatrixXd by_modes(2 * static_cast<Eigen::Index>(points.size()), kCameraModes);
   for (const SeenPoint& point : points) {
     const auto a = larger.pixelFromMap(Pose{}, point.in_base);
     const auto b = smaller.pixelFromMap(Pose{}, point.in_base);
@@ -55,7 +57,7 @@ Eigen::Matrix<double, kCameraModes, 1> modesOf(const MountedCamera& larger,
     displacements.emplace_back(0.5 * (*a - *b));
   }
   const auto rows = 2 * static_cast<Eigen::Index>(displacements.size());
-  if (rows < 2 * kCameraModes) return Eigen::Matrix<double, kCameraModes, 1>::Zero();
+  if (rows < Eigen::Index{2} * kCameraModes) return Eigen::Matrix<double, kCameraModes, 1>::Zero();
   const Eigen::Map<const Eigen::VectorXd> displaced(displacements.front().data(), rows);
   return by_modes.topRows(rows).colPivHouseholderQr().solve(displaced);
 }

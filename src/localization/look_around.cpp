@@ -43,14 +43,22 @@ void includeRadii(double above_camera, double min_range, double max_range,
   }
 }
 
+/// m, where the smallest upright marker is as wide as `overlap`.
+double nearestRange(const MarkerHeights& heights, double overlap) {
+  constexpr double kNarrowest = radians(1.0);
+  return 0.5 * heights.smallest_upright / std::tan(0.5 * std::max(overlap, kNarrowest));
+}
+
 /// Radii of the ideal image plane at which markers can image, but for lying ones near the axis.
-Bounds radiiOf(const MarkerHeights& heights, const MountedCamera& camera, double min_range,
-               double max_range) {
+Bounds radiiOf(const MarkerHeights& heights, const MountedCamera& camera, double max_range,
+               double overlap) {
   const double camera_height = camera.baseFromCamera().translation().z();
   Bounds radii;
   if (!heights.upright.isEmpty()) {
+    const double min_range = nearestRange(heights, overlap);
     for (const double height : {heights.upright.low, heights.upright.high}) {
-      includeRadii(height - camera_height, min_range, max_range, camera, &radii);
+      includeRadii(height - camera_height, min_range, std::max(min_range, max_range), camera,
+                   &radii);
     }
   }
   if (!heights.lying.isEmpty()) {
@@ -154,12 +162,12 @@ class Planner {
 }  // namespace
 
 LookAroundConfig readLookAroundConfig(const YamlReader& reader) {
-  reader.allowOnly({"glance", "step", "overlap", "min_range", "oversampling", "max_size"});
+  reader.refuseReplaced("min_range", "look_around/overlap (a marker's width in the image, rad)");
+  reader.allowOnly({"glance", "step", "overlap", "oversampling", "max_size"});
   LookAroundConfig config;
   reader.read("glance", &config.glance);
   reader.read("step", &config.step, {radians(5.0), radians(90.0)});
   reader.read("overlap", &config.overlap, {0.0, radians(60.0)});
-  reader.read("min_range", &config.min_range, kPositive);
   reader.read("oversampling", &config.oversampling, {0.25, 8.0});
   reader.read("max_size", &config.max_size, {32, 4096});
   return config;
@@ -170,8 +178,7 @@ std::optional<Annulus> annulusOfMarkers(const MarkerHeights& heights, const Moun
   for (const bool up : {true, false}) {
     if (canBeAtEnd(up, heights, camera) && seesEnd(up, camera)) return Annulus{};
   }
-  const Bounds radii =
-      radiiOf(heights, camera, config.min_range, std::max(max_range, config.min_range));
+  const Bounds radii = radiiOf(heights, camera, max_range, config.overlap);
   if (!(radii.low < radii.high)) return std::nullopt;
   return Annulus{radii.low, radii.high};
 }
@@ -180,7 +187,7 @@ std::vector<View> viewsAllAround(const MarkerHeights& heights, const MountedCame
                                  const ContourTable& table, double max_range,
                                  const LookAroundConfig& config) {
   Planner planner(camera, table, config);
-  Bounds radii = radiiOf(heights, camera, config.min_range, std::max(max_range, config.min_range));
+  Bounds radii = radiiOf(heights, camera, max_range, config.overlap);
   // A lens that looks ahead has markers on walls near its axis.
   const Bounds off_axis = radiiOffAxis(camera.model());
   const bool is_lens = camera.model().imageFromPoint(0.0, kFar).has_value();

@@ -14,7 +14,11 @@ MarkerHeights heightsOf(const MarkerMap& map) {
   MarkerHeights heights;
   for (const Marker& marker : map.markers) {
     const double center = marker.center().z();
-    Bounds& range = std::abs(marker.normal().z()) > lying ? heights.lying : heights.upright;
+    const bool is_lying = std::abs(marker.normal().z()) > lying;
+    if (!is_lying && (heights.upright.isEmpty() || marker.size < heights.smallest_upright)) {
+      heights.smallest_upright = marker.size;
+    }
+    Bounds& range = is_lying ? heights.lying : heights.upright;
     for (const Eigen::Vector3d& corner : marker.corners()) {
       range.include(center + kWithSomeWhite * (corner.z() - center));
     }

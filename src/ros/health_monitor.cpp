@@ -1,6 +1,7 @@
 #include "omnitag/ros/health_monitor.h"
 
 #include <algorithm>
+#include <boost/algorithm/string/join.hpp>
 #include <cmath>
 #include <iomanip>
 #include <sstream>
@@ -93,20 +94,13 @@ void HealthMonitor::transformMissing(const std::string& why) {
 
 void HealthMonitor::transformsServed(const std::string& failure) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (failure.empty()) {
-    settle(&serving_, "tf can be read and sent");
-  } else {
-    complain(&serving_, "tf cannot be read or sent: " + failure);
-  }
+  update(&serving_, failure.empty() ? "" : "tf cannot be read or sent: " + failure,
+         "tf can be read and sent");
 }
 
 void HealthMonitor::parentChecked(const std::string& conflict) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (conflict.empty()) {
-    settle(&parent_, "tf has no other parent of what is sent");
-  } else {
-    complain(&parent_, conflict, ros::console::levels::Error);
-  }
+  update(&parent_, conflict, "tf has no other parent of what is sent", ros::console::levels::Error);
 }
 
 void HealthMonitor::localized(const LocalizationStatus& status, const FrameResult& result,
@@ -116,31 +110,19 @@ void HealthMonitor::localized(const LocalizationStatus& status, const FrameResul
   last_status_ = status;
   last_pose_ = result.map_from_base;
   settle(&images_, "images are coming");
-  if (odometry_problem.empty()) {
-    settle(&transforms_, "tf has all transforms");
-  } else {
-    complain(&transforms_, "no odometry, hence no map -> odom: " + odometry_problem);
+  update(&transforms_,
+         odometry_problem.empty() ? "" : "no odometry, hence no map -> odom: " + odometry_problem,
+         "tf has all transforms");
+  update(&localization_, result.map_from_base ? "" : "searching: " + result.remark,
+         std::string("localized, ") + modeName(status));
+  if (result.map_from_base && !result.remark.empty()) {
+    ROS_WARN_STREAM(name_ << ": " << result.remark);
   }
-  if (!result.map_from_base) {
-    complain(&localization_, "searching: " + result.remark);
-  } else {
-    settle(&localization_, std::string("localized, ") + modeName(status));
-    if (!result.remark.empty()) ROS_WARN_STREAM(name_ << ": " << result.remark);
-  }
-  std::string advice;
-  for (const std::string& line : status.advice) advice += (advice.empty() ? "" : "; ") + line;
-  if (advice.empty()) {
-    settle(&advice_, "images, map and camera agree again");
-  } else {
-    complain(&advice_, advice);
-  }
+  update(&advice_, boost::algorithm::join(status.advice, "; "),
+         "images, map and camera agree again");
   displacements_.add(result);
-  const std::vector<DisplacedMarker> displaced = displacements_.persistent();
-  if (displaced.empty()) {
-    settle(&marker_map_, "all markers that are read hang where the map has them");
-  } else {
-    complain(&marker_map_, describe(displaced));
-  }
+  update(&marker_map_, describe(displacements_.persistent()),
+         "all markers that are read hang where the map has them");
 }
 
 std::string HealthMonitor::describe(const std::vector<DisplacedMarker>& displaced) const {
@@ -252,6 +234,15 @@ void HealthMonitor::reportMap(Report& report) {
   report.add("markers", map_.markers.size());
   report.add("of these mapped and not saved", mapped_);
   report.add("provisional, not known well enough", waiting_);
+}
+
+void HealthMonitor::update(Subject* subject, const std::string& problem,
+                           const std::string& all_is_well, ros::console::Level level) {
+  if (problem.empty()) {
+    settle(subject, all_is_well);
+  } else {
+    complain(subject, problem, level);
+  }
 }
 
 void HealthMonitor::complain(Subject* subject, const std::string& problem,

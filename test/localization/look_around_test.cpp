@@ -120,29 +120,33 @@ TEST_P(LookAroundTest, EveryMarkerThatCanBeSeenIsWithinTheAnnulus) {
   const Eigen::Vector2d viewpoint = camera_.baseFromCamera().translation().head<2>();
   const double width = model_->maxRadius() - model_->minRadius();
   int seen = 0;
-  for (const double height : {0.6, 1.2, 1.9}) {
-    Marker marker = test::wallMarker(0, {100.0, 0.0, height}, 0.0);
-    marker.size = 0.3;
-    const auto annulus =
-        annulusOfMarkers(heightsOf({"map", {marker}}), camera_, kMaxRange, config_);
-    if (annulus) {
-      EXPECT_LT(annulus->max_radius - annulus->min_radius, 0.8 * width);
-    }
-    for (const double range : {1.0, 1.5, 2.5, 5.0, 11.5}) {
-      for (int i = 0; i < 40; ++i) {
-        const double azimuth = 2.0 * kPi * i / 40;
-        const Eigen::Vector2d place =
-            viewpoint + range * Eigen::Vector2d(std::cos(azimuth), std::sin(azimuth));
-        marker = test::wallMarker(0, {place.x(), place.y(), height}, azimuth + kPi);
-        marker.size = 0.3;
-        const auto reading = test::exactReading(marker, camera_, {});
-        if (!reading) continue;
-        ++seen;
-        ASSERT_TRUE(annulus);
-        for (const Eigen::Vector2d& corner : reading->corners) {
-          const double radius = model_->imagePlane().idealFromPixel(corner)->norm();
-          EXPECT_GE(radius, annulus->min_radius) << "range " << range << ", azimuth " << azimuth;
-          EXPECT_LE(radius, annulus->max_radius) << "range " << range << ", azimuth " << azimuth;
+  for (const double size : {0.3, 0.08}) {
+    for (const double height : {0.6, 1.2, 1.9}) {
+      Marker marker = test::wallMarker(0, {100.0, 0.0, height}, 0.0);
+      marker.size = size;
+      const auto annulus =
+          annulusOfMarkers(heightsOf({"map", {marker}}), camera_, kMaxRange, config_);
+      if (annulus && size == 0.3) {
+        EXPECT_LT(annulus->max_radius - annulus->min_radius, 0.8 * width);
+      }
+      // Small ones are seen as wide from nearer.
+      for (const double range : {1.0, 1.5, 2.5, 5.0, 11.5}) {
+        for (int i = 0; i < 40; ++i) {
+          const double azimuth = 2.0 * kPi * i / 40;
+          const Eigen::Vector2d place =
+              viewpoint +
+              range * size / 0.3 * Eigen::Vector2d(std::cos(azimuth), std::sin(azimuth));
+          marker = test::wallMarker(0, {place.x(), place.y(), height}, azimuth + kPi);
+          marker.size = size;
+          const auto reading = test::exactReading(marker, camera_, {});
+          if (!reading) continue;
+          ++seen;
+          ASSERT_TRUE(annulus);
+          for (const Eigen::Vector2d& corner : reading->corners) {
+            const double radius = model_->imagePlane().idealFromPixel(corner)->norm();
+            EXPECT_GE(radius, annulus->min_radius) << "range " << range << ", azimuth " << azimuth;
+            EXPECT_LE(radius, annulus->max_radius) << "range " << range << ", azimuth " << azimuth;
+          }
         }
       }
     }

@@ -138,7 +138,6 @@ TEST(Parameters, ManualHasTheDefaults) {
   EXPECT_EQ(look_around.glance, look_around_default.glance);
   EXPECT_DOUBLE_EQ(look_around.step, look_around_default.step);
   EXPECT_DOUBLE_EQ(look_around.overlap, look_around_default.overlap);
-  EXPECT_EQ(look_around.min_range, look_around_default.min_range);
   EXPECT_EQ(look_around.oversampling, look_around_default.oversampling);
   EXPECT_EQ(look_around.max_size, look_around_default.max_size);
 

@@ -25,11 +25,8 @@ struct LookAroundConfig {
   /// rad, between the middles of neighbouring views.
   double step = radians(45.0);
   /// rad, by which neighbouring views or sectors overlap: a marker that is narrower is whole in one
-  /// of them.
+  /// of them. Wider, hence nearer ones are not looked for, but on the floor and under the ceiling.
   double overlap = radians(20.0);
-  /// m, horizontally from the camera: nearer markers are not looked for, as they would be far above
-  /// or below. Markers on the floor and under the ceiling are, however near.
-  double min_range = 0.8;
   /// Pixels of a view per pixel of the panorama along the tangent, where the panorama resolves
   /// best.
   double oversampling = 1.0;
@@ -40,16 +37,16 @@ struct LookAroundConfig {
 /// Reads the keys above; absent ones keep their defaults. Throws InputError.
 LookAroundConfig readLookAroundConfig(const YamlReader& reader);
 
-/// Where markers at these heights can image, whole, that are from `config.min_range` to `max_range`
-/// metres away, and those on the floor and under the ceiling however near. Nothing where the camera
-/// sees none of these.
+/// Where markers at these heights can image, whole, that are up to `max_range` metres away and no
+/// wider than `config.overlap`, and those on the floor and under the ceiling however near. Nothing
+/// where the camera sees none of these.
 std::optional<Annulus> annulusOfMarkers(const MarkerHeights& heights, const MountedCamera& camera,
                                         double max_range, const LookAroundConfig& config);
 
-/// Views all around the camera, at the elevations at which markers of these heights can be, from
-/// `config.min_range` to `max_range` metres away, and one along the axis where markers can be
-/// there. `oversampling` as in ViewPlannerConfig. None where the camera sees none of these
-/// elevations.
+/// Views all around the camera, at the elevations at which markers of these heights can be that are
+/// up to `max_range` metres away and no wider than `config.overlap`, and one along the axis where
+/// markers can be there. `oversampling` as in ViewPlannerConfig. None where the camera sees none of
+/// these elevations.
 std::vector<View> viewsAllAround(const MarkerHeights& heights, const MountedCamera& camera,
                                  const ContourTable& table, double max_range,
                                  const LookAroundConfig& config);

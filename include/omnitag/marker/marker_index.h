@@ -16,6 +16,8 @@ struct MarkerHeights {
   /// Of those on the floor or under the ceiling, which can be right below or above a camera, where
   /// upright ones cannot be read.
   Bounds lying;
+  /// m, the edge of the smallest upright one; 0 where there are none.
+  double smallest_upright = 0.0;
 };
 
 MarkerHeights heightsOf(const MarkerMap& map);

@@ -66,6 +66,9 @@ class HealthMonitor {
   void reportLocalization(Report& report);
   void reportMap(Report& report);
   std::string describe(const std::vector<DisplacedMarker>& displaced) const;
+  /// Complains of a problem; an empty one is none.
+  void update(Subject* subject, const std::string& problem, const std::string& all_is_well,
+              ros::console::Level level = ros::console::levels::Warn);
   void complain(Subject* subject, const std::string& problem,
                 ros::console::Level level = ros::console::levels::Warn);
   void settle(Subject* subject, const std::string& all_is_well);
