@@ -20,7 +20,7 @@ const char* toString(ImageExposure exposure) {
 }
 
 ImageExposure exposureOf(const cv::Mat& image) {
-  constexpr int kStep = 8;  // pixels
+  constexpr int kStep = 16;  // pixels
   std::array<int, 256> counts{};
   int all = 0;
   for (int row = kStep / 2; row < image.rows; row += kStep) {

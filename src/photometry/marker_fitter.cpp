@@ -19,6 +19,11 @@ constexpr std::size_t kFineWorthAThread = 2;
 /// Pixels to fit.
 constexpr std::size_t kFitWorthAThread = 700;
 
+/// Facets along a marker's side at most, and pixels along the side of one at least, where there are
+/// more of them than one.
+constexpr int kMostFacets = 8;
+constexpr double kFacet = 5.0;
+
 /// Pixels of a marker, whatever the others need.
 constexpr std::size_t kLeastPixels = 75;
 
@@ -65,7 +70,7 @@ std::vector<MarkerPixels> MarkerFitter::finePixels(const Pose& pose,
                                                    const ImagingError& error) const {
   MarkerPatch::Choice choice;
   choice.reach = 0.0;
-  choice.facets = 6;
+  choice.facets = kMostFacets;
   const MountedCamera camera = camera_.withError(error);
   const std::vector<MarkerPatch> fine =
       patches(camera, pose, config_.max_final_pixels, choice, kFineWorthAThread);
@@ -104,7 +109,7 @@ MarkerFitter::Fits MarkerFitter::fits(std::vector<MarkerPixels> pixels,
 
 BlurEquations MarkerFitter::blur(const Fits& fits, const PixelNoise& noise,
                                  const FrameVector& change) const {
-  constexpr std::size_t kEnough = 400;  // pixels of all markers
+  constexpr std::size_t kEnough = 200;  // pixels of all markers
   BlurEquations sum;
   for (std::size_t i = 0; i < fits.size(); ++i) {
     if (!fits[i]) continue;
@@ -161,6 +166,7 @@ std::vector<MarkerPatch> MarkerFitter::patches(const MountedCamera& camera, cons
   forEachIndex(entries_.size(), threads_, worth_a_thread, [&](std::size_t i) {
     const Marker& marker = map_.markers[entries_[i]];
     MarkerPatch::Choice own = choice;
+    own.facets = std::min(choice.facets, 1 + static_cast<int>(std::sqrt(areas[i]) / kFacet));
     own.max_at_edges =
         std::max(kLeastPixels, static_cast<std::size_t>(max_pixels * areas[i] / whole));
     own.max_on_even_ground = std::min(own.max_at_edges / 8, kEnoughForLight);
