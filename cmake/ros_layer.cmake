@@ -66,6 +66,7 @@ add_executable(calibrate_camera
   src/ros/calibrate_camera/camera_output.cpp
   src/ros/calibrate_camera/main.cpp
   src/ros/calibrate_camera/options.cpp
+  src/ros/calibrate_camera/parameter_output.cpp
   src/ros/calibrate_camera/recording.cpp
 )
 target_link_libraries(calibrate_camera PRIVATE omnitag_bag_tools opencv_imgcodecs)

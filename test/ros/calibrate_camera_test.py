@@ -7,11 +7,14 @@ import sys
 import tempfile
 import unittest
 
+import numpy as np
 import rosbag
+import rospy
 import yaml
+from tf2_msgs.msg import TFMessage
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from harness import BAG, PACKAGE  # noqa: E402
+from harness import BAG, PACKAGE, odometry, read_truth  # noqa: E402
 
 MAP = os.path.join(PACKAGE, "maps", "paper.yaml")
 GUESS = """
@@ -98,6 +101,58 @@ class CalibrateCameraTest(unittest.TestCase):
              "--reference", BAG.replace(".bag", ".tum"), "--json"],
             stdout=subprocess.PIPE, universal_newlines=True, timeout=100, check=False)
         self.assertLess(yaml.safe_load(evaluated.stdout)["position_rmse"], 0.001)
+
+    def write_bag_with_odometry(self, path, late):
+        """The shipped bag with odometry that has the robot where it was so many seconds before: its
+        images are as much late."""
+        truth = read_truth()
+        stamps = np.array([stamp.to_sec() for stamp in truth])
+        x, y, yaw = np.array(list(truth.values())).T
+        yaw = np.unwrap(yaw)
+        with rosbag.Bag(path, "w") as bag:
+            for topic, message, time in rosbag.Bag(BAG).read_messages():
+                bag.write(topic, message, time)
+            for time in np.arange(stamps[0], stamps[-1], 0.025):
+                pose = tuple(np.interp(time, stamps, values) for values in (x, y, yaw))
+                stamp = rospy.Time.from_sec(time + late)
+                bag.write("/tf", TFMessage([odometry(stamp, pose)]), stamp)
+
+    def test_estimates_how_late_images_are(self):
+        bag = self.path("late.bag")
+        params = self.path("params.yaml")
+        self.write_bag_with_odometry(bag, 0.020)
+        self.write(params, "base_frame: base_link  # ours\nimage_time_offset: 0.5 # a guess")
+        result = self.run_tool("--odom-frame", "odom", "--output-params", params, bag=bag)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertRegex(result.stdout, r"row_readout_time.*held: as of a global shutter")
+        with open(params, encoding="utf-8") as file:
+            text = file.read()
+        self.assertTrue(text.startswith("base_frame: base_link  # ours\nimage_time_offset: "), text)
+        self.assertIn(" # a guess\n", text)
+        found = yaml.safe_load(text)
+        self.assertAlmostEqual(found["image_time_offset"], 0.020, delta=0.001)
+        self.assertEqual(found["row_readout_time"], 0.0)
+        # What it gives is what localize_bag takes.
+        localized = subprocess.run(
+            ["rosrun", "omnitag", "localize_bag", "--camera", self.path("out.yaml"), "--map", MAP,
+             "--bag", bag, "--odom-frame", "odom", "--params", params,
+             "--trajectory", self.path("out.tum")],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=300, check=False)
+        self.assertEqual(localized.returncode, 0, localized.stderr)
+
+    def test_refuses_what_tells_no_times(self):
+        self.assert_refused("paper.bag: --odom-frame", "'odom'", **{"odom-frame": "odom"})
+        params = self.path("params.yaml")
+        self.assert_refused("--output-params: needs --odom-frame", **{"output-params": params})
+        bag = self.path("late.bag")
+        self.write_bag_with_odometry(bag, 0.0)
+        for text, part in (("{base_frame: base_link}", "a line of its own"),
+                           ("time_offset: 0.1", "time_offset"), ("a: [", "cannot put")):
+            self.write(params, text)
+            self.assert_refused("params.yaml", part, bag=bag,
+                                **{"odom-frame": "odom", "output-params": params})
+            with open(params, encoding="utf-8") as file:
+                self.assertEqual(file.read(), text)
 
     def test_refuses_too_few_images(self):
         self.assert_refused("5 images of 5", "drive longer", images="5")

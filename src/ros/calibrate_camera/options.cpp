@@ -21,7 +21,12 @@ const char* const kUsage =
     "drive among mapped markers. The guess is a camera file that may be 10 % off, or that only "
     "has\n"
     "the image's circle right. What the images do not tell is held as the guess has it, and said.\n"
-    "Where the recording cannot calibrate a camera, no file is written. Needs no roscore.\n";
+    "Where the recording cannot calibrate a camera, no file is written. Needs no roscore.\n"
+    "\n"
+    "With --odom-frame, it also estimates how long after its stamp an image is exposed and how "
+    "long\n"
+    "its rows take (image_time_offset, row_readout_time), from a drive that turns left and right,\n"
+    "and the camera as it is without what the rows' times do to its images.\n";
 
 std::set<std::string> splitNames(const std::string& text) {
   std::istringstream stream(text);
@@ -60,7 +65,12 @@ std::optional<CalibrationOptions> parseCalibrationOptions(int argc, char** argv)
       "images", po::value<int>(&options.images)->value_name("N"),
       "how many images to look at, spread over the bag; default: 150")(
       "params", textOption(&options.params, "P.yaml"),
-      "parameters, as in config/localizer.yaml: base_frame and the detector's count");
+      "parameters, as in config/localizer.yaml: base_frame, detector, motion and floor count")(
+      "odom-frame", textOption(&options.odom_frame, "F"),
+      "odometry frame of the bag's tf: estimate when the rows of the images are exposed, too")(
+      "output-params", textOption(&options.output_params, "P.yaml"),
+      "parameter file to write image_time_offset and row_readout_time into; what else is in it "
+      "stays");
   if (!parseCommandLine(argc, argv, kUsage, description)) return std::nullopt;
   if (options.images < 1) {
     throw InputError("--images: expected at least 1, found " + std::to_string(options.images));
@@ -69,8 +79,16 @@ std::optional<CalibrationOptions> parseCalibrationOptions(int argc, char** argv)
     const std::filesystem::path output(options.output);
     options.picture = (output.parent_path() / (output.stem().string() + "_residuals.png")).string();
   }
+  if (!options.output_params.empty() && options.odom_frame.empty()) {
+    throw InputError("--output-params: needs --odom-frame, without which no times are estimated");
+  }
   checkOutputs({options.camera, options.map, options.bag, options.params},
                {{"--output", options.output}, {"--picture", options.picture}});
+  // What else is in it stays: it may be the file of --params.
+  checkOutputs({options.camera, options.map, options.bag},
+               {{"--output", options.output},
+                {"--picture", options.picture},
+                {"--output-params", options.output_params}});
   return options;
 }
 

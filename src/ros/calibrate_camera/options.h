@@ -18,6 +18,10 @@ struct CalibrationOptions {
   std::string picture;
   std::string image_topic;
   std::string params;
+  /// Of the bag's tf; where it is given, the rows' times are estimated.
+  std::string odom_frame;
+  /// To write these into.
+  std::string output_params;
   /// base_from_camera, in place of the bag's.
   std::optional<Eigen::Isometry3d> mounting;
   /// Names of parameters to keep as the guess has them.

@@ -1,11 +1,14 @@
 #include "recording.h"
 
+#include <optional>
 #include <set>
 #include <utility>
 
 #include "../bag_tools/recorded_images.h"
+#include "omnitag/common/error.h"
 #include "omnitag/localization/look_around.h"
 #include "omnitag/marker/marker_reader.h"
+#include "omnitag/ros/conversions.h"
 #include "omnitag/ros/frame_assembler.h"
 
 namespace omnitag {
@@ -28,6 +31,28 @@ Recording::Recording(const CalibrationOptions& options, const MarkerMap& map)
       parameters_(parametersOf(options)),
       input_(options.bag, options.image_topic) {
   if (options.mounting) input_.replaceMounting(parameters_.frames.base, *options.mounting);
+  if (!options.odom_frame.empty()) checkOdometry();
+}
+
+void Recording::checkOdometry() const {
+  const std::string& base = parameters_.frames.base;
+  std::string why;
+  // At the last time that the bag has, whichever that is.
+  if (input_.transforms().canTransform(options_.odom_frame, base, ros::Time(0), &why)) return;
+  throw InputError(options_.bag + ": --odom-frame: expected odometry from '" + base + "' to '" +
+                   options_.odom_frame + "' in tf, found none: " + why);
+}
+
+OdometryAt Recording::odometry() const {
+  return [this](double time) -> std::optional<Pose> {
+    if (!(time > 0.0 && time < kTimesEnd)) return std::nullopt;
+    const tf2::BufferCore& transforms = input_.transforms();
+    const std::string& odom = options_.odom_frame;
+    const std::string& base = parameters_.frames.base;
+    const ros::Time stamp(time);
+    if (!transforms.canTransform(odom, base, stamp)) return std::nullopt;
+    return Pose::fromIsometry(fromMessage(transforms.lookupTransform(odom, base, stamp).transform));
+  };
 }
 
 std::vector<FrameReadings> Recording::read(const std::shared_ptr<const CameraModel>& camera,
@@ -39,21 +64,21 @@ std::vector<FrameReadings> Recording::read(const std::shared_ptr<const CameraMod
   const FrameAssembler assembler(origin, camera->imageSize(), parameters_.frames);
 
   std::vector<FrameReadings> frames;
-  useImages(input_, assembler, static_cast<std::size_t>(options_.images), what,
-            [&](const AssembledFrame& assembled, const rosbag::MessageInstance& /*message*/) {
-              FrameReadings frame;
-              frame.stamp = assembled.frame.stamp;
-              frame.base_from_camera = assembled.frame.base_from_camera;
-              frame.readings =
-                  readEverything(reader, MountedCamera(camera, frame.base_from_camera),
-                                 assembled.frame.image, parameters_.localizer.look_around);
-              if (refine) {
-                frame.readings = refine(assembled.frame.image, std::move(frame.readings));
-              }
-              frames.push_back(std::move(frame));
-              sample_image_ = assembled.frame.image.clone();
-              camera_frame_ = assembled.header.frame_id;
-            });
+  useImages(
+      input_, assembler, static_cast<std::size_t>(options_.images), what,
+      [&](const AssembledFrame& assembled, const rosbag::MessageInstance& /*message*/) {
+        FrameReadings frame;
+        frame.stamp = assembled.frame.stamp;
+        frame.base_from_camera = assembled.frame.base_from_camera;
+        frame.readings = readEverything(reader, MountedCamera(camera, frame.base_from_camera),
+                                        assembled.frame.image, parameters_.localizer.look_around);
+        if (refine) {
+          frame.readings = refine(assembled.frame.image, frame.stamp, std::move(frame.readings));
+        }
+        frames.push_back(std::move(frame));
+        sample_image_ = assembled.frame.image.clone();
+        camera_frame_ = assembled.header.frame_id;
+      });
   return frames;
 }
 

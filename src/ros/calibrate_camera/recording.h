@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "../bag_tools/bag_input.h"
+#include "omnitag/calibration/odometry_at.h"
 #include "omnitag/camera/camera_model.h"
 #include "omnitag/localization/frame_readings.h"
 #include "omnitag/marker/marker_map.h"
@@ -18,10 +19,11 @@ namespace omnitag {
 /// The bag of a drive, whose images can be looked at as often as the camera gets better.
 class Recording {
  public:
-  using Refinement = std::function<std::vector<MarkerReading>(const cv::Mat& image,
+  /// `stamp`: the image's, in s.
+  using Refinement = std::function<std::vector<MarkerReading>(const cv::Mat& image, double stamp,
                                                               std::vector<MarkerReading> readings)>;
 
-  /// Throws InputError where the bag cannot be read.
+  /// Throws InputError where the bag cannot be read, or has not the odometry that it should have.
   Recording(const CalibrationOptions& options, const MarkerMap& map);
 
   /// What is read all around in some of its images, evenly spread. `origin` describes the camera in
@@ -37,7 +39,14 @@ class Recording {
   const std::string& cameraFrame() const { return camera_frame_; }
   const std::string& baseFrame() const { return parameters_.frames.base; }
 
+  /// Of the options' odometry frame; lives no longer than the recording.
+  OdometryAt odometry() const;
+  /// What it errs by, and how the robot stands.
+  const MotionModelConfig& motion() const { return parameters_.localizer.motion; }
+
  private:
+  void checkOdometry() const;
+
   const CalibrationOptions& options_;
   const MarkerMap& map_;
   LocalizerParameters parameters_;
