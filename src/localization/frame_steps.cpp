@@ -100,11 +100,12 @@ std::optional<AlignedPose> alignWithPixels(const TrackingTools& tools, const cv:
   if (tools.config.estimation.kind != EstimatorKind::kPhotometric) return std::nullopt;
   const auto from = [&](const Pose& start) {
     return refinePhotometrically(panorama, tools.map, camera, tools.patterns, entries, start, prior,
-                                 config, tools.config.threads);
+                                 config, tools.config.threads, tools.lasting_excess);
   };
   std::optional<PhotometricFit> fit = from(initial);
   const auto aligned = [](const PhotometricFit& optimum) {
-    return AlignedPose{optimum.map_from_base, optimum.imaging_error, optimum.excess, optimum.blur};
+    return AlignedPose{optimum.map_from_base, optimum.imaging_error, optimum.disagreement,
+                       optimum.surprise,      optimum.excess,        optimum.blur};
   };
   if (entries.size() > 1) return fit ? std::optional(aligned(*fit)) : std::nullopt;
 
@@ -124,7 +125,11 @@ std::optional<AlignedPose> alignWithPixels(const TrackingTools& tools, const cv:
   };
   return AlignedPose{
       mixture(fit->map_from_base, misfit(*fit), other->map_from_base, misfit(*other)),
-      fit->imaging_error, 1.0, fit->blur};
+      fit->imaging_error,
+      {},
+      1.0,
+      1.0,
+      fit->blur};
 }
 
 PoseEstimate standingOnCorners(const PoseEstimate& pose, std::size_t markers,

@@ -28,6 +28,8 @@ struct TrackingTools {
   const TagPatterns& patterns;
   /// What is known of a pose without a prediction.
   const PosePrior& standing;
+  /// LastingDisagreement's.
+  double lasting_excess;
   /// The frame's image for decoders.
   ReadableImage& readable;
 };
@@ -58,9 +60,10 @@ std::optional<MarkerObservation> recognizePredicted(const TrackingTools& tools,
 struct AlignedPose {
   PoseEstimate map_from_base;
   ImagingError imaging_error = ImagingError::Zero();
-  /// How many times more than expected the markers disagree, at least 1.
+  /// As PhotometricFit has them.
+  Disagreement disagreement;
+  double surprise = 1.0;
   double excess = 1.0;
-  /// What the pixels say of the camera's blur.
   BlurEquations blur;
 };
 

@@ -208,7 +208,7 @@ void FrameTracker::lookAgain(const Pose& pose) {
     if (!predicted) return;
     const TagPattern& pattern = tools_.patterns.of(tools_.map.markers[predicted->map_entry]);
     predicted->tangential_margin = predicted->radial_margin =
-        largestMargin(*predicted, pattern, tools_.config.recognition);
+        largestMargin(*predicted, pattern, camera_, tools_.config.recognition);
     const auto anew = recognizePredicted(tools_, frame_.image, camera_, pose, *predicted);
     if (anew) sightings_[i].observation = anew;
   });
@@ -287,7 +287,7 @@ void FrameTracker::align() {
     if (!isLargeMajority(entries.size(), all)) break;
     auto aligned = alignWithPixels(tools_, frame_.image, camera_, entries,
                                    solution_->map_from_base.pose, prior_);
-    if (aligned && turn_ && entries.size() >= 2 && aligned->excess > 1.0) {
+    if (aligned && turn_ && entries.size() >= 2 && aligned->surprise > 1.0) {
       // Pixels show what corners are too coarse for.
       const Pose& start = aligned->map_from_base.pose;
       const auto alone = alignWithPixels(tools_, frame_.image, camera_, entries, start,
@@ -309,6 +309,7 @@ void FrameTracker::align() {
     }
     if (left == entries.size()) {
       result_->blur_equations = aligned->blur;
+      result_->disagreement = aligned->disagreement;
       *solution_ = {aligned->map_from_base, aligned->imaging_error, std::move(misfits),
                     std::move(used), aligned->excess};
       return;

@@ -86,7 +86,9 @@ Localizer::Localizer(std::shared_ptr<const CameraModel> camera, MarkerMap map,
       blur_(config.estimation.blur * config.estimation.blur) {}
 
 TrackingTools Localizer::trackingTools() {
-  return {map_, index_, config_, reader_, glance_reader_, patterns_, standing_, readable_};
+  return {map_,           index_,    config_,   reader_,
+          glance_reader_, patterns_, standing_, disagreement_.excess(),
+          readable_};
 }
 
 void Localizer::setMap(MarkerMap map) {
@@ -217,6 +219,7 @@ bool Localizer::track(const Frame& frame, const MountedCamera& camera,
   if (isElsewhere(frame, camera, *pose, result)) return false;
   const PoseEstimate corrected = withLag(frame, predicted, *pose);
   motion_.correct(corrected);
+  disagreement_.add(result->disagreement);
   result->mode = Mode::kTracking;
   result->map_from_base = corrected;
   if (config_.exploring_views > 0 || frame.stamp >= next_patrol_) {

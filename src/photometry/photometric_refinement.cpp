@@ -167,12 +167,10 @@ std::optional<FinalStep> finalStep(const MarkerFitter& fitter, std::vector<Marke
   return FinalStep{std::move(all), *change};
 }
 
-/// How many times more than their pixels and the map say the markers disagree about a change of the
-/// unknowns, at least 1: where that is not by chance, something hides, shades or displaces one of
-/// them, or the camera is farther off than its file says. `markers`: nothing for one that is not
-/// seen.
-double excessOf(const std::vector<std::optional<FrameEquations>>& markers,
-                const FrameVector& change, const ImagingError& error) {
+/// How much the markers disagree about a change of the unknowns. `markers`: nothing for one that is
+/// not seen.
+Disagreement disagreementOf(const std::vector<std::optional<FrameEquations>>& markers,
+                            const FrameVector& change, const ImagingError& error) {
   constexpr int kUnknowns = 6;
   double chi_square = error.squaredNorm();
   int freedom = possibleErrors(error) - kUnknowns;
@@ -184,20 +182,30 @@ double excessOf(const std::vector<std::optional<FrameEquations>>& markers,
     freedom += kUnknowns;
     ++seen;
   }
-  // One marker alone cannot disagree: what it is off more than its pixels say is that on average,
-  // as the NEES of 1,900 poses from one marker has it.
-  constexpr double kExcessOfOne = 1.2;
-  if (seen == 1) return kExcessOfOne;
+  if (seen < 2) return {};
+  return {chi_square, static_cast<double>(freedom)};
+}
+
+/// How many times larger than `lasting` squared errors are in an image, at least 1: where that is
+/// not by chance, something hides, shades or displaces a marker, or the camera is farther off than
+/// its file says.
+double surpriseOf(const Disagreement& image, double lasting) {
+  // What one marker is off more than its pixels say on average, as the NEES of 1,900 poses from one
+  // marker has it.
+  constexpr double kOfOne = 1.2;
+  if (image.freedom <= 0.0) return kOfOne;
   // By chance, chi-square is beyond this in one of a hundred frames.
   constexpr double kDeviations = 2.6;
-  const bool is_by_chance = chi_square < freedom + kDeviations * std::sqrt(2.0 * freedom);
-  return is_by_chance ? 1.0 : chi_square / freedom;
+  const double chi_square = image.chi_square / lasting;
+  const bool is_by_chance =
+      chi_square < image.freedom + kDeviations * std::sqrt(2.0 * image.freedom);
+  return is_by_chance ? 1.0 : chi_square / image.freedom;
 }
 
 /// The pose after the last step, of an estimate whose terms count as its equations say, and err as
 /// the residuals say (the sandwich of Huber and White).
-PoseEstimate estimateAfter(const FinalStep& step, const PosePrior& prior,
-                           const Alignment& alignment, double* excess) {
+PhotometricFit fitAfter(const FinalStep& step, const PosePrior& prior, const Alignment& alignment,
+                        double lasting_excess) {
   std::vector<std::optional<FrameEquations>> markers;
   markers.reserve(step.all.fits.size());
   for (const std::optional<MarkerFit>& fit : step.all.fits) {
@@ -208,9 +216,14 @@ PoseEstimate estimateAfter(const FinalStep& step, const PosePrior& prior,
   for (std::size_t i = 0; i < markers.size(); ++i) {
     if (markers[i]) sum.add(*markers[i], alignment.weights[i]);
   }
-  const ImagingError error = alignment.error + step.change.tail<kImagingUnknowns>();
-  *excess = excessOf(markers, step.change, error);
-  return estimateOf(sum, prior, moved(alignment.pose, step.change.head<6>()), *excess);
+  PhotometricFit fit;
+  fit.imaging_error = alignment.error + step.change.tail<kImagingUnknowns>();
+  fit.disagreement = disagreementOf(markers, step.change, fit.imaging_error);
+  fit.surprise = surpriseOf(fit.disagreement, lasting_excess);
+  fit.excess = lasting_excess * fit.surprise;
+  fit.map_from_base =
+      estimateOf(sum, prior, moved(alignment.pose, step.change.head<6>()), fit.excess);
+  return fit;
 }
 
 }  // namespace
@@ -235,12 +248,10 @@ double photometricMisfit(const cv::Mat& panorama, const MarkerMap& map, const Mo
   return misfit;
 }
 
-std::optional<PhotometricFit> refinePhotometrically(const cv::Mat& panorama, const MarkerMap& map,
-                                                    const MountedCamera& camera,
-                                                    const TagPatterns& patterns,
-                                                    const std::vector<std::size_t>& entries,
-                                                    const Pose& initial, const PosePrior& prior,
-                                                    const PhotometricConfig& config, int threads) {
+std::optional<PhotometricFit> refinePhotometrically(
+    const cv::Mat& panorama, const MarkerMap& map, const MountedCamera& camera,
+    const TagPatterns& patterns, const std::vector<std::size_t>& entries, const Pose& initial,
+    const PosePrior& prior, const PhotometricConfig& config, int threads, double lasting_excess) {
   if (entries.empty()) return std::nullopt;
   const MarkerFitter fitter(panorama, map, camera, patterns, entries, config, threads);
   Alignment start;
@@ -260,9 +271,7 @@ std::optional<PhotometricFit> refinePhotometrically(const cv::Mat& panorama, con
   }
   if (!step) return std::nullopt;
   const PixelNoise noise = fitter.noise(step->all.fits, step->change);
-  PhotometricFit result;
-  result.map_from_base = estimateAfter(*step, prior, alignment, &result.excess);
-  result.imaging_error = alignment.error + step->change.tail<kImagingUnknowns>();
+  PhotometricFit result = fitAfter(*step, prior, alignment, lasting_excess);
   result.blur = fitter.blur(step->all.fits, noise, step->change);
   result.noise = noise.flat;
   result.edge_noise = noise.edge;

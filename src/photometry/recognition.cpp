@@ -40,6 +40,13 @@ double moduleOf(const PredictedMarker& predicted, const TagPattern& pattern) {
   return meanEdge(predicted.corners) / pattern.widthBetweenCorners();
 }
 
+/// Pixels over which the pattern varies: a module, made wider by the lens.
+double blurredModuleOf(const PredictedMarker& predicted, const TagPattern& pattern,
+                       const MountedCamera& camera) {
+  return std::hypot(moduleOf(predicted, pattern),
+                    2.0 * std::sqrt(camera.lensVariance(predicted.center)));
+}
+
 /// Of as many of a marker's pixels as tell, about, where it is.
 std::vector<Sample> samplesOf(const std::vector<Footprint>& footprints, const TagPattern& pattern) {
   constexpr std::size_t kEnough = 100;
@@ -174,8 +181,8 @@ double correlationThreshold(double dimensions, double rate) {
 }
 
 double largestMargin(const PredictedMarker& predicted, const TagPattern& pattern,
-                     const RecognitionConfig& config) {
-  return std::max(kLeastMargin, config.max_margin * moduleOf(predicted, pattern));
+                     const MountedCamera& camera, const RecognitionConfig& config) {
+  return std::max(kLeastMargin, config.max_margin * blurredModuleOf(predicted, pattern, camera));
 }
 
 std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& marker,
@@ -184,7 +191,7 @@ std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& mark
                                      const RecognitionConfig& config) {
   const double module = moduleOf(predicted, pattern);
   const double margin = std::max(predicted.tangential_margin, predicted.radial_margin);
-  if (margin > largestMargin(predicted, pattern, config)) return std::nullopt;
+  if (margin > largestMargin(predicted, pattern, camera, config)) return std::nullopt;
   MarkerPatch::Choice choice;
   const bool may_be_stretched = margin > kLeastMargin;
   choice.max_considered = pixelsFor(module, may_be_stretched);
@@ -196,7 +203,7 @@ std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& mark
   if (footprints.size() < kFewestPixels) return std::nullopt;
 
   // Alignment finds its way from a quarter of a module.
-  const int step = std::max(1, static_cast<int>(0.3 * module));
+  const int step = std::max(1, static_cast<int>(0.3 * blurredModuleOf(predicted, pattern, camera)));
   const SearchArea area(predicted, camera.model());
   const std::vector<Eigen::Vector2i> places = area.places(step);
   const auto recognizedFrom = [&](const Eigen::Vector2i& place) -> std::optional<Recognition> {

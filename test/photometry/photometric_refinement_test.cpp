@@ -51,9 +51,15 @@ class PhotometricRefinementTest : public testing::Test {
                                               const std::vector<std::size_t>& entries,
                                               const Pose& initial,
                                               const PosePrior& prior = PosePrior::upright(),
-                                              const MarkerMap& map = sampleMap()) {
+                                              const MarkerMap& map = sampleMap(),
+                                              double lasting_excess = 1.0) {
     return refinePhotometrically(panorama, map, camera(), TagPatterns(map), entries, initial, prior,
-                                 {});
+                                 {}, 1, lasting_excess);
+  }
+
+  static double nees(const PhotometricFit& fit) {
+    const Eigen::Vector3d error = difference(fit.map_from_base.pose, truth()).head<3>();
+    return error.dot(floorCovariance(fit.map_from_base).ldlt().solve(error));
   }
 
   static Pose off(double x, double y, double yaw) {
@@ -79,6 +85,17 @@ class PhotometricRefinementTest : public testing::Test {
         grey = cv::saturate_cast<std::uint8_t>(grey + normal(generator));
       }
     }
+    return noisy;
+  }
+
+  /// Noise of this deviation that was blurred by so many pixels.
+  static cv::Mat withSmoothNoise(double deviation, double blur, unsigned seed) {
+    cv::Mat noise(panorama_.size(), CV_32FC1);
+    cv::RNG generator(1 + seed);
+    generator.fill(noise, cv::RNG::NORMAL, 0.0, 2.0 * std::sqrt(kPi) * blur * deviation);
+    cv::GaussianBlur(noise, noise, {}, blur);
+    cv::Mat noisy;
+    cv::add(panorama_, noise, noisy, cv::noArray(), CV_8UC1);
     return noisy;
   }
 
@@ -141,6 +158,39 @@ TEST_F(PhotometricRefinementTest, TellsTheNoiseAndIsAsExactAsItSays) {
     EXPECT_LT(mean_square, 4.5) << deviation;
     EXPECT_GT(mean_square, 0.2) << deviation;
   }
+}
+
+TEST_F(PhotometricRefinementTest, WhatManyMarkersDisagreeByIsKnownOfOne) {
+  constexpr int kToLearn = 10;
+  constexpr int kTrials = 60;
+  LastingDisagreement lasting;
+  double unaware = 0.0;
+  double aware = 0.0;
+  double of_many = 0.0;
+  for (int i = 0; i < kToLearn + kTrials; ++i) {
+    // Neighbouring pixels err alike, which none of them shows.
+    const cv::Mat image = withSmoothNoise(10.0, 2.0, static_cast<unsigned>(i));
+    const auto many =
+        refine(image, entries(6), truth(), PosePrior::upright(), sampleMap(), lasting.excess());
+    ASSERT_TRUE(many);
+    lasting.add(many->disagreement);
+    if (i < kToLearn) continue;
+    const std::vector<std::size_t> one{static_cast<std::size_t>(i % 6)};
+    const auto fit = refine(image, one, truth());
+    ASSERT_TRUE(fit);
+    const auto fit_aware =
+        refine(image, one, truth(), PosePrior::upright(), sampleMap(), lasting.excess());
+    ASSERT_TRUE(fit_aware);
+    unaware += nees(*fit) / kTrials;
+    aware += nees(*fit_aware) / kTrials;
+    of_many += nees(*many) / kTrials;
+  }
+  EXPECT_GT(unaware, 6.0);
+  // Chi-square with 3 degrees of freedom.
+  EXPECT_LT(aware, 4.5);
+  EXPECT_GT(aware, 1.5);
+  EXPECT_LT(of_many, 4.5);
+  EXPECT_GT(of_many, 1.5);
 }
 
 TEST_F(PhotometricRefinementTest, ThePoseIsTheSameFromNearAndFar) {

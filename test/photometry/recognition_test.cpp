@@ -78,8 +78,9 @@ cv::Mat withNoise(const cv::Mat& image, double deviation, unsigned seed) {
 /// Looks for a marker with a margin of so many pixels, with the pattern of any tag.
 std::optional<Recognition> recognizeAs(const TagPattern& pattern, const cv::Mat& image,
                                        const Marker& marker, double margin = 3.0,
-                                       const RecognitionConfig& config = {}) {
-  const MountedCamera camera = movedCamera({0.0, 0.0});
+                                       const RecognitionConfig& config = {},
+                                       const ImageBlur& blur = {}) {
+  const MountedCamera camera = movedCamera({0.0, 0.0}).withBlur(blur);
   PoseEstimate pose;
   pose.pose = truth();
   VisibilityConfig visibility;
@@ -396,6 +397,21 @@ TEST(RecognitionTest, AVaguePredictionGivesNothing) {
   EXPECT_FALSE(recognizeIn(image, marker, 1.01 * limit));
   config.max_margin *= 1.02;
   EXPECT_TRUE(isAccepted(recognizeIn(image, marker, 1.01 * limit, config)));
+}
+
+TEST(RecognitionTest, BlurMakesTheMarginLarger) {
+  // Which a decoder does not read any more.
+  constexpr double kBlur = 2.0;  // pixels
+  const Marker marker = withModulesOf(3.5, markerAt(2.2, 0.0));
+  const double margin = 1.3 * RecognitionConfig{}.max_margin * moduleOf(marker);
+  const Eigen::Vector2d shift = 0.6 * margin * Eigen::Vector2d(0.8, -0.6);
+  cv::Mat image = imageOf(marker, shift);
+  cv::GaussianBlur(image, image, {}, kBlur);
+  const TagPattern pattern(marker.family, marker.id);
+  EXPECT_FALSE(recognizeAs(pattern, image, marker, margin));
+  const auto found = recognizeAs(pattern, image, marker, margin, {}, {kBlur * kBlur});
+  ASSERT_TRUE(isAccepted(found)) << describe(found);
+  EXPECT_LT((displacementOf(*found, marker) - shift).norm(), 0.2);
 }
 
 TEST(RecognitionTest, FindsAMarkerAnywhereWithinItsMargin) {

@@ -13,6 +13,7 @@
 #include "omnitag/marker/marker_prediction.h"
 #include "omnitag/marker/marker_reader.h"
 #include "omnitag/photometry/blur_equations.h"
+#include "omnitag/photometry/disagreement.h"
 #include "omnitag/view/view.h"
 
 namespace omnitag {
@@ -100,6 +101,8 @@ struct FrameResult {
   /// the pose.
   ImageBlur blur;
   std::optional<BlurEquations> blur_equations;
+  /// Of the markers that the pose was aligned with.
+  Disagreement disagreement;
   /// How many times larger than expected the squared residuals are, at least 1.
   double excess = 1.0;
   ImageExposure exposure = ImageExposure::kGood;

@@ -127,6 +127,7 @@ class Localizer {
   TagPatterns patterns_;
   MotionModel motion_;
   BlurFilter blur_;
+  LastingDisagreement disagreement_;
   ImageLag image_lag_;
   /// Whether markers told the pose of the image before.
   bool was_tracked_ = false;

@@ -11,6 +11,7 @@
 #include "omnitag/marker/tag_pattern.h"
 #include "omnitag/measurement/pose_prior.h"
 #include "omnitag/photometry/blur_equations.h"
+#include "omnitag/photometry/disagreement.h"
 
 namespace omnitag {
 
@@ -40,8 +41,11 @@ struct PhotometricFit {
   /// which edges seem displaced by chance from pixel to pixel.
   double noise = 0.0;
   double edge_noise = 0.0;
-  /// How many times more than all of these, the map and the camera say the markers disagree, at
-  /// least 1.
+  /// How much the markers disagree by these, the map and the camera; how many times more than
+  /// images before, where that is not by chance; and how many times larger than expected squared
+  /// errors hence are. The last two are at least 1.
+  Disagreement disagreement;
+  double surprise = 1.0;
   double excess = 1.0;
   /// For each marker how much it counts: less than 1 where it disagrees with the others.
   std::vector<double> weights;
@@ -65,10 +69,13 @@ double photometricMisfit(const cv::Mat& panorama, const MarkerMap& map, const Mo
 /// (Huber's and White's sandwich), enlarged by the deviations of the configuration; markers that
 /// disagree with the others by more than that count less and raise it. Nothing where the alignment
 /// does not converge or leaves the pose undetermined. `panorama`: CV_8UC1. `threads`: how many
-/// markers are worked on at once; the result is the same.
-std::optional<PhotometricFit> refinePhotometrically(
-    const cv::Mat& panorama, const MarkerMap& map, const MountedCamera& camera,
-    const TagPatterns& patterns, const std::vector<std::size_t>& entries, const Pose& initial,
-    const PosePrior& prior, const PhotometricConfig& config, int threads = 1);
+/// markers are worked on at once; the result is the same. `lasting_excess`: LastingDisagreement's.
+std::optional<PhotometricFit> refinePhotometrically(const cv::Mat& panorama, const MarkerMap& map,
+                                                    const MountedCamera& camera,
+                                                    const TagPatterns& patterns,
+                                                    const std::vector<std::size_t>& entries,
+                                                    const Pose& initial, const PosePrior& prior,
+                                                    const PhotometricConfig& config,
+                                                    int threads = 1, double lasting_excess = 1.0);
 
 }  // namespace omnitag

@@ -14,9 +14,9 @@ namespace omnitag {
 
 /// How markers are recognized where they are predicted.
 struct RecognitionConfig {
-  /// Lengths of a module: a marker that may be farther from its predicted place is looked for with
-  /// the decoder.
-  double max_margin = 3.0;
+  /// Lengths of a module, as wide as the lens's blur makes it: a marker that may be farther from
+  /// its predicted place is looked for with the decoder.
+  double max_margin = 5.0;
   /// How often, at most, something else may be taken for the marker that is predicted there.
   double false_accept_rate = 1e-5;
   /// Grey levels between black and white, the least that counts.
@@ -53,7 +53,7 @@ double correlationThreshold(double dimensions, double rate);
 
 /// Pixels that a marker may be from its predicted place, at most, to be recognized.
 double largestMargin(const PredictedMarker& predicted, const TagPattern& pattern,
-                     const RecognitionConfig& config);
+                     const MountedCamera& camera, const RecognitionConfig& config);
 
 /// Whether a marker is where it is predicted, without decoding: its pattern is laid where it should
 /// image, moved until it fits the panorama best (CV_8UC1), and compared in the modules that tell
