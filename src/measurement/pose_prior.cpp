@@ -61,6 +61,8 @@ PosePrior PosePrior::withoutPlace() const {
   return prior;
 }
 
+bool PosePrior::knowsStanding() const { return !information.bottomRightCorner<3, 3>().isZero(0.0); }
+
 PoseVector PosePrior::errorOf(const Pose& other) const {
   return difference(other, knows_place ? pose : leaningAs(pose, other));
 }

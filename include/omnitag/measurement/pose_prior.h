@@ -39,6 +39,9 @@ struct PosePrior {
   /// The same without anything of x, y and yaw.
   PosePrior withoutPlace() const;
 
+  /// Whether it tells anything of z, roll and pitch.
+  bool knowsStanding() const;
+
   /// By how much a pose is off.
   PoseVector errorOf(const Pose& other) const;
 };
