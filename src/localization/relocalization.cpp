@@ -129,7 +129,8 @@ Relocalization relocalize(const MarkerMap& map, const MountedCamera& camera,
   if (!best) return unexplained(readings.size(), std::move(reason));
   if (best->explained > 1) return explained(*best, poseOf(*best, problem));
   const PoseEstimate alone = spread(*best, problem);
-  if (positionDeviation(alone) > config.max_deviation_of_one) {
+  const double height_deviation = std::sqrt(alone.covariance(3, 3));
+  if (std::hypot(positionDeviation(alone), height_deviation) > config.max_deviation_of_one) {
     return unexplained(readings.size(), "the only marker that was read leaves the pose uncertain");
   }
   return explained(*best, alone);
