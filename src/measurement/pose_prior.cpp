@@ -43,9 +43,9 @@ PosePrior PosePrior::withPlace(const Pose& place, const Eigen::Matrix3d& place_i
   return prior;
 }
 
-PosePrior PosePrior::pushed(double way, double turn) const {
+PosePrior PosePrior::pushed(const PoseVector& deviations) const {
   PoseEstimate estimate{pose, covariance(), shared};
-  estimate.covariance.diagonal().head<3>() += Eigen::Vector3d(way * way, way * way, turn * turn);
+  estimate.covariance.diagonal() += deviations.cwiseAbs2();
   return about(estimate);
 }
 

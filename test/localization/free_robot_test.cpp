@@ -90,5 +90,29 @@ TEST_F(FreeRobotTest, ASingleMarkerIsNeverTakenForItsMirrorImage) {
   }
 }
 
+TEST_F(FreeRobotTest, APushUpwardThatOdometryDoesNotFeelIsFollowedAtOnce) {
+  Localizer localizer(camera_, map_, config_);
+  Pose truth{0.1, -0.2, 0.5, 0.1, radians(5.0), radians(-8.0)};
+  PoseEstimate start{truth};
+  start.covariance = 1e-4 * PoseMatrix::Identity();
+  localizer.setPose(start);
+  double stamp = 0.0;
+  const auto next = [&] {
+    Frame frame = frameFrom(truth, stamp);
+    frame.odom_from_base = Pose{1.0, 2.0, 3.0, 0.0, truth.roll, truth.pitch};
+    stamp += 0.1;
+    return localizer.process(frame);
+  };
+  for (int i = 0; i < 20; ++i) next();
+  for (const double way : {0.01, 0.03}) {
+    truth.z += way;
+    next();
+    const FrameResult result = next();
+    ASSERT_TRUE(result.map_from_base) << result.remark;
+    expectTruth(*result.map_from_base, truth);
+    EXPECT_LT(std::abs(result.map_from_base->pose.z - truth.z), 0.2 * way);
+  }
+}
+
 }  // namespace
 }  // namespace omnitag

@@ -29,9 +29,9 @@ struct PosePrior {
   /// One that knows nothing of x, y and yaw, with what is known of them.
   PosePrior withPlace(const Pose& place, const Eigen::Matrix3d& place_information) const;
 
-  /// The same of a robot that something has moved by about so much (m and rad, standard
-  /// deviations), unknown to its odometry. It must know all six.
-  PosePrior pushed(double way, double turn) const;
+  /// The same of a robot that something has moved by about so much (standard deviations of a
+  /// PoseVector), unknown to its odometry. It must know all six.
+  PosePrior pushed(const PoseVector& deviations) const;
 
   /// Of a prior that knows all six.
   PoseMatrix covariance() const;
