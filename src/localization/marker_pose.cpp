@@ -200,7 +200,8 @@ std::optional<Pose> mirroredPose(const Marker& marker, const MountedCamera& came
   const Eigen::Vector2d base =
       center + mirrored_way +
       Eigen::Rotation2Dd(turn) * (Eigen::Vector2d(map_from_base.x, map_from_base.y) - viewpoint);
-  return Pose{base.x(), base.y(), normalizeAngle(map_from_base.yaw + turn)};
+  // To turn about the vertical changes nothing of the height and the lean.
+  return leaningAs(map_from_base, {base.x(), base.y(), normalizeAngle(map_from_base.yaw + turn)});
 }
 
 }  // namespace omnitag

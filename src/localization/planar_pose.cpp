@@ -1,6 +1,9 @@
 #include "omnitag/localization/planar_pose.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>

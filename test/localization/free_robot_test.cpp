@@ -66,6 +66,18 @@ TEST_F(FreeRobotTest, IsFoundFromNothing) {
   }
 }
 
+TEST_F(FreeRobotTest, IsFoundFromNothingByAFisheye) {
+  camera_ = test::equidistantCamera();
+  mounting_ = test::lookingUp();
+  for (int i = 0; i < 4; ++i) {
+    const Pose truth = randomPose();
+    Localizer localizer(camera_, map_, config_);
+    const FrameResult result = localizer.process(frameFrom(truth, 0.0));
+    ASSERT_TRUE(result.map_from_base) << i << ": " << result.remark;
+    expectTruth(*result.map_from_base, truth);
+  }
+}
+
 TEST_F(FreeRobotTest, IsFoundByViewsOfAllThatTheCameraSees) {
   config_.look_around.glance = false;
   for (int i = 0; i < 4; ++i) {
