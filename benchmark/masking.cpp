@@ -26,8 +26,9 @@ bool contains(const std::vector<std::size_t>& indices, std::size_t index) {
 
 }  // namespace
 
-FrameResult lookAtTruth(const RecordedSequence& sequence, std::size_t frame) {
-  Localizer localizer(sequence.camera, sequence.map, {});
+FrameResult lookAtTruth(const RecordedSequence& sequence, std::size_t frame,
+                        const LocalizerConfig& config) {
+  Localizer localizer(sequence.camera, sequence.map, config);
   localizer.setPose(sequence.truth[frame]);
   return localizer.process(sequence.frames[frame]);
 }

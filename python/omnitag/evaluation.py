@@ -26,6 +26,9 @@ class Evaluation:
     headings: np.ndarray  # (n,) rad, estimated
     position_errors: np.ndarray  # (n, 2) m, estimate minus reference, in the map
     heading_errors: np.ndarray  # (n,) rad, estimate minus reference, in [-pi, pi]
+    # The errors of z (m), roll and pitch (rad) by name, (n,) each; none where the estimate keeps to
+    # the floor.
+    standing_errors: Dict[str, np.ndarray]
     unmatched_estimates: int
     mean_range: Optional[float]  # m, None where no marker is known to be used
 
@@ -51,6 +54,7 @@ class Evaluation:
             "position_max": float(np.max(distances)),
             "heading_rmse_deg": _root_mean_square(degrees),
             "heading_max_deg": float(np.max(np.abs(degrees))),
+            **self._standing_figures(),
             "reference_frames": len(self.reference),
             "matched_frames": len(self.stamps),
             "matched_share": len(self.stamps) / len(self.reference),
@@ -59,6 +63,18 @@ class Evaluation:
             "position_rmse_percent_of_range":
                 None if not self.mean_range else 100.0 * rmse / self.mean_range,
         }
+
+    def _standing_figures(self) -> Dict[str, Optional[float]]:
+        figures = {}
+        for name, suffix in (("height", ""), ("roll", "_deg"), ("pitch", "_deg")):
+            errors = self.standing_errors.get(name)
+            if errors is not None and suffix:
+                errors = np.degrees(errors)
+            figures[name + "_rmse" + suffix] = (
+                None if errors is None else _root_mean_square(errors))
+            figures[name + "_max" + suffix] = (
+                None if errors is None else float(np.max(np.abs(errors))))
+        return figures
 
 
 def evaluate(estimate: Trajectory, reference: Trajectory, tolerance: float,
@@ -78,11 +94,16 @@ def evaluate(estimate: Trajectory, reference: Trajectory, tolerance: float,
     positions = estimate.positions[estimates, :2]
     headings = estimate.yaw[estimates]
     heading_errors = headings - reference.yaw[references]
+    standing_errors = {} if estimate.is_on_floor else {
+        "height": estimate.positions[estimates, 2] - reference.positions[references, 2],
+        "roll": _wrapped(estimate.roll[estimates] - reference.roll[references]),
+        "pitch": estimate.pitch[estimates] - reference.pitch[references],
+    }
     return Evaluation(
         reference=reference, stamps=estimate.stamps[estimates], reference_indices=references,
         positions=positions, headings=headings,
         position_errors=positions - reference.positions[references, :2],
-        heading_errors=np.arctan2(np.sin(heading_errors), np.cos(heading_errors)),
+        heading_errors=_wrapped(heading_errors), standing_errors=standing_errors,
         unmatched_estimates=len(estimate) - len(estimates),
         mean_range=None if detections is None else mean_range(detections))
 
@@ -115,6 +136,10 @@ def mean_range(detections: List[Detection]) -> Optional[float]:
     """
     ranges = [detection.range for detection in detections if detection.accepted]
     return float(np.mean(ranges)) if ranges else None
+
+
+def _wrapped(angles: np.ndarray) -> np.ndarray:
+    return np.arctan2(np.sin(angles), np.cos(angles))
 
 
 def _root_mean_square(values: np.ndarray) -> float:

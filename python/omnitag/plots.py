@@ -185,8 +185,9 @@ def _draw_histogram(axes: Axes, evaluation: Evaluation) -> None:
 
 def _errors(evaluation: Evaluation, _: Optional[MarkerMap],
             detections: List[Detection]) -> Figure:
-    """Position and heading error, and the number of markers used, over time."""
-    rows = 3 if detections else 2
+    """The errors, and the number of markers used, over time."""
+    standing = evaluation.standing_errors
+    rows = 2 + len(standing) + (1 if detections else 0)
     figure, axes = pyplot.subplots(rows, 1, sharex=True, figsize=(12.0, 2.9 * rows),
                                    constrained_layout=True, squeeze=False)
     axes = axes[:, 0]
@@ -205,23 +206,23 @@ def _errors(evaluation: Evaluation, _: Optional[MarkerMap],
     axes[0].set_ylabel("[{}]".format(unit))
     axes[0].set_ylim(bottom=0.0)
 
-    rms = figures["heading_rmse_deg"]
-    axes[1].axhspan(-rms, rms, color=ORANGE, alpha=0.22, linewidth=0,
-                    label="RMS {:.4f}°".format(rms))
-    axes[1].axhline(0.0, color=GREY, linewidth=0.8)
-    axes[1].plot(time, headings, color=BLUE, marker=".", linewidth=1.3)
-    axes[1].set_title("Heading error", loc="left")
-    axes[1].set_ylabel("[°]")
+    _draw_signed_errors(axes[1], "Heading", time, headings, "°")
+    for axis, (name, errors) in zip(axes[2:], standing.items()):
+        of_angle = name != "height"
+        _draw_signed_errors(
+            axis, name.capitalize(), time,
+            _broken_at_gaps(evaluation, np.degrees(errors) if of_angle else 1e3 * errors),
+            "°" if of_angle else " mm")
 
     if detections:
         stamps, counts = np.unique([detection.stamp for detection in detections
                                     if detection.accepted], return_counts=True)
         width = 0.8 * np.median(np.diff(stamps)) * 1e-9 if len(stamps) > 1 else 0.1
-        axes[2].bar((stamps - begin) * 1e-9, counts, width=width, color=SKY,
+        axes[-1].bar((stamps - begin) * 1e-9, counts, width=width, color=SKY,
                     label="mean {:.1f}".format(np.mean(counts)) if len(counts) else None)
-        axes[2].set_title("Markers used", loc="left")
-        axes[2].set_ylabel("per frame")
-        axes[2].yaxis.get_major_locator().set_params(integer=True)
+        axes[-1].set_title("Markers used", loc="left")
+        axes[-1].set_ylabel("per frame")
+        axes[-1].yaxis.get_major_locator().set_params(integer=True)
 
     _shade_gaps(axes, evaluation)
     for axis in axes:
@@ -230,6 +231,18 @@ def _errors(evaluation: Evaluation, _: Optional[MarkerMap],
     axes[-1].set_xlabel("time since the reference begins [s]")
     axes[-1].margins(x=0.01)
     return figure
+
+
+def _draw_signed_errors(axes: Axes, name: str, time: np.ndarray, errors: np.ndarray,
+                        unit: str) -> None:
+    """Errors about zero over time, with their RMS as a band; NaN where estimates are missing."""
+    rms = np.sqrt(np.nanmean(np.square(errors)))
+    axes.axhspan(-rms, rms, color=ORANGE, alpha=0.22, linewidth=0,
+                 label="RMS {:.4f}{}".format(rms, unit))
+    axes.axhline(0.0, color=GREY, linewidth=0.8)
+    axes.plot(time, errors, color=BLUE, marker=".", linewidth=1.3)
+    axes.set_title("{} error".format(name), loc="left")
+    axes.set_ylabel("[{}]".format(unit.strip()))
 
 
 def _shade_gaps(axes: Sequence[Axes], evaluation: Evaluation) -> None:

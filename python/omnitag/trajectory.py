@@ -29,6 +29,23 @@ class Trajectory:
         x, y, z, w = self.orientations.T
         return np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 
+    @property
+    def roll(self) -> np.ndarray:
+        """Of Rz(yaw) Ry(pitch) Rx(roll), in rad, in [-pi, pi]."""
+        x, y, z, w = self.orientations.T
+        return np.arctan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
+
+    @property
+    def pitch(self) -> np.ndarray:
+        """Of Rz(yaw) Ry(pitch) Rx(roll), in rad, in [-pi/2, pi/2]; positive with x down."""
+        x, y, z, w = self.orientations.T
+        return np.arcsin(np.clip(2.0 * (w * y - z * x), -1.0, 1.0))
+
+    @property
+    def is_on_floor(self) -> bool:
+        """Whether all poses keep to the plane z = roll = pitch = 0."""
+        return not (self.positions[:, 2].any() or self.orientations[:, :2].any())
+
 
 def planar_trajectory(stamps: np.ndarray, x: np.ndarray, y: np.ndarray,
                       yaw: np.ndarray) -> Trajectory:

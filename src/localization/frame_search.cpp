@@ -63,7 +63,9 @@ std::optional<AlignedPose> alignWithAll(const TrackingTools& tools, const Frame&
 std::vector<View> viewsToSearch(const TrackingTools& tools, const MountedCamera& camera) {
   const LocalizerConfig& config = tools.config;
   const ContourTable& table = tools.reader.warper().table();
-  if (config.exploring_views > 0) return viewsOfEverything(camera, table, config.look_around);
+  const bool is_anything_possible =
+      config.exploring_views > 0 || config.motion.pose_model == PoseModel::kFree;
+  if (is_anything_possible) return viewsOfEverything(camera, table, config.look_around);
   return viewsAllAround(tools.index.heights(), camera, table, config.visibility.max_range,
                         config.look_around);
 }

@@ -11,6 +11,7 @@
 #include "omnitag/common/parallel.h"
 #include "omnitag/common/stopwatch.h"
 #include "omnitag/localization/marker_pose.h"
+#include "omnitag/localization/planar_pose.h"
 
 namespace omnitag {
 namespace {
@@ -111,7 +112,10 @@ std::optional<AlignedPose> alignWithPixels(const TrackingTools& tools, const cv:
 
   // A single marker may look almost the same from two sides.
   const Marker& marker = tools.map.markers[entries.front()];
-  const auto mirrored = mirroredPose(marker, camera, fit ? fit->map_from_base.pose : initial);
+  const Pose& seen_from = fit ? fit->map_from_base.pose : initial;
+  const auto mirrored = tools.config.motion.pose_model == PoseModel::kFree
+                            ? std::optional(flippedPose(marker, camera, seen_from))
+                            : mirroredPose(marker, camera, seen_from);
   std::optional<PhotometricFit> other = mirrored ? from(*mirrored) : std::nullopt;
   if (!fit) std::swap(fit, other);
   if (!fit) return std::nullopt;

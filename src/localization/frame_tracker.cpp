@@ -39,16 +39,31 @@ PosePrior vague(const Pose& pose, const PosePrior& standing) {
   return prior;
 }
 
+/// How many of a PoseVector's numbers change where something moves the robot: on a floor it stays
+/// on it.
+int numbersOfPush(PoseModel model) { return model == PoseModel::kFloor ? 3 : 6; }
+
+/// By so much (m and rad) along and about each of the axes.
+PoseVector anyPush(double way, double turn, PoseModel model) {
+  PoseVector push = poseVector(Eigen::Vector3d::Constant(way), Eigen::Vector3d::Constant(turn));
+  push.tail(push.size() - numbersOfPush(model)).setZero();
+  return push;
+}
+
 /// What remains of a prior once markers told the pose without it: less where they contradict, since
 /// the robot was then moved by as much as it seems, or some times that.
-PosePrior afterPush(const PosePrior& prior, const PoseEstimate& alone) {
-  // Chi-square with 3 degrees of freedom that one of ten thousand is beyond.
-  constexpr double kLimit = 21.1;
+PosePrior afterPush(const PosePrior& prior, const PoseEstimate& alone, PoseModel model) {
+  // Chi-square with 3 or 6 degrees of freedom that one of ten thousand is beyond.
+  const double limit = model == PoseModel::kFloor ? 21.1 : 27.9;
   constexpr double kTimes = 3.0;
-  const Eigen::Vector3d apart = prior.errorOf(alone.pose).head<3>();
+  const int count = numbersOfPush(model);
+  PoseVector apart = prior.errorOf(alone.pose);
+  apart.tail(apart.size() - count).setZero();
   const PoseMatrix covariance = prior.covariance() + alone.covariance;
-  if (apart.dot(covariance.topLeftCorner<3, 3>().ldlt().solve(apart)) <= kLimit) return prior;
-  return prior.pushed(kTimes * apart.head<2>().norm(), kTimes * std::abs(apart.z()));
+  const auto moved = apart.head(count);
+  if (moved.dot(covariance.topLeftCorner(count, count).ldlt().solve(moved)) <= limit) return prior;
+  return prior.pushed(
+      anyPush(kTimes * translationPart(apart).norm(), kTimes * rotationPart(apart).norm(), model));
 }
 
 /// m and rad: nobody pushes a robot as far between two images.
@@ -247,6 +262,10 @@ void FrameTracker::decode(const std::vector<std::size_t>& targets, double max_pi
   }
 }
 
+PosePrior FrameTracker::farthestPushed() const {
+  return prior_.pushed(anyPush(kFarthestPush, kFarthestPush, poseModel()));
+}
+
 void FrameTracker::solve() {
   Stopwatch step;
   std::vector<MarkerObservation> observations;
@@ -261,10 +280,9 @@ void FrameTracker::solve() {
   // Markers and prior that contradict each other leave large residuals.
   constexpr double kLargeExcess = 2.0;
   if (solution_ && turn_ && observations.size() >= 2 && solution_->excess > kLargeExcess) {
-    const auto alone = estimatePose(tools_.map, camera_, observations,
-                                    prior_.pushed(kFarthestPush, kFarthestPush), config);
+    const auto alone = estimatePose(tools_.map, camera_, observations, farthestPushed(), config);
     if (alone && std::count(alone->used.begin(), alone->used.end(), true) >= 2) {
-      prior_ = afterPush(prior_, alone->map_from_base);
+      prior_ = afterPush(prior_, alone->map_from_base, poseModel());
       solution_ = estimatePose(tools_.map, camera_, observations, prior_, config);
     }
   }
@@ -290,10 +308,10 @@ void FrameTracker::align() {
     if (aligned && turn_ && entries.size() >= 2 && aligned->surprise > 1.0) {
       // Pixels show what corners are too coarse for.
       const Pose& start = aligned->map_from_base.pose;
-      const auto alone = alignWithPixels(tools_, frame_.image, camera_, entries, start,
-                                         prior_.pushed(kFarthestPush, kFarthestPush));
+      const auto alone =
+          alignWithPixels(tools_, frame_.image, camera_, entries, start, farthestPushed());
       if (alone) {
-        prior_ = afterPush(prior_, alone->map_from_base);
+        prior_ = afterPush(prior_, alone->map_from_base, poseModel());
         aligned = alignWithPixels(tools_, frame_.image, camera_, entries, alone->map_from_base.pose,
                                   prior_);
       }

@@ -64,6 +64,9 @@ class FrameTracker {
   /// little toward that pose. Where that finds more, the others are looked for again as well. Keeps
   /// what was where no pose agrees then.
   void lookAgain(const Pose& pose);
+  PoseModel poseModel() const { return tools_.config.motion.pose_model; }
+  /// The prior of a robot that was pushed as far as anybody may.
+  PosePrior farthestPushed() const;
   /// Estimates the pose from what was found. Where markers agree that the robot is elsewhere than
   /// predicted, what moved it is not in the prediction: it counts for less from then on.
   void solve();

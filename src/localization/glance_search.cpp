@@ -46,6 +46,14 @@ bool areInPlace(const std::vector<MarkerReading>& readings, const TrackingTools&
   });
 }
 
+/// Where the map's markers can image.
+std::optional<Annulus> annulusToGlanceAt(const TrackingTools& tools, const MountedCamera& camera) {
+  const LocalizerConfig& config = tools.config;
+  if (config.motion.pose_model == PoseModel::kFree) return annulusOfEverything(camera);
+  return annulusOfMarkers(tools.index.heights(), camera, config.visibility.max_range,
+                          config.look_around);
+}
+
 }  // namespace
 
 std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& frame,
@@ -54,8 +62,7 @@ std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& fram
   const GlanceReader& reader = tools.glance_reader;
   const ViewWarper& warper = tools.reader.warper();
   if (!config.look_around.glance || config.exploring_views > 0) return std::nullopt;
-  const std::optional<Annulus> annulus = annulusOfMarkers(
-      tools.index.heights(), camera, config.visibility.max_range, config.look_around);
+  const std::optional<Annulus> annulus = annulusToGlanceAt(tools, camera);
   if (!annulus) return std::nullopt;
   Stopwatch choice;
   const std::vector<Sector> sectors = sectorsToGlanceAt(

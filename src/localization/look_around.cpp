@@ -183,6 +183,12 @@ std::optional<Annulus> annulusOfMarkers(const MarkerHeights& heights, const Moun
   return Annulus{radii.low, radii.high};
 }
 
+Annulus annulusOfEverything(const MountedCamera& camera) {
+  if (seesEnd(true, camera) || seesEnd(false, camera)) return {};
+  const Bounds radii = radiiOffAxis(camera.model());
+  return {radii.low, radii.high};
+}
+
 std::vector<View> viewsAllAround(const MarkerHeights& heights, const MountedCamera& camera,
                                  const ContourTable& table, double max_range,
                                  const LookAroundConfig& config) {

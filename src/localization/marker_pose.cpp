@@ -5,8 +5,10 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "omnitag/common/angle.h"
+#include "omnitag/localization/planar_pose.h"
 #include "omnitag/marker/marker_reader.h"
 
 namespace omnitag {
@@ -87,15 +89,51 @@ bool isFacing(const Marker& marker, const MountedCamera& camera, const Pose& pos
   return marker.normal().dot(viewpoint - marker.center()) > 0.0;
 }
 
-}  // namespace
+/// The optima that several starts lead to, each once.
+class Optima {
+ public:
+  Optima(const MarkerMap& map, const MountedCamera& camera, const MarkerObservation& observation,
+         const PosePrior& prior, const EstimatorConfig& config)
+      : map_(map), camera_(camera), observation_(observation), prior_(prior), config_(config) {}
 
-std::vector<ReprojectionFit> posesFromMarker(const MarkerMap& map, const MountedCamera& camera,
-                                             const MarkerObservation& observation,
-                                             const PosePrior& prior,
-                                             const EstimatorConfig& config) {
-  const Marker& marker = map.markers[observation.map_entry];
+  void refineFrom(const Pose& start) {
+    auto fit = refineFromAfar(map_, camera_, {observation_}, start, prior_, config_.reprojection);
+    if (!fit || fit->misfits[0].deviations > config_.max_misfit) return;
+    const Pose& pose = fit->map_from_base.pose;
+    if (!isFacing(map_.markers[observation_.map_entry], camera_, pose)) return;
+    const bool is_known =
+        std::any_of(fits_.begin(), fits_.end(), [&pose](const ReprojectionFit& known) {
+          constexpr double kSamePosition = 1e-3;  // m
+          const PoseVector apart = difference(known.map_from_base.pose, pose);
+          return translationPart(apart).norm() < kSamePosition;
+        });
+    if (!is_known) fits_.push_back(std::move(*fit));
+  }
+
+  std::size_t count() const { return fits_.size(); }
+
+  /// Best first.
+  std::vector<ReprojectionFit> take() {
+    std::sort(fits_.begin(), fits_.end(), [](const ReprojectionFit& a, const ReprojectionFit& b) {
+      return a.misfits[0].deviations < b.misfits[0].deviations;
+    });
+    return std::move(fits_);
+  }
+
+ private:
+  const MarkerMap& map_;
+  const MountedCamera& camera_;
+  const MarkerObservation& observation_;
+  PosePrior prior_;
+  const EstimatorConfig& config_;
+  std::vector<ReprojectionFit> fits_;
+};
+
+/// Of a robot that stands on a floor: from all around the marker.
+void refineFromAllAround(const Marker& marker, const MountedCamera& camera,
+                         const MarkerObservation& observation, Optima* optima) {
   const std::optional<Ray> ray = camera.rayInBase(observation.center);
-  if (!ray) return {};
+  if (!ray) return;
   const double bearing = std::atan2(ray->direction.y(), ray->direction.x());
 
   constexpr std::size_t kDirections = 36;
@@ -110,19 +148,8 @@ std::vector<ReprojectionFit> posesFromMarker(const MarkerMap& map, const Mounted
     if (isFacing(marker, camera, start.map_from_base)) starts[i] = start;
   }
 
-  std::vector<ReprojectionFit> fits;
-  const auto refineFrom = [&](const Start& start) {
-    if (!std::isfinite(start.cost)) return;
-    auto fit = refineFromAfar(map, camera, {observation}, start.map_from_base, prior.withoutPlace(),
-                              config.reprojection);
-    if (!fit || fit->misfits[0].deviations > config.max_misfit) return;
-    if (!isFacing(marker, camera, fit->map_from_base.pose)) return;
-    const bool is_known = std::any_of(fits.begin(), fits.end(), [&fit](const ReprojectionFit& f) {
-      constexpr double kSamePosition = 1e-3;  // m
-      return std::hypot(f.map_from_base.pose.x - fit->map_from_base.pose.x,
-                        f.map_from_base.pose.y - fit->map_from_base.pose.y) < kSamePosition;
-    });
-    if (!is_known) fits.push_back(std::move(*fit));
+  const auto refineFrom = [optima](const Start& start) {
+    if (std::isfinite(start.cost)) optima->refineFrom(start.map_from_base);
   };
   const double normal_azimuth = std::atan2(marker.normal().y(), marker.normal().x());
   for (std::size_t i = 0; i < kDirections; ++i) {
@@ -137,14 +164,26 @@ std::vector<ReprojectionFit> posesFromMarker(const MarkerMap& map, const Mounted
     const double mirrored = 2.0 * normal_azimuth - 2.0 * kPi * static_cast<double>(i) / kDirections;
     refineFrom(startFrom(mirrored, marker, camera, observation, bearing, starts[i].distance));
     constexpr std::size_t kMostOptima = 2;
-    if (fits.size() >= kMostOptima) continue;
+    if (optima->count() >= kMostOptima) continue;
     refineFrom(starts[(i + 1) % kDirections]);
     refineFrom(starts[(i + kDirections - 1) % kDirections]);
   }
-  std::sort(fits.begin(), fits.end(), [](const ReprojectionFit& a, const ReprojectionFit& b) {
-    return a.misfits[0].deviations < b.misfits[0].deviations;
-  });
-  return fits;
+}
+
+}  // namespace
+
+std::vector<ReprojectionFit> posesFromMarker(const MarkerMap& map, const MountedCamera& camera,
+                                             const MarkerObservation& observation,
+                                             const PosePrior& prior,
+                                             const EstimatorConfig& config) {
+  const Marker& marker = map.markers[observation.map_entry];
+  Optima optima(map, camera, observation, prior.withoutPlace(), config);
+  if (prior.knowsStanding()) {
+    refineFromAllAround(marker, camera, observation, &optima);
+  } else {
+    for (const Pose& start : planarPoses(marker, camera, observation)) optima.refineFrom(start);
+  }
+  return optima.take();
 }
 
 std::optional<Pose> mirroredPose(const Marker& marker, const MountedCamera& camera,
@@ -161,7 +200,8 @@ std::optional<Pose> mirroredPose(const Marker& marker, const MountedCamera& came
   const Eigen::Vector2d base =
       center + mirrored_way +
       Eigen::Rotation2Dd(turn) * (Eigen::Vector2d(map_from_base.x, map_from_base.y) - viewpoint);
-  return Pose{base.x(), base.y(), normalizeAngle(map_from_base.yaw + turn)};
+  // To turn about the vertical changes nothing of the height and the lean.
+  return leaningAs(map_from_base, {base.x(), base.y(), normalizeAngle(map_from_base.yaw + turn)});
 }
 
 }  // namespace omnitag

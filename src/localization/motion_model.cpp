@@ -173,18 +173,24 @@ PosePrior MotionModel::standing(const std::optional<Pose>& odom_from_base) const
       std::hypot(floor.lean_deviation, std::sqrt(std::max(slow(1, 1), slow(2, 2)))));
 }
 
-bool MotionModel::isTrustworthy() const {
+bool MotionModel::isCertain(double max_position, double max_heading) const {
   const Eigen::Matrix2d position_covariance = covariance_.topLeftCorner<2, 2>();
-  const double position_variance = eigenPairs(position_covariance).values(1);
+  const double position = std::sqrt(eigenPairs(position_covariance).values(1));
+  const Eigen::Vector3d rest = covariance_.diagonal().segment<3>(3).cwiseSqrt();
+  const bool is_lean_certain =
+      isOnFloor() || (rest[0] <= max_position && rest.tail<2>().maxCoeff() <= max_heading);
+  return position <= max_position && std::sqrt(covariance_(2, 2)) <= max_heading && is_lean_certain;
+}
+
+bool MotionModel::isTrustworthy() const {
   const double without_knowledge = stamp_ - known_stamp_;
   if (is_given_ && without_knowledge > 0.0) return without_knowledge <= config_.max_initial_time;
   const double max_position =
       is_given_ ? config_.max_initial_position_deviation : config_.max_position_deviation;
   const double max_heading =
       is_given_ ? config_.max_initial_heading_deviation : config_.max_heading_deviation;
-  const bool is_certain =
-      std::sqrt(position_variance) <= max_position && std::sqrt(covariance_(2, 2)) <= max_heading;
-  return is_certain && without_knowledge <= config_.max_dead_reckoning_time;
+  return isCertain(max_position, max_heading) &&
+         without_knowledge <= config_.max_dead_reckoning_time;
 }
 
 double MotionModel::translationDeviation(double way, double turn) const {

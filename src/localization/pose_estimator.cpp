@@ -25,18 +25,23 @@ std::vector<MarkerObservation> chosen(const std::vector<MarkerObservation>& obse
   return subset;
 }
 
-/// The line of sight of an observation's centre, seen from above.
+/// The line of sight of an observation's centre, seen from above by a robot that leans as the prior
+/// says.
 std::optional<LandmarkSight> sightOf(const MarkerObservation& observation, const MarkerMap& map,
                                      const MountedCamera& camera, const PosePrior& prior,
                                      double corner_noise) {
-  const std::optional<Ray> ray = camera.rayInBase(observation.center);
-  if (!ray || ray->direction.head<2>().norm() < 1e-6) return std::nullopt;
+  const std::optional<Ray> leaning = camera.rayInBase(observation.center);
+  if (!leaning) return std::nullopt;
+  const Eigen::Matrix3d level_from_base = leaningAs(prior.pose, {}).toIsometry().linear();
+  const Eigen::Vector3d origin = level_from_base * leaning->origin;
+  const Eigen::Vector3d direction = level_from_base * leaning->direction;
+  if (direction.head<2>().norm() < 1e-6) return std::nullopt;
   LandmarkSight sight;
   const Marker& marker = map.markers[observation.map_entry];
   sight.landmark = marker.center().head<2>();
   sight.landmark_deviation = marker.deviation;
-  sight.viewpoint = ray->origin.head<2>();
-  sight.bearing = std::atan2(ray->direction.y(), ray->direction.x());
+  sight.viewpoint = origin.head<2>();
+  sight.bearing = std::atan2(direction.y(), direction.x());
   // A pixel at this radius turns that far. The centre is where the diagonals meet, each of which
   // errs by as much as its corners.
   const ImagePlane& plane = camera.model().imagePlane();
@@ -44,7 +49,7 @@ std::optional<LandmarkSight> sightOf(const MarkerObservation& observation, const
   sight.bearing_deviation = corner_noise / std::max(radius, 1.0);
   // A robot that leans sees what is above or below it aside.
   const double lean_information = prior.information(4, 4);
-  const double slope = ray->direction.z() / ray->direction.head<2>().norm();
+  const double slope = direction.z() / direction.head<2>().norm();
   if (lean_information > 0.0) {
     sight.bearing_deviation =
         std::hypot(sight.bearing_deviation, slope / std::sqrt(lean_information));

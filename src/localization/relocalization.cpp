@@ -44,15 +44,24 @@ std::optional<PoseHypothesis> likeliest(const RelocalizationProblem& problem, st
   return std::move(all.front());
 }
 
-/// The corners of a few markers hardly tell how good they are: they are taken for poor ones.
-ReprojectionConfig poorCorners(const RelocalizationProblem& problem) {
+/// The corners of a few markers hardly tell how good they are: they are taken for poor ones, or
+/// some times poorer.
+ReprojectionConfig poorCorners(const RelocalizationProblem& problem, double times) {
   ReprojectionConfig config = problem.estimation.reprojection;
-  config.corner_noise = std::max(config.corner_noise, config.poor_corner_noise);
+  config.corner_noise = std::max(config.corner_noise, times * config.poor_corner_noise);
   return config;
 }
 
-/// The pose that a hypothesis comes to by corners alone.
-PoseEstimate poseOf(const PoseHypothesis& hypothesis, const RelocalizationProblem& problem) {
+/// How many times poorer than poor the corners of a single marker may be and not be noticed. On a
+/// floor their misfit shows it. All six numbers of a pose take up nearly all that eight coordinates
+/// are off: the corners may then be as poor as a misfit that is believed would let them be.
+double unnoticed(const RelocalizationProblem& problem) {
+  return problem.standing.knowsStanding() ? 1.0 : std::max(1.0, problem.config.max_misfit_of_one);
+}
+
+/// The pose that a hypothesis comes to by corners alone, some times poorer than poor ones.
+PoseEstimate poseOf(const PoseHypothesis& hypothesis, const RelocalizationProblem& problem,
+                    double times = 1.0) {
   std::vector<MarkerObservation> observations;
   for (std::size_t i = 0; i < hypothesis.entries.size(); ++i) {
     if (!hypothesis.entries[i]) continue;
@@ -60,7 +69,7 @@ PoseEstimate poseOf(const PoseHypothesis& hypothesis, const RelocalizationProble
   }
   const PoseEstimate& found = hypothesis.fit.map_from_base;
   const auto fit = refineByReprojection(problem.map, problem.camera, observations, found.pose,
-                                        problem.standing, poorCorners(problem));
+                                        problem.standing, poorCorners(problem, times));
   return fit ? PoseEstimate{found.pose, fit->map_from_base.covariance, fit->map_from_base.shared}
              : found;
 }
@@ -76,7 +85,8 @@ PoseEstimate spread(const PoseHypothesis& hypothesis, const RelocalizationProble
   std::size_t reading = 0;
   while (!hypothesis.entries[reading]) ++reading;
   const MarkerObservation observation = problem.observation(reading, *hypothesis.entries[reading]);
-  PoseEstimate estimate = poseOf(hypothesis, problem);
+  const double times = unnoticed(problem);
+  PoseEstimate estimate = poseOf(hypothesis, problem, times);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(floorCovariance(estimate));
   const Eigen::Vector3d axis = eigen.eigenvectors().col(2);
   const double deviation = std::sqrt(eigen.eigenvalues()(2));
@@ -96,7 +106,8 @@ PoseEstimate spread(const PoseHypothesis& hypothesis, const RelocalizationProble
                                             pinned, problem.estimation.reprojection);
       if (!fit) break;
       pose = fit->map_from_base.pose;
-      if (costOf(fit->misfits[0]) - hypothesis.cost > 0.5 * kDeviations * kDeviations) break;
+      const double most = kDeviations * times;
+      if (costOf(fit->misfits[0]) - hypothesis.cost > 0.5 * most * most) break;
       reach = std::max(reach, offset);
     }
   }
@@ -129,7 +140,8 @@ Relocalization relocalize(const MarkerMap& map, const MountedCamera& camera,
   if (!best) return unexplained(readings.size(), std::move(reason));
   if (best->explained > 1) return explained(*best, poseOf(*best, problem));
   const PoseEstimate alone = spread(*best, problem);
-  if (positionDeviation(alone) > config.max_deviation_of_one) {
+  const double height_deviation = std::sqrt(alone.covariance(3, 3));
+  if (std::hypot(positionDeviation(alone), height_deviation) > config.max_deviation_of_one) {
     return unexplained(readings.size(), "the only marker that was read leaves the pose uncertain");
   }
   return explained(*best, alone);

@@ -8,7 +8,8 @@
 #include <memory>
 #include <utility>
 
-#include "../common/least_squares.h"
+#include "motion_costs.h"
+#include "pose_blocks.h"
 
 namespace omnitag {
 namespace {
@@ -82,8 +83,9 @@ class ExpectedLoss : public ceres::LossFunction {
   }
 };
 
-/// What an observation's corners are off, whitened, by pose, on_floor, off_floor and size.
-class CornersCost : public ceres::SizedCostFunction<8, 3, 3, 3, 1> {
+/// What an observation's corners are off, whitened, by the pose's two blocks, the marker's two, and
+/// its size.
+class CornersCost : public ceres::SizedCostFunction<8, 3, 3, 3, 3, 1> {
  public:
   CornersCost(const MountedCamera& camera, const Marker& initial,
               const Bundle::Observation& observation)
@@ -91,9 +93,9 @@ class CornersCost : public ceres::SizedCostFunction<8, 3, 3, 3, 1> {
 
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override {
-    const Pose pose = poseOf(parameters[0]);
-    const MarkerIncrement increment = MarkerBlocks::incrementOf(parameters[1], parameters[2]);
-    const double size = parameters[3][0];
+    const Pose pose = PoseBlocks::poseOf(parameters[0], parameters[1]);
+    const MarkerIncrement increment = MarkerBlocks::incrementOf(parameters[2], parameters[3]);
+    const double size = parameters[4][0];
     if (!(size > 0.0)) return false;
     const auto projection = projectMarker(markerAt(initial_, increment, size), camera_, pose);
     if (!projection) return false;
@@ -105,9 +107,15 @@ class CornersCost : public ceres::SizedCostFunction<8, 3, 3, 3, 1> {
     Eigen::Matrix<double, 8, 6> by_increment = whitening * projection->by_marker;
     by_increment.rightCols<3>() = by_increment.rightCols<3>() * leftJacobian(increment.tail<3>());
     using By3 = Eigen::Matrix<double, 8, 3, Eigen::RowMajor>;
+    const PoseDerivatives derivatives(pose);
+    const Eigen::Matrix<double, 8, 6> by_pose = whitening * projection->by_pose;
     if (jacobians[0] != nullptr) {
-      Eigen::Map<By3> by_pose(jacobians[0]);
-      by_pose = whitening * projection->by_pose.leftCols<3>();
+      Eigen::Map<By3> block(jacobians[0]);
+      block = by_pose * derivatives.by_on_floor;
+    }
+    if (jacobians[1] != nullptr) {
+      Eigen::Map<By3> block(jacobians[1]);
+      block = by_pose * derivatives.by_off_floor;
     }
     const auto pick = [&](double* jacobian, const std::array<int, 3>& columns) {
       if (jacobian == nullptr) return;
@@ -116,10 +124,10 @@ class CornersCost : public ceres::SizedCostFunction<8, 3, 3, 3, 1> {
         block.col(i) = by_increment.col(columns[static_cast<std::size_t>(i)]);
       }
     };
-    pick(jacobians[1], kOnFloor);
-    pick(jacobians[2], kOffFloor);
-    if (jacobians[3] != nullptr) {
-      Eigen::Map<CornerPixels> by_size(jacobians[3]);
+    pick(jacobians[2], kOnFloor);
+    pick(jacobians[3], kOffFloor);
+    if (jacobians[4] != nullptr) {
+      Eigen::Map<CornerPixels> by_size(jacobians[4]);
       by_size = whitening * projection->by_size;
     }
     return true;
@@ -131,43 +139,6 @@ class CornersCost : public ceres::SizedCostFunction<8, 3, 3, 3, 1> {
   const Bundle::Observation& observation_;
 };
 
-/// What a motion is off from odometry, in its deviations.
-class MotionCost : public ceres::SizedCostFunction<3, 3, 3> {
- public:
-  explicit MotionCost(const Bundle::Motion& motion) : motion_(motion) {}
-
-  bool Evaluate(double const* const* parameters, double* residuals,
-                double** jacobians) const override {
-    const Pose from = poseOf(parameters[0]);
-    const Pose to = poseOf(parameters[1]);
-    const Pose moved = inverse(from) * to;
-    const Eigen::Vector3d weights = motion_.deviations.cwiseInverse();
-    Eigen::Map<Eigen::Vector3d> residual(residuals);
-    residual = weights.cwiseProduct(difference(moved, motion_.from_from_to).head<3>());
-    if (jacobians == nullptr) return true;
-
-    const double c = std::cos(from.yaw);
-    const double s = std::sin(from.yaw);
-    using Square = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-    Square by_from;
-    by_from << -c, -s, moved.y, s, -c, -moved.x, 0.0, 0.0, -1.0;
-    Square by_to;
-    by_to << c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0;
-    if (jacobians[0] != nullptr) {
-      Eigen::Map<Square> jacobian(jacobians[0]);
-      jacobian = weights.asDiagonal() * by_from;
-    }
-    if (jacobians[1] != nullptr) {
-      Eigen::Map<Square> jacobian(jacobians[1]);
-      jacobian = weights.asDiagonal() * by_to;
-    }
-    return true;
-  }
-
- private:
-  Bundle::Motion motion_;
-};
-
 /// The bundle's unknowns and, over them, Ceres's problem.
 class Adjustment {
  public:
@@ -177,17 +148,13 @@ class Adjustment {
         poses_(bundle.frames.size()),
         blocks_(bundle.landmarks.size()) {
     for (std::size_t i = 0; i < poses_.size(); ++i) {
-      poses_[i] = blockOf(bundle.frames[i].map_from_base);
+      poses_[i] = PoseBlocks::of(bundle.frames[i].map_from_base);
     }
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
       blocks_[i].size = bundle.landmarks[i].marker.size;
     }
     addObservations();
-    for (const Bundle::Motion& motion : bundle.motions) {
-      costs_.push_back(std::make_unique<MotionCost>(motion));
-      problem_.AddResidualBlock(costs_.back().get(), nullptr, poses_[motion.from].data(),
-                                poses_[motion.to].data());
-    }
+    for (const Bundle::Motion& motion : bundle.motions) addMotion(motion);
     hold();
   }
 
@@ -196,7 +163,7 @@ class Adjustment {
   /// Puts the result into the bundle that this was made from.
   void store(Bundle* bundle) const {
     for (std::size_t i = 0; i < poses_.size(); ++i) {
-      bundle->frames[i].map_from_base = poseOf(poses_[i].data());
+      bundle->frames[i].map_from_base = poses_[i].pose();
     }
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
       Marker& marker = bundle->landmarks[i].marker;
@@ -234,8 +201,25 @@ class Adjustment {
       if (!projectMarker(marker, frame.camera, frame.map_from_base)) continue;
       MarkerBlocks& blocks = blocks_[observation.landmark];
       costs_.push_back(std::make_unique<CornersCost>(frame.camera, marker, observation));
-      problem_.AddResidualBlock(costs_.back().get(), &loss_, poses_[observation.frame].data(),
-                                blocks.on_floor.data(), blocks.off_floor.data(), &blocks.size);
+      PoseBlocks& pose = poses_[observation.frame];
+      problem_.AddResidualBlock(costs_.back().get(), &loss_, pose.on_floor.data(),
+                                pose.off_floor.data(), blocks.on_floor.data(),
+                                blocks.off_floor.data(), &blocks.size);
+    }
+  }
+
+  void addMotion(const Bundle::Motion& motion) {
+    PoseBlocks& from = poses_[motion.from];
+    PoseBlocks& to = poses_[motion.to];
+    if (config_.is_free) {
+      auto free_motion = std::make_unique<FreeMotion>(FreeMotion{motion});
+      costs_.push_back(std::make_unique<FreeMotionCost>(free_motion.release()));
+      problem_.AddResidualBlock(costs_.back().get(), nullptr, from.on_floor.data(),
+                                from.off_floor.data(), to.on_floor.data(), to.off_floor.data());
+    } else {
+      costs_.push_back(std::make_unique<MotionCost>(motion));
+      problem_.AddResidualBlock(costs_.back().get(), nullptr, from.on_floor.data(),
+                                to.on_floor.data());
     }
   }
 
@@ -244,7 +228,9 @@ class Adjustment {
       if (problem_.HasParameterBlock(block)) problem_.SetParameterBlockConstant(block);
     };
     for (std::size_t i = 0; i < poses_.size(); ++i) {
-      if (bundle_.frames[i].is_held) holdBlock(poses_[i].data());
+      const bool is_held = bundle_.frames[i].is_held;
+      if (is_held) holdBlock(poses_[i].on_floor.data());
+      if (is_held || !config_.is_free) holdBlock(poses_[i].off_floor.data());
     }
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
       const Hold hold = bundle_.landmarks[i].hold;
@@ -256,7 +242,7 @@ class Adjustment {
 
   const Bundle& bundle_;
   const BundleConfig& config_;
-  std::vector<PoseBlock> poses_;
+  std::vector<PoseBlocks> poses_;
   std::vector<MarkerBlocks> blocks_;
   std::vector<std::unique_ptr<ceres::CostFunction>> costs_;
   ExpectedLoss loss_;

@@ -382,6 +382,11 @@ MarkerMap BuiltMap::map(const std::string& frame_id) const {
 BuiltMap buildMap(const std::shared_ptr<const CameraModel>& camera,
                   const std::vector<FrameReadings>& frames, const MarkerMap& seed,
                   const MapBuilderConfig& config, const PanoramaSource& panoramas) {
+  if (seed.markers.empty() && config.motion.pose_model == PoseModel::kFree) {
+    throw DegenerateRecording(
+        "pose_model: free needs a seed map, of one marker at least: nothing else tells which way "
+        "is up");
+  }
   Recording recording(camera, frames, seed, config.size);
   if (recording.markers.empty()) checkReadings(recording);
   return MapBuilder(&recording, config, panoramas).build();

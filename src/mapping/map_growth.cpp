@@ -25,9 +25,13 @@ MarkerEstimateConfig estimateConfig(const MapBuilderConfig& config) {
   return {config.corner_noise, config.estimates_sizes};
 }
 
+bool isFree(const MapBuilderConfig& config) { return config.motion.pose_model == PoseModel::kFree; }
+
 Eigen::Vector3d deviationsOf(const Pose& motion, const MotionModelConfig& config) {
-  const double distance = std::hypot(motion.x, motion.y);
-  const double turn = std::abs(motion.yaw);
+  const bool is_free = config.pose_model == PoseModel::kFree;
+  const Eigen::Isometry3d isometry = motion.toIsometry();
+  const double distance = is_free ? isometry.translation().norm() : std::hypot(motion.x, motion.y);
+  const double turn = is_free ? Eigen::AngleAxisd(isometry.linear()).angle() : std::abs(motion.yaw);
   const double translation = std::hypot(config.odometry_translation_per_metre * distance,
                                         config.odometry_translation_per_rotation * turn);
   const double rotation = std::hypot(config.odometry_rotation_per_rotation * turn,
@@ -88,6 +92,10 @@ std::optional<PoseEstimate> poseFromNeighbour(const Recording& recording, std::s
     const Eigen::Vector3d deviations = 3.0 * deviationsOf(motion, config.motion);
     PoseEstimate prior{other.map_from_base->pose * motion, other.map_from_base->covariance};
     prior.covariance.diagonal().head<3>() += deviations.cwiseAbs2();
+    if (isFree(config)) {
+      const Eigen::Vector3d off_floor(deviations[0], deviations[2], deviations[2]);
+      prior.covariance.diagonal().tail<3>() += off_floor.cwiseAbs2();
+    }
     const auto solution = estimatePose(map, frame.camera, observationsOf(frame, map),
                                        PosePrior::about(prior), estimatorFor(config));
     const bool is_seen = solution && std::find(solution->used.begin(), solution->used.end(),
@@ -101,6 +109,7 @@ std::optional<PoseEstimate> poseFromNeighbour(const Recording& recording, std::s
 std::size_t localizeFrames(Recording* recording, const MapBuilderConfig& config) {
   std::vector<std::size_t> indices;
   const MarkerMap map = recording->placedMap(&indices);
+  const PosePrior standing = isFree(config) ? PosePrior{} : PosePrior::upright();
   std::size_t count = 0;
   for (std::size_t f = 0; f < recording->frames.size(); ++f) {
     RecordedFrame& frame = recording->frames[f];
@@ -111,8 +120,8 @@ std::size_t localizeFrames(Recording* recording, const MapBuilderConfig& config)
                    return !entriesOf(map, reading.family, reading.id).empty();
                  });
     if (readings.empty()) continue;
-    frame.map_from_base = relocalize(map, frame.camera, readings, PosePrior::upright(),
-                                     estimatorFor(config), config.relocalization)
+    frame.map_from_base = relocalize(map, frame.camera, readings, standing, estimatorFor(config),
+                                     config.relocalization)
                               .map_from_base;
     if (!frame.map_from_base) frame.map_from_base = poseFromNeighbour(*recording, f, map, config);
     if (!frame.map_from_base) continue;
@@ -166,7 +175,9 @@ std::size_t placeMarkers(Recording* recording, const MapBuilderConfig& config) {
 
 }  // namespace
 
-BundleConfig bundleConfig(const MapBuilderConfig& config) { return {config.estimates_sizes}; }
+BundleConfig bundleConfig(const MapBuilderConfig& config) {
+  return {config.estimates_sizes, isFree(config)};
+}
 
 IndexedBundle bundleOf(const Recording& recording, std::optional<std::size_t> held_frame,
                        const MapBuilderConfig& config) {

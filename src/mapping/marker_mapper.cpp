@@ -153,7 +153,10 @@ PoseEstimate MarkerMapper::honestPose(const FrameResult& result) const {
     const Marker& marker = map_.markers[*detection.map_entry];
     const double variance = marker.deviation * marker.deviation;
     const double range = std::max(0.1, std::isfinite(detection.range) ? detection.range : 0.1);
-    own.head<3>() += Eigen::Vector3d(variance, variance, variance / (range * range));
+    const double turn_variance = variance / (range * range);
+    own.head<3>() += Eigen::Vector3d(variance, variance, turn_variance);
+    if (!result.is_on_floor)
+      own.tail<3>() += Eigen::Vector3d(variance, turn_variance, turn_variance);
   }
   pose.covariance.diagonal() += own / std::max(1, result.acceptedMarkers());
   return pose;

@@ -43,9 +43,9 @@ PosePrior PosePrior::withPlace(const Pose& place, const Eigen::Matrix3d& place_i
   return prior;
 }
 
-PosePrior PosePrior::pushed(double way, double turn) const {
+PosePrior PosePrior::pushed(const PoseVector& deviations) const {
   PoseEstimate estimate{pose, covariance(), shared};
-  estimate.covariance.diagonal().head<3>() += Eigen::Vector3d(way * way, way * way, turn * turn);
+  estimate.covariance.diagonal() += deviations.cwiseAbs2();
   return about(estimate);
 }
 
@@ -60,6 +60,8 @@ PosePrior PosePrior::withoutPlace() const {
       covariance().bottomRightCorner<3, 3>().llt().solve(Eigen::Matrix3d::Identity());
   return prior;
 }
+
+bool PosePrior::knowsStanding() const { return !information.bottomRightCorner<3, 3>().isZero(0.0); }
 
 PoseVector PosePrior::errorOf(const Pose& other) const {
   return difference(other, knows_place ? pose : leaningAs(pose, other));

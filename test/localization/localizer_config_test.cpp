@@ -22,7 +22,7 @@ TEST(LocalizerConfigTest, AbsentKeysKeepTheirDefaults) {
 
 TEST(LocalizerConfigTest, ReadsEveryGroup) {
   const LocalizerConfig config = read(R"(
-estimator: triangulation
+estimator: reprojection
 visibility: {max_range: 7}
 view: {oversampling: 2}
 detector: {quad_decimate: 2}
@@ -39,7 +39,7 @@ floor: {lean_deviation: 0.02, height_deviation: 0.01, settling_time: 5}
   EXPECT_EQ(config.motion.floor.lean_deviation, 0.02);
   EXPECT_EQ(config.motion.floor.height_deviation, 0.01);
   EXPECT_EQ(config.motion.floor.settling_time, 5.0);
-  EXPECT_EQ(config.estimation.kind, EstimatorKind::kTriangulation);
+  EXPECT_EQ(config.estimation.kind, EstimatorKind::kReprojection);
   EXPECT_EQ(config.visibility.max_range, 7.0);
   EXPECT_EQ(config.view.oversampling, 2.0);
   EXPECT_EQ(config.detector.quad_decimate, 2.0);
@@ -64,6 +64,8 @@ TEST(LocalizerConfigTest, RefusesWhatIsWrongAndNamesIt) {
   const std::vector<BadInput> inputs = {
       {"estimator: magic",
        {"params.yaml:1", "estimator", "triangulation, reprojection or photometric", "magic"}},
+      {"{estimator: triangulation, pose_model: free}",
+       {"params.yaml:1", "estimator", "reprojection or photometric with pose_model: free"}},
       {"visibility: {max_range: -1}", {"visibility.max_range", "> 0", "'-1'"}},
       {"visibility: 7", {"visibility", "mapping", "'7'"}},
       {"view: {oversampling: .nan}", {"view.oversampling", "nan"}},

@@ -148,6 +148,22 @@ TEST_P(MarkerPoseTest, AnImpossibleQuadrilateralHasNone) {
   EXPECT_TRUE(poses(marker, reading).empty());
 }
 
+TEST_P(MarkerPoseTest, AMirroredPoseStandsAndLeansAlike) {
+  const Marker marker = test::wallMarker(1, {1.0, -2.0, 1.3}, 0.6);
+  Pose pose = poseAt(marker, 0.6 + radians(25.0), 3.0, 2.0);
+  pose.z = 0.02;
+  pose.roll = radians(9.0);
+  pose.pitch = radians(-14.0);
+  const auto mirrored = mirroredPose(marker, camera_, pose);
+  ASSERT_TRUE(mirrored);
+  EXPECT_EQ(mirrored->z, pose.z);
+  EXPECT_EQ(mirrored->roll, pose.roll);
+  EXPECT_EQ(mirrored->pitch, pose.pitch);
+  const auto again = mirroredPose(marker, camera_, *mirrored);
+  ASSERT_TRUE(again);
+  EXPECT_LT(difference(*again, pose).norm(), 1e-9);
+}
+
 INSTANTIATE_TEST_SUITE_P(Mountings, MarkerPoseTest,
                          testing::Values(test::lookingDown(), test::lookingUp()),
                          [](const auto& test) { return test.index == 0 ? "Down" : "Up"; });

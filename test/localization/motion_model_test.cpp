@@ -128,6 +128,21 @@ TEST(MotionModelTest, APoseThatAMarkerConfirmedIsNoLongerFromOutside) {
   EXPECT_FALSE(motion.isTrustworthy());
 }
 
+TEST(MotionModelTest, AFreePoseMustBeCertainInAllSix) {
+  const double at_stamp = 0.0;
+  for (const int i : {3, 4, 5}) {
+    PoseEstimate estimate = certain({});
+    estimate.covariance(i, i) = 1.0;
+    for (const PoseModel model : {PoseModel::kFloor, PoseModel::kFree}) {
+      MotionModelConfig config;
+      config.pose_model = model;
+      MotionModel motion{config};
+      motion.reset(estimate, at_stamp, std::nullopt);
+      EXPECT_EQ(motion.isTrustworthy(), model == PoseModel::kFloor) << i;
+    }
+  }
+}
+
 TEST(MotionModelTest, OdometryThatIsMissingOnceDoesNotEndAPose) {
   MotionModel motion{{}};
   motion.reset(certain({}), 0.0, Pose{});

@@ -70,6 +70,19 @@ class PoseEstimatorTest : public testing::Test {
   std::mt19937 generator_{5};
 };
 
+TEST_F(PoseEstimatorTest, TriangulationTakesBearingsAsALeaningRobotHasThem) {
+  config_.kind = EstimatorKind::kTriangulation;
+  truth_ = {0.7, -0.9, 1.3, 0.02, radians(12.0), radians(-17.0)};
+  Pose guess = truth_;
+  guess.x -= 0.2;
+  guess.y += 0.2;
+  guess.yaw -= 0.1;
+  const auto solution =
+      estimatePose(map_, camera_, observe({0, 2, 5, 7}), prior(guess, 0.5, 0.3), config_);
+  ASSERT_TRUE(solution);
+  EXPECT_LT(error(solution->map_from_base.pose).norm(), 2e-6);
+}
+
 TEST_F(PoseEstimatorTest, ExactCornersGiveTheExactPose) {
   for (const EstimatorKind kind : {EstimatorKind::kTriangulation, EstimatorKind::kReprojection}) {
     config_.kind = kind;

@@ -117,6 +117,30 @@ TEST_F(RelocalizationTest, OneMarkerGivesTheRightPoseOrNone) {
   EXPECT_GT(found_count, kTrials / 4);
 }
 
+TEST_F(RelocalizationTest, PoorCornersOfOneMarkerDoNotMislead) {
+  // Where nothing is known of how the robot stands, its six numbers hide how poor the corners are.
+  constexpr double kPoor = 0.33;  // pixels
+  constexpr int kTrials = 600;
+  int found_poses = 0;
+  for (int i = 0; i < kTrials; ++i) {
+    Pose truth = randomPose();
+    truth.z = uniform(-0.4, 0.4);
+    truth.roll = uniform(-0.35, 0.35);
+    truth.pitch = uniform(-0.35, 0.35);
+    const auto index = static_cast<std::size_t>(i) % room_.markers.size();
+    const auto exact = test::exactReading(room_.markers[index], camera_, truth);
+    if (!exact) continue;
+    const Relocalization found = relocalize(
+        room_, camera_, {test::withNoise(*exact, kPoor, &generator_)}, PosePrior{}, {}, config_);
+    if (!found.map_from_base) continue;
+    ++found_poses;
+    const PoseVector error = difference(found.map_from_base->pose, truth);
+    // Chi-square with 6 degrees of freedom: beyond 33 is one of a hundred thousand.
+    EXPECT_LT(error.dot(found.map_from_base->covariance.ldlt().solve(error)), 33.0) << i;
+  }
+  EXPECT_GT(found_poses, 10);
+}
+
 TEST_F(RelocalizationTest, RoughPosesOfOneMarkerAreAllFromWhichItLooksLikeThat) {
   MarkerMap twice = room_;
   for (const Marker& marker : room_.markers) {

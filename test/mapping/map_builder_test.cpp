@@ -82,9 +82,44 @@ TEST_P(MapBuilderTest, FromASeedFindsTheOthers) {
   EXPECT_GT(squares / new_markers, 0.1);
 }
 
+TEST_P(MapBuilderTest, FromASeedFindsTheOthersInSomebodysHand) {
+  const std::vector<Marker> truth = test::roomMarkers();
+  std::vector<Pose> poses = test::roundTrip(40);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const double t = 0.25 * static_cast<double>(i);
+    poses[i].z = 0.3 * std::sin(1.1 * t);
+    poses[i].roll = radians(20.0) * std::sin(1.7 * t + 1.0);
+    poses[i].pitch = radians(20.0) * std::sin(1.3 * t);
+  }
+  MapBuilderConfig free = config();
+  free.motion.pose_model = PoseModel::kFree;
+  const BuiltMap map = buildMap(test::sphericalCamera(),
+                                test::record(truth, poses, kNoise, GetParam()), seed(3), free);
+  ASSERT_EQ(map.markers.size(), truth.size());
+  for (const Marker& marker : truth) {
+    const BuiltMarker* built = find(map, marker.id);
+    ASSERT_NE(built, nullptr) << marker.id;
+    EXPECT_LT((built->marker.center() - marker.center()).norm(), 0.01) << marker.id;
+    EXPECT_LT(turnBetween(built->marker.map_from_marker, marker.map_from_marker), radians(0.5));
+  }
+  ASSERT_EQ(map.trajectory.size(), poses.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const PoseVector error = difference(map.trajectory[i], poses[i]);
+    EXPECT_LT(translationPart(error).norm(), 0.01) << i;
+    EXPECT_LT(rotationPart(error).norm(), radians(0.3)) << i;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Odometry, MapBuilderTest, testing::Bool(), [](const auto& test) {
   return test.param ? "WithOdometry" : "WithoutOdometry";
 });
+
+TEST(MapBuilderWithoutSeedTest, DoesNotKnowWhichWayIsUpInSomebodysHand) {
+  MapBuilderConfig free = config();
+  free.motion.pose_model = PoseModel::kFree;
+  const auto frames = test::record(test::roomMarkers(), test::roundTrip(40), kNoise);
+  EXPECT_THROW(buildMap(test::sphericalCamera(), frames, {}, free), DegenerateRecording);
+}
 
 TEST(MapBuilderWithoutSeedTest, StandsOnTheMarkerThatIsReadFirst) {
   const std::vector<Marker> truth = test::roomMarkers();

@@ -9,7 +9,7 @@ import numpy as np
 from omnitag.detections import COLUMNS, read_detections
 from omnitag.evaluation import evaluate, match_stamps, mean_range
 from omnitag.marker_map import load_marker_map
-from omnitag.trajectory import planar_trajectory, write_trajectory
+from omnitag.trajectory import Trajectory, planar_trajectory, write_trajectory
 
 MAP = """\
 frame_id: map
@@ -84,6 +84,30 @@ class FiguresTest(FileTest):
         np.testing.assert_allclose(np.degrees(evaluation.heading_errors), [3, -4])
         self.assertAlmostEqual(evaluation.figures()["heading_rmse_deg"], math.sqrt(12.5))
         self.assertAlmostEqual(evaluation.figures()["heading_max_deg"], 4.0)
+
+    def test_what_leaves_the_floor_is_compared_in_height_and_lean(self):
+        # Rz(yaw) Ry(pitch) Rx(roll) by hand: about one axis at a time.
+        def leaning(z, roll, pitch):
+            half = 0.5 * np.radians([roll, pitch])
+            lean = [math.sin(half[0]), math.sin(half[1]), 0.0]
+            return [0.0, 0.0, z], lean + [math.cos(half[0]) * math.cos(half[1])]
+
+        def track(*poses):
+            positions, orientations = zip(*poses)
+            return Trajectory(seconds(1, 2), np.array(positions), np.array(orientations))
+
+        reference = track(leaning(1.0, 20, 0), leaning(1.0, 0, -10))
+        figures = evaluate(track(leaning(1.03, 21, 0), leaning(0.96, 0, -12)), reference,
+                           0.005).figures()
+        self.assertAlmostEqual(figures["height_rmse"], math.sqrt((0.0009 + 0.0016) / 2))
+        self.assertAlmostEqual(figures["height_max"], 0.04)
+        self.assertAlmostEqual(figures["roll_rmse_deg"], math.sqrt(0.5))
+        self.assertAlmostEqual(figures["roll_max_deg"], 1.0)
+        self.assertAlmostEqual(figures["pitch_rmse_deg"], math.sqrt(2.0))
+        self.assertAlmostEqual(figures["pitch_max_deg"], 2.0)
+        on_floor = evaluate(trajectory((1, 0, 0, 0), (2, 0, 0, 0)), reference, 0.005).figures()
+        self.assertIsNone(on_floor["height_rmse"])
+        self.assertIsNone(on_floor["roll_max_deg"])
 
     def test_the_mean_range_is_over_the_markers_used(self):
         marker_map = load_marker_map(self.write("map.yaml", MAP))

@@ -43,6 +43,10 @@ LookAroundConfig readLookAroundConfig(const YamlReader& reader);
 std::optional<Annulus> annulusOfMarkers(const MarkerHeights& heights, const MountedCamera& camera,
                                         double max_range, const LookAroundConfig& config);
 
+/// The same of markers at any height, seen by a camera that may lean any way: all that it sees but
+/// for what it has of itself near its axis.
+Annulus annulusOfEverything(const MountedCamera& camera);
+
 /// Views all around the camera, at the elevations at which markers of these heights can be that are
 /// up to `max_range` metres away and no wider than `config.overlap`, and one along the axis where
 /// markers can be there. `oversampling` as in ViewPlannerConfig. None where the camera sees none of

@@ -117,6 +117,8 @@ class MotionModel {
 
   bool isOnFloor() const { return config_.pose_model == PoseModel::kFloor; }
   void restart(const PoseEstimate& map_from_base);
+  /// Whether the deviations of the pose, as far as it is wanted, are within these (m and rad).
+  bool isCertain(double max_position, double max_heading) const;
   /// Of odometry: m and rad, standard deviations of what it tells of a way (m) and a turn (rad).
   double translationDeviation(double way, double turn) const;
   double rotationDeviation(double way, double turn) const;

@@ -12,7 +12,8 @@ struct RelocalizationConfig {
   double max_misfit_of_one = 2.4;
   /// Corrected bits of the only marker that a pose explains.
   int max_hamming_of_one = 1;
-  /// m: standard deviation of a pose's position that a single marker may leave.
+  /// m: standard deviation of a pose's position, its height included, that a single marker may
+  /// leave.
   double max_deviation_of_one = 0.2;
 };
 

@@ -38,7 +38,8 @@ struct Bundle {
     Eigen::Matrix<double, 8, 8> whitening;
   };
   /// The robot's motion as odometry has it, in base_link of the first frame, and the standard
-  /// deviations of its x, y (m) and yaw (rad).
+  /// deviations of its x, y (m) and yaw (rad); where the robot is free, also of z, and of roll and
+  /// pitch.
   struct Motion {
     std::size_t from = 0;
     std::size_t to = 0;
@@ -55,6 +56,8 @@ struct Bundle {
 struct BundleConfig {
   /// Whether the sizes of the markers that are not held are estimated, too.
   bool estimates_sizes = false;
+  /// Whether the robot's height, roll and pitch are estimated, too; as they are otherwise.
+  bool is_free = false;
 };
 
 /// Moves the frames and the landmarks to where they explain all observations and motions best:

@@ -101,6 +101,9 @@ using PanoramaSource = std::function<cv::Mat(std::size_t)>;
 /// floor below the marker's centre, z up, x along the heading of the marker's outward normal or,
 /// for one that lies, along the marker's own x axis.
 ///
+/// Where the robot is free (`motion.pose_model`) all six numbers of its poses are estimated, and a
+/// seed must say which way is up.
+///
 /// Throws DegenerateRecording where the recording does not tell a map: too little motion, markers
 /// on one side only, a single marker, an id at two places, nothing new.
 ///

@@ -29,15 +29,18 @@ struct PosePrior {
   /// One that knows nothing of x, y and yaw, with what is known of them.
   PosePrior withPlace(const Pose& place, const Eigen::Matrix3d& place_information) const;
 
-  /// The same of a robot that something has moved by about so much (m and rad, standard
-  /// deviations), unknown to its odometry. It must know all six.
-  PosePrior pushed(double way, double turn) const;
+  /// The same of a robot that something has moved by about so much (standard deviations of a
+  /// PoseVector), unknown to its odometry. It must know all six.
+  PosePrior pushed(const PoseVector& deviations) const;
 
   /// Of a prior that knows all six.
   PoseMatrix covariance() const;
 
   /// The same without anything of x, y and yaw.
   PosePrior withoutPlace() const;
+
+  /// Whether it tells anything of z, roll and pitch.
+  bool knowsStanding() const;
 
   /// By how much a pose is off.
   PoseVector errorOf(const Pose& other) const;

@@ -113,9 +113,11 @@ void writeTrajectory(const BuiltMap& built, const std::string& path) {
   std::ofstream stream(path);
   for (std::size_t i = 0; i < built.trajectory.size(); ++i) {
     const Pose& pose = built.trajectory[i];
+    const Eigen::Quaterniond rotation(pose.toIsometry().linear());
     std::array<char, 256> line{};
-    std::snprintf(line.data(), line.size(), "%.9f %.9f %.9f 0 0 0 %.9f %.9f\n", built.stamps[i],
-                  pose.x, pose.y, std::sin(0.5 * pose.yaw), std::cos(0.5 * pose.yaw));
+    std::snprintf(line.data(), line.size(), "%.9f %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n",
+                  built.stamps[i], pose.x, pose.y, pose.z, rotation.x(), rotation.y(), rotation.z(),
+                  rotation.w());
     stream << line.data();
   }
   stream.close();
