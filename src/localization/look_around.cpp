@@ -43,10 +43,12 @@ void includeRadii(double above_camera, double min_range, double max_range,
   }
 }
 
-/// m, where the smallest upright marker is as wide as `overlap`.
+/// m, where the smallest upright marker is a third wider than `overlap`: there it is still whole in
+/// a view in five of six directions.
 double nearestRange(const MarkerHeights& heights, double overlap) {
   constexpr double kNarrowest = radians(1.0);
-  return 0.5 * heights.smallest_upright / std::tan(0.5 * std::max(overlap, kNarrowest));
+  constexpr double kWider = 4.0 / 3.0;
+  return 0.5 * heights.smallest_upright / std::tan(0.5 * kWider * std::max(overlap, kNarrowest));
 }
 
 /// Radii of the ideal image plane at which markers can image, but for lying ones near the axis.

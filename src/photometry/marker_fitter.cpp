@@ -21,8 +21,8 @@ constexpr std::size_t kFitWorthAThread = 700;
 
 /// Facets along a marker's side at most, and pixels along the side of one at least, where there are
 /// more of them than one.
-constexpr int kMostFacets = 8;
-constexpr double kFacet = 5.0;
+constexpr int kMostFacets = 6;
+constexpr double kFacet = 4.0;
 
 /// Pixels of a marker, whatever the others need.
 constexpr std::size_t kLeastPixels = 75;

@@ -25,7 +25,8 @@ struct LookAroundConfig {
   /// rad, between the middles of neighbouring views.
   double step = radians(45.0);
   /// rad, by which neighbouring views or sectors overlap: a marker that is narrower is whole in one
-  /// of them. Wider, hence nearer ones are not looked for, but on the floor and under the ceiling.
+  /// of them. Much wider, hence nearer ones are not looked for, but on the floor and under the
+  /// ceiling.
   double overlap = radians(20.0);
   /// Pixels of a view per pixel of the panorama along the tangent, where the panorama resolves
   /// best.
@@ -37,9 +38,9 @@ struct LookAroundConfig {
 /// Reads the keys above; absent ones keep their defaults. Throws InputError.
 LookAroundConfig readLookAroundConfig(const YamlReader& reader);
 
-/// Where markers at these heights can image, whole, that are up to `max_range` metres away and no
-/// wider than `config.overlap`, and those on the floor and under the ceiling however near. Nothing
-/// where the camera sees none of these.
+/// Where markers at these heights can image, whole, that are up to `max_range` metres away and
+/// not much wider than `config.overlap`, and those on the floor and under the ceiling however near.
+/// Nothing where the camera sees none of these.
 std::optional<Annulus> annulusOfMarkers(const MarkerHeights& heights, const MountedCamera& camera,
                                         double max_range, const LookAroundConfig& config);
 
@@ -48,9 +49,9 @@ std::optional<Annulus> annulusOfMarkers(const MarkerHeights& heights, const Moun
 Annulus annulusOfEverything(const MountedCamera& camera);
 
 /// Views all around the camera, at the elevations at which markers of these heights can be that are
-/// up to `max_range` metres away and no wider than `config.overlap`, and one along the axis where
-/// markers can be there. `oversampling` as in ViewPlannerConfig. None where the camera sees none of
-/// these elevations.
+/// up to `max_range` metres away and not much wider than `config.overlap`, and one along the axis
+/// where markers can be there. `oversampling` as in ViewPlannerConfig. None where the camera sees
+/// none of these elevations.
 std::vector<View> viewsAllAround(const MarkerHeights& heights, const MountedCamera& camera,
                                  const ContourTable& table, double max_range,
                                  const LookAroundConfig& config);
