@@ -61,7 +61,8 @@ std::vector<std::string> Advisor::lines() const {
     lines.push_back(format("the images are %s: set the camera's exposure", toString(exposure_)));
   }
   constexpr double kLargeBlur = 1.5;  // pixels
-  if (blur_.value() > kLargeBlur) {
+  const bool is_blurred = blur_.value() > kLargeBlur;
+  if (is_blurred) {
     lines.push_back(format("the images are blurred by %.1f pixels: focus the lens", blur_.value()));
   }
   if (lag_) {
@@ -74,7 +75,8 @@ std::vector<std::string> Advisor::lines() const {
   if (rim_deviations_.value() > kLargeError) {
     lines.push_back(format("residuals grow toward the rim, to %.1f pixels: run calibrate_camera",
                            rim_error_.value()));
-  } else if (excess_.value() > kLargeExcess) {
+  } else if (excess_.value() > kLargeExcess && !is_blurred) {
+    // Blurred markers disagree wherever they hang.
     lines.push_back(
         format("markers disagree by %.1f cm, %.1f times more than the map says: raise "
                "its deviation or refine it with build_map",

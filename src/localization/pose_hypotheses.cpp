@@ -16,6 +16,9 @@ using Assignment = std::vector<std::optional<std::size_t>>;
 /// What a reading costs that a hypothesis does not explain.
 constexpr double kCostOfUnexplained = 20.0;
 
+/// Whether it costs more to explain a reading than to leave it unexplained.
+bool isPoor(const Misfit& misfit) { return costOf(misfit) > kCostOfUnexplained; }
+
 double saturated(double cost) { return cost * kCostOfUnexplained / (cost + kCostOfUnexplained); }
 
 /// A reading and an entry that it may be.
@@ -118,7 +121,13 @@ class Search {
         if (!isWorthLooking(problem_.readings.size() - seed.promised)) break;
         // From afar all pull at once, and one that hangs a little beside its place drags the others
         // along; near the seed those that agree outvote it.
-        for (const auto refine : {&refineFromAfar, &refineByReprojection}) add(grow(seed, refine));
+        for (const auto refine : {&refineFromAfar, &refineByReprojection}) {
+          auto hypothesis = grow(seed, refine, problem_.estimation.max_misfit);
+          // Where some pull the pose off the others, both together and the others alone are worth
+          // comparing.
+          if (hypothesis && isWithPoorOnes(*hypothesis)) add(growWithoutPoorOnes(*hypothesis));
+          add(std::move(hypothesis));
+        }
       }
     }
   }
@@ -196,8 +205,28 @@ class Search {
     return nearest;
   }
 
-  /// Refines a seed with all readings that agree, until no more join or leave.
-  std::optional<PoseHypothesis> grow(const Seed& seed, decltype(&refineFromAfar) refine) const {
+  static bool isWithPoorOnes(const PoseHypothesis& hypothesis) {
+    return std::any_of(hypothesis.misfits.begin(), hypothesis.misfits.end(), isPoor);
+  }
+
+  /// Nothing where fewer than two are left, which agree with anything.
+  std::optional<PoseHypothesis> growWithoutPoorOnes(const PoseHypothesis& hypothesis) const {
+    Seed seed{hypothesis.fit.map_from_base, hypothesis.entries, 0};
+    for (std::size_t i = 0; i < seed.entries.size(); ++i) {
+      if (isPoor(hypothesis.misfits[i])) seed.entries[i].reset();
+    }
+    constexpr std::size_t kFewest = 2;
+    if (countOf(seed.entries) < kFewest) return std::nullopt;
+    const double most = std::sqrt(kCostOfUnexplained / costOf({0.0, 1.0}));
+    auto grown = grow(seed, &refineByReprojection, most);
+    if (grown && grown->explained < kFewest) return std::nullopt;
+    return grown;
+  }
+
+  /// Refines a seed with all readings that agree, to so many deviations, until no more join or
+  /// leave.
+  std::optional<PoseHypothesis> grow(const Seed& seed, decltype(&refineFromAfar) refine,
+                                     double max_misfit) const {
     constexpr int kRounds = 4;
     PoseHypothesis hypothesis;
     hypothesis.entries = seed.entries;
@@ -215,7 +244,7 @@ class Search {
       hypothesis.fit = std::move(*fit);
       pose = hypothesis.fit.map_from_base.pose;
       const Assignment before = hypothesis.entries;
-      explain(&hypothesis);
+      explain(max_misfit, &hypothesis);
       if (hypothesis.entries == before) break;
     }
     if (hypothesis.explained == 0) return std::nullopt;
@@ -223,7 +252,7 @@ class Search {
     return hypothesis;
   }
 
-  void explain(PoseHypothesis* hypothesis) const {
+  void explain(double max_misfit, PoseHypothesis* hypothesis) const {
     const Pose& pose = hypothesis->fit.map_from_base.pose;
     constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
     hypothesis->entries.assign(problem_.readings.size(), std::nullopt);
@@ -234,7 +263,7 @@ class Search {
     const Eigen::Vector3d viewpoint = problem_.camera.mapFromCamera(pose).translation();
     std::vector<std::size_t> claimed;
     for (std::size_t i = 0; i < problem_.readings.size(); ++i) {
-      Misfit least{kNaN, problem_.estimation.max_misfit};
+      Misfit least{kNaN, max_misfit};
       for (const std::size_t entry : problem_.candidates[i]) {
         const Marker& marker = problem_.map.markers[entry];
         if ((marker.center() - viewpoint).norm() > farthest_[i] * marker.size) continue;

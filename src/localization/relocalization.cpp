@@ -15,7 +15,8 @@ namespace {
 bool isRival(const PoseHypothesis& best, const PoseHypothesis& other, double min_lead) {
   for (std::size_t i = 0; i < best.entries.size(); ++i) {
     if (best.entries[i].has_value() != other.entries[i].has_value()) {
-      return other.saturated_cost - best.saturated_cost < min_lead;
+      return other.saturated_cost - best.saturated_cost < min_lead &&
+             !agree(best.fit.map_from_base, other.fit.map_from_base);
     }
   }
   return other.cost - best.cost < min_lead;
