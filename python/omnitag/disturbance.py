@@ -89,7 +89,7 @@ def camera_text(path: str, errors: Tuple[float, float, float, float],
 def _changed(entry: Mapping,
              changes: Dict[str, Tuple[float, float]]) -> List[Tuple[Tuple[int, int], str]]:
     """Places in the text and what is to stand there: factor times the number plus a term."""
-    return [(entry[key].span(), repr(round(factor * entry[key].real() + term, 12)))
+    return [(entry[key].span(), repr(round(float(factor * entry[key].real() + term), 12)))
             for key, (factor, term) in changes.items() if factor != 1.0 or term != 0.0]
 
 

@@ -12,8 +12,10 @@ constexpr double kKept = 30.0;
 /// Messages that wait while a frame is worked on: as long, at a thousand a second.
 constexpr std::uint32_t kWaiting = 30000;
 
-/// s that a message may be on its way.
-constexpr double kInFlight = 1.0;
+/// s that a message may be on its way on a busy computer, and s ahead of the clock that a transform
+/// is from before it was set back.
+constexpr double kInFlight = 3.0;
+constexpr double kAhead = 1.0;
 
 void logRefused(const std::string& frame, const std::string& publisher, const char* why) {
   constexpr double kLinePeriod = 10.0;  // s
@@ -55,7 +57,7 @@ void TransformInput::noticeSetBack() {
 
 // tf2 would refuse all that is much older than the newest, until time has caught up.
 bool TransformInput::isStale(const ros::Time& stamp) const {
-  return steadyTime() < stale_until_ && stamp.toSec() > last_served_.toSec() + kInFlight;
+  return steadyTime() < stale_until_ && stamp.toSec() > last_served_.toSec() + kAhead;
 }
 
 void TransformInput::take(const Event& event, bool is_static) {
