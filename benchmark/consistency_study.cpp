@@ -4,19 +4,45 @@
 // world differs from the files, anew in each frame: the robot leans, markers hang elsewhere, the
 // camera is another.
 //
-//   consistency_study [BAG CAMERA MAP]     a bag of render_sequence; the shipped one by default
+// Beside the errors of the last table stands their limit, the Cramer-Rao bound of the position (RMS
+// over the row's frames), and by how many times the errors exceed it. It is that of the pixels of
+// all markers in sight, as limit_study has them, and of those that the localizer used besides
+// though a shadow runs across them, with the noise that the renderer puts on edges. Unknown are the
+// six numbers of the pose, the six modes of the camera, each marker's place and orientation, and
+// the light on each marker. Of these is known beforehand what the estimator is told, whatever the
+// world is in that row:
+//
+//   x, y, yaw        the prediction, with the deviations that it is drawn with
+//   z, roll, pitch   upright on the floor, with the deviations of a LocalizerConfig at the start
+//   camera           the deviations that its file states, in all six modes
+//   markers          the deviations that the map states, along and about each axis
+//
+// So the limit is that of worlds that are drawn as stated. Errors may be smaller where a row's
+// world is off by less (a camera whose mirror and lens stand straight has no error in the modes
+// tilt and rim) and exceed it by any amount where it is off by more. The estimator's own allowances
+// for what displaces single markers (alignment_deviation, the camera's uncertainty beside its
+// modes) do not occur in rendered worlds, and are no part of the limit.
+//
+//   consistency_study [BAG CAMERA MAP [NOISE SAMPLES]]
+//
+// a bag of render_sequence, the shipped one by default, with the NOISE and SAMPLES that it was
+// rendered with (see limit_study; 3 and 4 by default).
 
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <optional>
 #include <random>
+#include <set>
 #include <vector>
 
 #include "disturbances.h"
+#include "frame_limit.h"
 #include "masking.h"
 #include "omnitag/localization/localizer.h"
+#include "omnitag/localization/motion_model.h"
 #include "prediction.h"
 #include "program.h"
 #include "recorded_sequence.h"
@@ -95,15 +121,37 @@ std::vector<std::size_t> some(const RecordedSequence& /*sequence*/, const FrameR
   return readable;
 }
 
+/// m and rad, standard deviations of a rough prediction.
+constexpr double kPositionDeviation = 0.1;
+constexpr double kHeadingDeviation = radians(4.0);
+
 /// A rough prediction, as wrong as it says.
 PoseEstimate roughPrediction(const Pose& truth, std::mt19937* generator) {
-  return drawnPrediction(truth, 0.1, radians(4.0), generator);
+  return drawnPrediction(truth, kPositionDeviation, kHeadingDeviation, generator);
+}
+
+/// What a localizer with such a prediction knows of a frame's pose, about the truth.
+PosePrior knownOf(const Pose& truth) {
+  const Eigen::Vector3d deviations(kPositionDeviation, kPositionDeviation, kHeadingDeviation);
+  return MotionModel(LocalizerConfig().motion)
+      .standing(std::nullopt)
+      .withPlace(truth, deviations.cwiseAbs2().cwiseInverse().asDiagonal());
+}
+
+/// Entries of the map.
+std::set<std::size_t> usedIn(const FrameResult& result) {
+  std::set<std::size_t> used;
+  for (const MarkerDetection& detection : result.detections) {
+    if (detection.accepted) used.insert(*detection.map_entry);
+  }
+  return used;
 }
 
 /// What a row of the tables sums up.
 class Row {
  public:
-  void add(const FrameResult& result, const Pose& truth) {
+  /// `limit`: m^2, the least variance that the position may have, where it is known.
+  void add(const FrameResult& result, const Pose& truth, double limit = 0.0) {
     markers_ += result.acceptedMarkers();
     if (!result.map_from_base || result.mode != Mode::kTracking) {
       ++without_;
@@ -115,22 +163,30 @@ class Row {
     nees_ += nees;
     squares_ += error.head<2>().squaredNorm();
     stated_ += covariance.topLeftCorner<2, 2>().trace();
+    limit_ += limit;
     outside_ += nees > 16.27 ? 1 : 0;
     ++count_;
   }
 
-  static void printTitle(const char* kind) {
-    std::printf("%-32s %6s %9s %8s %7s   %12s %10s %13s %12s\n", kind, "frames", "untracked",
+  static void printTitle(const char* kind, bool has_limit) {
+    std::printf("%-32s %6s %9s %8s %7s   %12s %10s %13s %12s", kind, "frames", "untracked",
                 "markers", "NEES", "95 % bounds", "beyond .999", "RMSE", "stated");
+    if (has_limit) std::printf(" %12s %12s", "limit", "RMSE / limit");
+    std::printf("\n");
   }
 
   void print(const std::string& name) const {
     const int count = std::max(count_, 1);
     const double bound = 1.96 * std::sqrt(6.0 / count);
-    std::printf("%-32s %6d %9d %8.2f %7.2f   %.2f to %.2f %10d %10.3f mm %9.3f mm\n", name.c_str(),
+    std::printf("%-32s %6d %9d %8.2f %7.2f   %.2f to %.2f %10d %10.3f mm %9.3f mm", name.c_str(),
                 count_, without_, 1.0 * markers_ / std::max(count_ + without_, 1), nees_ / count,
                 3.0 - bound, 3.0 + bound, outside_, 1e3 * std::sqrt(squares_ / count),
                 1e3 * std::sqrt(stated_ / count));
+    if (limit_ > 0.0) {
+      std::printf(" %9.3f mm %12.2f", 1e3 * std::sqrt(limit_ / count),
+                  std::sqrt(squares_ / limit_));
+    }
+    std::printf("\n");
     std::fflush(stdout);
   }
 
@@ -138,6 +194,7 @@ class Row {
   double nees_ = 0.0;
   double squares_ = 0.0;
   double stated_ = 0.0;
+  double limit_ = 0.0;
   int count_ = 0;
   int outside_ = 0;
   int without_ = 0;
@@ -166,7 +223,8 @@ void studyGeometry(const char* name, const RecordedSequence& sequence,
 }
 
 void studyDisturbance(const Disturbance& disturbance, const RecordedSequence& sequence,
-                      const std::string& camera_file) {
+                      const std::string& camera_file, const Rendering& rendering) {
+  const auto true_camera = trueCamera(disturbance, *sequence.camera, camera_file);
   constexpr std::size_t kFrames = 200;
   std::mt19937 generator(5);
   Row row;
@@ -175,27 +233,34 @@ void studyDisturbance(const Disturbance& disturbance, const RecordedSequence& se
         disturbed(disturbance, sequence, camera_file, i % sequence.frames.size(), &generator);
     Localizer localizer(drawn.camera, drawn.map, LocalizerConfig());
     localizer.setPose(roughPrediction(drawn.truth, &generator));
-    row.add(localizer.process(drawn.frame), drawn.truth);
+    const FrameResult result = localizer.process(drawn.frame);
+    const MountedCamera camera(true_camera, drawn.frame.base_from_camera);
+    const Informations in_sight = markersInSight(drawn.frame.image, camera, sequence.map,
+                                                 drawn.truth, rendering, usedIn(result));
+    const FrameMatrix least =
+        leastCovariance(in_sight, drawn.map, drawn.truth, knownOf(drawn.truth));
+    row.add(result, drawn.truth, least.topLeftCorner<2, 2>().trace());
   }
   row.print(disturbance.name);
 }
 
-void run(const RecordedSequence& sequence, const std::string& camera_file) {
+void run(const RecordedSequence& sequence, const std::string& camera_file,
+         const Rendering& rendering) {
   std::vector<FrameResult> at_truth;
   for (std::size_t i = 0; i < sequence.frames.size(); ++i) {
     at_truth.push_back(lookAtTruth(sequence, i));
   }
   for (const EstimatorKind kind : {EstimatorKind::kPhotometric, EstimatorKind::kReprojection}) {
-    Row::printTitle(kind == EstimatorKind::kPhotometric ? "photometric" : "reprojection");
+    Row::printTitle(kind == EstimatorKind::kPhotometric ? "photometric" : "reprojection", false);
     studyGeometry("four or more", sequence, at_truth, all, kind);
     studyGeometry("three, one side", sequence, at_truth, onOneSide, kind);
     studyGeometry("three, near a circle", sequence, at_truth, onACircle, kind);
     studyGeometry("two", sequence, at_truth, some<2>, kind);
     studyGeometry("one", sequence, at_truth, some<1>, kind);
   }
-  Row::printTitle("disturbed");
+  Row::printTitle("disturbed", true);
   for (const Disturbance& disturbance : disturbances()) {
-    studyDisturbance(disturbance, sequence, camera_file);
+    studyDisturbance(disturbance, sequence, camera_file, rendering);
   }
 }
 
@@ -204,7 +269,12 @@ void run(const RecordedSequence& sequence, const std::string& camera_file) {
 
 int main(int argc, char** argv) {
   return omnitag::runProgram("consistency_study", [&] {
-    omnitag::run(omnitag::sequenceFrom(argc, argv), omnitag::cameraFileFrom(argc, argv));
+    constexpr int kWithRendering = 6;
+    const bool says_rendering = argc == kWithRendering;
+    omnitag::run(omnitag::sequenceFrom(says_rendering ? argc - 2 : argc, argv),
+                 omnitag::cameraFileFrom(argc, argv),
+                 says_rendering ? omnitag::renderingFrom(argv[argc - 2], argv[argc - 1])
+                                : omnitag::Rendering());
     return 0;
   });
 }

@@ -25,12 +25,31 @@ void scale(YAML::Node value, double factor) { value = value.as<double>() * facto
 
 void move(YAML::Node value, double offset) { value = value.as<double>() + offset; }
 
+/// What a camera file becomes that says to be off by so much in each mode, in pixels of the image.
+std::shared_ptr<const CameraModel> cameraStating(double deviation, YAML::Node file,
+                                                 const std::string& name) {
+  file["uncertainty"] = "none";
+  if (deviation > 0.0) {
+    YAML::Node uncertainty(YAML::NodeType::Map);
+    for (const char* mode : {"principal_point", "scale", "tilt", "rim"}) {
+      uncertainty[mode] = deviation;
+    }
+    file["uncertainty"] = uncertainty;
+  }
+  YAML::Emitter text;
+  text << file;
+  return parseCamera(text.c_str(), name);
+}
+
+/// Pixels of a camera's image for each where it is 500 pixels high.
+double pixelOf(const CameraModel& camera) { return camera.imageSize().height / 500.0; }
+
 std::shared_ptr<const CameraModel> disturbedCamera(const Disturbance& disturbance,
                                                    const CameraModel& exact,
                                                    const std::string& camera_file,
                                                    std::mt19937* generator) {
   Normal normal(0.0, 1.0);
-  const double pixel = exact.imageSize().height / 500.0;
+  const double pixel = pixelOf(exact);
   const double rim = exact.rimPixels();
   YAML::Node file = YAML::LoadFile(camera_file);
   YAML::Node lens = file["lens"];
@@ -45,17 +64,7 @@ std::shared_ptr<const CameraModel> disturbedCamera(const Disturbance& disturbanc
   scale(lens["fx"], larger);
   scale(lens["fy"], larger);
   if (file["mirror"]) move(file["mirror"]["apex_distance"], disturbance.apex * sign);
-  file["uncertainty"] = "none";
-  if (disturbance.stated_camera > 0.0) {
-    YAML::Node uncertainty(YAML::NodeType::Map);
-    for (const char* mode : {"principal_point", "scale", "tilt", "rim"}) {
-      uncertainty[mode] = disturbance.stated_camera * pixel;
-    }
-    file["uncertainty"] = uncertainty;
-  }
-  YAML::Emitter text;
-  text << file;
-  return parseCamera(text.c_str(), camera_file);
+  return cameraStating(disturbance.stated_camera * pixel, file, camera_file);
 }
 
 }  // namespace
@@ -107,6 +116,13 @@ std::vector<Disturbance> disturbances() {
   addFixed("centre 1 px, 1 %, 2 mm", 1.0, 0.01, 0.002, 8.0);
   addFixed("centre 3 px, 3 %", 3.0, 0.03, 0.0, 30.0);
   return rows;
+}
+
+std::shared_ptr<const CameraModel> trueCamera(const Disturbance& disturbance,
+                                              const CameraModel& exact,
+                                              const std::string& camera_file) {
+  return cameraStating(disturbance.stated_camera * pixelOf(exact), YAML::LoadFile(camera_file),
+                       camera_file);
 }
 
 DisturbedFrame disturbed(const Disturbance& disturbance, const RecordedSequence& sequence,

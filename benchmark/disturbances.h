@@ -46,6 +46,11 @@ struct Disturbance {
 
 std::vector<Disturbance> disturbances();
 
+/// The camera that took the images, with what a disturbed file says that it is off by.
+std::shared_ptr<const CameraModel> trueCamera(const Disturbance& disturbance,
+                                              const CameraModel& exact,
+                                              const std::string& camera_file);
+
 /// A frame with its truth, and the files as somebody has them.
 struct DisturbedFrame {
   std::shared_ptr<const CameraModel> camera;

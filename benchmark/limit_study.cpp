@@ -2,7 +2,8 @@
 // each estimator:
 //
 //   limit    the Cramer-Rao bound of all mapped markers in sight that the tracker would look for
-//            (VisibilityConfig): the pose from their pixels, the light on each being unknown.
+//            (VisibilityConfig): (x, y, yaw) from their pixels, the light on each being unknown,
+//            the map, the camera and how the robot stands being exact.
 //            Markers that something hides, so that their pixels do not correlate with the pattern,
 //            do not count.
 //   of used  the same of the markers that the estimator used
@@ -29,17 +30,15 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
-#include <map>
 #include <optional>
 #include <random>
 #include <string>
 #include <vector>
 
+#include "frame_limit.h"
 #include "omnitag/common/error.h"
 #include "omnitag/localization/localizer.h"
-#include "pixel_information.h"
 #include "prediction.h"
 #include "program.h"
 #include "recorded_sequence.h"
@@ -48,43 +47,10 @@
 namespace omnitag {
 namespace {
 
-struct MarkerInformation {
-  PixelInformation exact;
-  /// With the renderer's noise on edges.
-  PixelInformation sampled;
-};
-
-/// What each marker in sight tells about the pose of a frame, by its entry in the map.
-using Informations = std::map<std::size_t, MarkerInformation>;
-
 struct Options {
-  double noise = 0.0;
-  int samples = 0;
+  Rendering rendering;
   bool prints_frames = false;
 };
-
-Informations markersInSight(const RecordedSequence& sequence, std::size_t index,
-                            const Options& options) {
-  const double noise = std::sqrt(options.noise * options.noise + 1.0 / 12.0);
-  constexpr double kMinCorrelation = 0.95;
-  constexpr std::size_t kFewestPixels = 50;
-  const Frame& frame = sequence.frames[index];
-  const MountedCamera camera(sequence.camera, frame.base_from_camera);
-  const Pose& truth = sequence.truth[index];
-  Informations in_sight;
-  for (const PredictedMarker& visible : predictMarkers(sequence.map, camera, {truth}, {})) {
-    const Marker& marker = sequence.map.markers[visible.map_entry];
-    const TagPattern pattern(marker.family, marker.id);
-    const auto pixels = patternPixels(frame.image, camera, truth, marker, pattern, options.samples);
-    if (pixels.size() < kFewestPixels) continue;
-    const Light light = fitLight(pixels, noise);
-    if (!(light.correlation >= kMinCorrelation)) continue;
-    in_sight[visible.map_entry] = {
-        pixelInformation(pixels, light.contrast, noise, 0.0),
-        pixelInformation(pixels, light.contrast, noise, samplingVariance(pixels))};
-  }
-  return in_sight;
-}
 
 /// Squares: of the position's error and of the heading's, m^2 and rad^2.
 struct Squares {
@@ -124,6 +90,11 @@ struct Row {
   Squares sampled_limit;
 };
 
+/// Of (x, y, yaw), all else of the frame's unknowns being known.
+Eigen::Matrix3d ofPose(const FrameEquations& equations) {
+  return equations.information.topLeftCorner<3, 3>();
+}
+
 struct Sums {
   Eigen::Matrix3d exact = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d sampled = Eigen::Matrix3d::Zero();
@@ -133,9 +104,9 @@ struct Sums {
 Sums sumOf(const Informations& in_sight) {
   Sums sums;
   for (const auto& [entry, information] : in_sight) {
-    sums.exact += information.exact.matrix;
-    sums.sampled += information.sampled.matrix;
-    sums.sampled_times_step += information.sampled.times_step;
+    sums.exact += ofPose(information.exact);
+    sums.sampled += ofPose(information.sampled);
+    sums.sampled_times_step += information.sampled.gradient.head<3>();
   }
   return sums;
 }
@@ -148,9 +119,9 @@ Row rowAtTruth(const Informations& in_sight) {
   const Sums all = sumOf(in_sight);
   Informations right;
   for (const auto& [entry, information] : in_sight) {
-    const PixelInformation& sampled = information.sampled;
-    const Eigen::Vector3d step = sampled.matrix.ldlt().solve(sampled.times_step);
-    if (step.dot(sampled.times_step) < kChiSquareLimit) right[entry] = information;
+    const Eigen::Vector3d times_step = information.sampled.gradient.head<3>();
+    const Eigen::Vector3d step = ofPose(information.sampled).ldlt().solve(times_step);
+    if (step.dot(times_step) < kChiSquareLimit) right[entry] = information;
   }
   const Sums used = sumOf(right);
   Row row;
@@ -181,7 +152,7 @@ Row rowOf(const FrameResult& result, const Pose& truth, const Informations& in_s
     row.used += 1.0;
     ranges += detection.range;
     const auto known = in_sight.find(*detection.map_entry);
-    if (known != in_sight.end()) used += known->second.exact.matrix;
+    if (known != in_sight.end()) used += ofPose(known->second.exact);
   }
   const Sums all = sumOf(in_sight);
   const std::optional<Squares> limit = limitOf(all.exact);
@@ -255,7 +226,10 @@ void printHeader() {
 void run(const RecordedSequence& sequence, const Options& options) {
   std::vector<Informations> in_sight;
   for (std::size_t i = 0; i < sequence.frames.size(); ++i) {
-    in_sight.push_back(markersInSight(sequence, i, options));
+    const Frame& frame = sequence.frames[i];
+    const MountedCamera camera(sequence.camera, frame.base_from_camera);
+    in_sight.push_back(
+        markersInSight(frame.image, camera, sequence.map, sequence.truth[i], options.rendering));
   }
   const double horizon = horizonRadius(*sequence.camera);
   printHeader();
@@ -282,31 +256,21 @@ void run(const RecordedSequence& sequence, const Options& options) {
   }
 }
 
-double numberFrom(const std::string& text, double least) {
-  char* end = nullptr;
-  const double number = std::strtod(text.c_str(), &end);
-  if (text.empty() || *end != '\0' || !(number >= least)) {
-    throw InputError("NOISE SAMPLES: expected two numbers, found " + text);
-  }
-  return number;
-}
-
 int runWith(int argc, char** argv) {
   Options options;
   std::vector<char*> files{argv[0]};
-  std::vector<double> numbers;
+  std::vector<std::string> numbers;
   for (int i = 1; i < argc; ++i) {
     if (std::strcmp(argv[i], "--frames") == 0) {
       options.prints_frames = true;
     } else if (numbers.size() < 2) {
-      numbers.push_back(numberFrom(argv[i], numbers.empty() ? 0.0 : 1.0));
+      numbers.emplace_back(argv[i]);
     } else {
       files.push_back(argv[i]);
     }
   }
   if (numbers.size() < 2) throw InputError("expected NOISE SAMPLES [BAG CAMERA MAP] [--frames]");
-  options.noise = numbers[0];
-  options.samples = static_cast<int>(numbers[1]);
+  options.rendering = renderingFrom(numbers[0], numbers[1]);
   run(sequenceFrom(static_cast<int>(files.size()), files.data()), options);
   return 0;
 }

@@ -87,13 +87,13 @@ cv::Mat renderPanorama(const MarkerMap& map, const MountedCamera& camera, const 
     const double module = marker.size / bitmap.width_at_border;
     boards.push_back({marker.map_from_marker.inverse(), module, std::move(bitmap)});
   }
-  const Eigen::Isometry3d map_from_camera = camera.mapFromCamera(map_from_base);
+  const Eigen::Isometry3d isometry = map_from_base.toIsometry();
   const auto look = [&](double u, double v) -> Sight {
-    const auto ray = camera.model().rayFromPixel({u, v});
+    const auto ray = camera.rayInBase({u, v});
     if (!ray) return {};
     constexpr double kBackground = 120.0;
-    const auto grey = greyAlong(
-        boards, {map_from_camera * ray->origin, map_from_camera.linear() * ray->direction});
+    const auto grey =
+        greyAlong(boards, {isometry * ray->origin, isometry.linear() * ray->direction});
     return {grey ? Sight::kBoard : Sight::kBackground, grey.value_or(kBackground)};
   };
 
