@@ -32,12 +32,12 @@ def table(evaluation: Evaluation) -> str:
               "at {:.3f} s".format(seconds[worst_heading])),
     ]
     for name, errors in evaluation.standing_errors.items():
-        show = length if name == "height" else _angle
+        suffix, show = ("", length) if name == "height" else ("_deg", "{:.4f} deg".format)
         lines += [
             "",
             _line("{} error".format(name.capitalize()), "RMS",
-                  show(float(np.sqrt(np.mean(np.square(errors)))))),
-            _line("", "maximum", show(float(np.max(np.abs(errors)))),
+                  show(figures[name + "_rmse" + suffix])),
+            _line("", "maximum", show(figures[name + "_max" + suffix]),
                   "at {:.3f} s".format(seconds[int(np.argmax(np.abs(errors)))])),
         ]
     if evaluation.mean_range:
@@ -60,10 +60,6 @@ def length(metres: float) -> str:
     if metres < 0.1:
         return "{:.3f} mm".format(1e3 * metres)
     return "{:.3f} m".format(metres)
-
-
-def _angle(radians: float) -> str:
-    return "{:.4f} deg".format(np.degrees(radians))
 
 
 def _line(group: str, name: str, value: str, remark: str = "") -> str:

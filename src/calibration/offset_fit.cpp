@@ -18,10 +18,11 @@ constexpr double kRobust = 3.0;
 /// A motion in the base's frame before it: x, y and yaw (m and rad).
 using FloorMotion = Eigen::Vector3d;
 
-FloorMotion motionBetween(const Pose& from, const Pose& to) {
-  const Pose motion = inverse(from.onFloor()) * to.onFloor();
-  return {motion.x, motion.y, motion.yaw};
+Pose poseBetween(const Pose& from, const Pose& to) {
+  return inverse(from.onFloor()) * to.onFloor();
 }
+
+FloorMotion motionOf(const Pose& pose) { return {pose.x, pose.y, pose.yaw}; }
 
 FloorMotion minus(const FloorMotion& a, const FloorMotion& b) {
   FloorMotion difference = a - b;
@@ -98,13 +99,9 @@ class OffsetFitter {
     Motion motion;
     motion.from_stamp = from.seen.stamp;
     motion.to_stamp = to.seen.stamp;
-    motion.by_images = motionBetween(from.map_from_base, to.map_from_base);
-    const double c = std::cos(from.map_from_base.yaw);
-    const double s = std::sin(from.map_from_base.yaw);
-    Eigen::Matrix3d by_from;
-    by_from << -c, -s, motion.by_images.y(), s, -c, -motion.by_images.x(), 0.0, 0.0, -1.0;
-    Eigen::Matrix3d by_to;
-    by_to << c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0;
+    const Pose moved = poseBetween(from.map_from_base, to.map_from_base);
+    motion.by_images = motionOf(moved);
+    const auto [by_from, by_to] = floorMotionDerivatives(from.map_from_base, moved);
     motion.covariance =
         by_from * from.covariance * by_from.transpose() + by_to * to.covariance * by_to.transpose();
     motion.squares << motion.by_images.head<2>().squaredNorm(), std::pow(motion.by_images.z(), 2);
@@ -115,7 +112,7 @@ class OffsetFitter {
     const std::optional<Pose> from = odometry_(motion.from_stamp + offset);
     const std::optional<Pose> to = odometry_(motion.to_stamp + offset);
     if (!from || !to) return std::nullopt;
-    return motionBetween(*from, *to);
+    return motionOf(poseBetween(*from, *to));
   }
 
   std::vector<Comparison> compare(double offset) const {

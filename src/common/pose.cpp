@@ -95,6 +95,15 @@ Pose leaningAs(const Pose& lean, const Pose& place) {
   return {place.x, place.y, place.yaw, lean.z, lean.roll, lean.pitch};
 }
 
+FloorMotionDerivatives floorMotionDerivatives(const Pose& from, const Pose& motion) {
+  const double c = std::cos(from.yaw);
+  const double s = std::sin(from.yaw);
+  FloorMotionDerivatives derivatives;
+  derivatives.by_from << -c, -s, motion.y, s, -c, -motion.x, 0.0, 0.0, -1.0;
+  derivatives.by_to << c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0;
+  return derivatives;
+}
+
 PoseEstimate floorEstimate(const Pose& pose, const Eigen::Matrix3d& covariance) {
   PoseEstimate estimate{pose, PoseMatrix::Zero()};
   estimate.covariance.topLeftCorner<3, 3>() = covariance;

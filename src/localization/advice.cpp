@@ -1,10 +1,9 @@
 #include "omnitag/localization/advice.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 
+#include "omnitag/common/format.h"
 #include "omnitag/marker/marker_reader.h"
 
 namespace omnitag {
@@ -14,13 +13,6 @@ namespace {
 /// the camera is, for there to be something wrong.
 constexpr double kLargeExcess = 2.5;
 constexpr double kLargeError = 2.0;
-
-template <typename... Values>
-std::string format(const char* text, Values... values) {
-  std::array<char, 200> line{};
-  std::snprintf(line.data(), line.size(), text, values...);
-  return line.data();
-}
 
 /// m, RMS over the accepted markers.
 double misplacementIn(const FrameResult& result, const MarkerMap& map) {

@@ -40,11 +40,11 @@ std::vector<MarkerObservation> recognizeUndecoded(const TrackingTools& tools, co
 
 /// A pose aligned with the pixels of all; nothing where it is not that of the decoded ones, or one
 /// that was recognized is off it.
-std::optional<AlignedPose> alignWithAll(const TrackingTools& tools, const Frame& frame,
-                                        const MountedCamera& camera, const PoseEstimate& found,
-                                        const std::vector<std::size_t>& decoded,
-                                        const std::vector<MarkerObservation>& recognized,
-                                        const PosePrior& prior) {
+std::optional<PhotometricFit> alignWithAll(const TrackingTools& tools, const Frame& frame,
+                                           const MountedCamera& camera, const PoseEstimate& found,
+                                           const std::vector<std::size_t>& decoded,
+                                           const std::vector<MarkerObservation>& recognized,
+                                           const PosePrior& prior) {
   if (recognized.empty()) return std::nullopt;
   std::vector<std::size_t> entries = decoded;
   for (const MarkerObservation& observation : recognized) entries.push_back(observation.map_entry);
@@ -63,8 +63,7 @@ std::optional<AlignedPose> alignWithAll(const TrackingTools& tools, const Frame&
 std::vector<View> viewsToSearch(const TrackingTools& tools, const MountedCamera& camera) {
   const LocalizerConfig& config = tools.config;
   const ContourTable& table = tools.reader.warper().table();
-  const bool is_anything_possible =
-      config.exploring_views > 0 || config.motion.pose_model == PoseModel::kFree;
+  const bool is_anything_possible = config.exploring_views > 0 || !config.motion.isOnFloor();
   if (is_anything_possible) return viewsOfEverything(camera, table, config.look_around);
   return viewsAllAround(tools.index.heights(), camera, table, config.visibility.max_range,
                         config.look_around);

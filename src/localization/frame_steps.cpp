@@ -93,10 +93,10 @@ std::optional<MarkerObservation> recognizeMarker(const TrackingTools& tools,
   return recognizePredicted(tools, panorama, camera, belief.pose, *predicted);
 }
 
-std::optional<AlignedPose> alignWithPixels(const TrackingTools& tools, const cv::Mat& panorama,
-                                           const MountedCamera& camera,
-                                           const std::vector<std::size_t>& entries,
-                                           const Pose& initial, const PosePrior& prior) {
+std::optional<PhotometricFit> alignWithPixels(const TrackingTools& tools, const cv::Mat& panorama,
+                                              const MountedCamera& camera,
+                                              const std::vector<std::size_t>& entries,
+                                              const Pose& initial, const PosePrior& prior) {
   const PhotometricConfig& config = tools.config.estimation.photometric;
   if (tools.config.estimation.kind != EstimatorKind::kPhotometric) return std::nullopt;
   const auto from = [&](const Pose& start) {
@@ -104,22 +104,18 @@ std::optional<AlignedPose> alignWithPixels(const TrackingTools& tools, const cv:
                                  config, tools.config.threads, tools.lasting_excess);
   };
   std::optional<PhotometricFit> fit = from(initial);
-  const auto aligned = [](const PhotometricFit& optimum) {
-    return AlignedPose{optimum.map_from_base, optimum.imaging_error, optimum.disagreement,
-                       optimum.surprise,      optimum.excess,        optimum.blur};
-  };
-  if (entries.size() > 1) return fit ? std::optional(aligned(*fit)) : std::nullopt;
+  if (entries.size() > 1) return fit;
 
   // A single marker may look almost the same from two sides.
   const Marker& marker = tools.map.markers[entries.front()];
   const Pose& seen_from = fit ? fit->map_from_base.pose : initial;
-  const auto mirrored = tools.config.motion.pose_model == PoseModel::kFree
-                            ? std::optional(flippedPose(marker, camera, seen_from))
-                            : mirroredPose(marker, camera, seen_from);
+  const auto mirrored = tools.config.motion.isOnFloor()
+                            ? mirroredPose(marker, camera, seen_from)
+                            : std::optional(flippedPose(marker, camera, seen_from));
   std::optional<PhotometricFit> other = mirrored ? from(*mirrored) : std::nullopt;
   if (!fit) std::swap(fit, other);
   if (!fit) return std::nullopt;
-  if (!other) return aligned(*fit);
+  if (!other) return fit;
   const PhotometricFit& sharper = other->noise < fit->noise ? *other : *fit;
   const auto misfit = [&](const PhotometricFit& optimum) {
     const double sum = photometricMisfit(panorama, tools.map, camera, tools.patterns, entries,
@@ -127,13 +123,11 @@ std::optional<AlignedPose> alignWithPixels(const TrackingTools& tools, const cv:
     const PoseVector off = prior.errorOf(optimum.map_from_base.pose);
     return sum + off.dot(prior.information * off);
   };
-  return AlignedPose{
-      mixture(fit->map_from_base, misfit(*fit), other->map_from_base, misfit(*other)),
-      fit->imaging_error,
-      {},
-      1.0,
-      1.0,
-      fit->blur};
+  fit->map_from_base =
+      mixture(fit->map_from_base, misfit(*fit), other->map_from_base, misfit(*other));
+  fit->surprise = 1.0;
+  fit->excess = 1.0;
+  return fit;
 }
 
 PoseEstimate standingOnCorners(const PoseEstimate& pose, std::size_t markers,

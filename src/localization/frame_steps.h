@@ -56,23 +56,12 @@ std::optional<MarkerObservation> recognizePredicted(const TrackingTools& tools,
                                                     const Pose& map_from_base,
                                                     const PredictedMarker& predicted);
 
-/// A pose that was aligned with pixels, and what the camera then seems to be off by.
-struct AlignedPose {
-  PoseEstimate map_from_base;
-  ImagingError imaging_error = ImagingError::Zero();
-  /// As PhotometricFit has them.
-  Disagreement disagreement;
-  double surprise = 1.0;
-  double excess = 1.0;
-  BlurEquations blur;
-};
-
 /// A pose aligned with the pixels of the markers at `entries`; nothing where that is not asked for
 /// or not possible.
-std::optional<AlignedPose> alignWithPixels(const TrackingTools& tools, const cv::Mat& panorama,
-                                           const MountedCamera& camera,
-                                           const std::vector<std::size_t>& entries,
-                                           const Pose& initial, const PosePrior& prior);
+std::optional<PhotometricFit> alignWithPixels(const TrackingTools& tools, const cv::Mat& panorama,
+                                              const MountedCamera& camera,
+                                              const std::vector<std::size_t>& entries,
+                                              const Pose& initial, const PosePrior& prior);
 
 /// A pose that stands on the corners of so many markers, although it was to be aligned with pixels:
 /// of a marker or two alone, corners may be much farther off than they are where many agree.

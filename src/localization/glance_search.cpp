@@ -49,7 +49,7 @@ bool areInPlace(const std::vector<MarkerReading>& readings, const TrackingTools&
 /// Where the map's markers can image.
 std::optional<Annulus> annulusToGlanceAt(const TrackingTools& tools, const MountedCamera& camera) {
   const LocalizerConfig& config = tools.config;
-  if (config.motion.pose_model == PoseModel::kFree) return annulusOfEverything(camera);
+  if (!config.motion.isOnFloor()) return annulusOfEverything(camera);
   return annulusOfMarkers(tools.index.heights(), camera, config.visibility.max_range,
                           config.look_around);
 }

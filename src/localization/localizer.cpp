@@ -2,9 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <set>
 #include <string>
@@ -15,6 +13,7 @@
 #include "glance_search.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
+#include "omnitag/common/format.h"
 #include "omnitag/common/stopwatch.h"
 #include "omnitag/localization/displacement.h"
 #include "omnitag/localization/reprojection.h"
@@ -65,10 +64,8 @@ std::string describe(const cv::Mat& image) {
 
 std::string howFarOff(const Pose& found, const Pose& expected) {
   const PoseVector off = difference(found, expected);
-  std::array<char, 100> text{};
-  std::snprintf(text.data(), text.size(), "found %.2f m and %.1f degrees off where it was expected",
-                off.head<2>().norm(), degrees(std::abs(off[2])));
-  return text.data();
+  return format("found %.2f m and %.1f degrees off where it was expected", off.head<2>().norm(),
+                degrees(std::abs(off[2])));
 }
 
 }  // namespace
@@ -123,7 +120,7 @@ FrameResult Localizer::process(const Frame& frame) {
   Stopwatch total;
   FrameResult result;
   result.stamp = frame.stamp;
-  result.is_on_floor = config_.motion.pose_model == PoseModel::kFloor;
+  result.is_on_floor = config_.motion.isOnFloor();
   standing_ = motion_.standing(frame.odom_from_base);
   const std::optional<PoseEstimate> predicted = predict(frame);
   const MountedCamera camera = cameraOf(frame, predicted.has_value());

@@ -53,8 +53,7 @@ LocalizerConfig readLocalizerConfig(const YamlReader& reader) {
       reader.refuse("estimator", "triangulation, reprojection or photometric");
     }
   }
-  const bool is_free = config.motion.pose_model == PoseModel::kFree;
-  if (is_free && config.estimation.kind == EstimatorKind::kTriangulation) {
+  if (!config.motion.isOnFloor() && config.estimation.kind == EstimatorKind::kTriangulation) {
     // Bearings seen from above tell neither the height nor how the robot leans.
     reader.refuse("estimator", "reprojection or photometric with pose_model: free");
   }

@@ -67,7 +67,7 @@ std::optional<FrameResult> lookFrom(const Relocalization& found, const Glance& s
                                     const MountedCamera& camera, Timings* timings) {
   FrameResult around;
   around.stamp = frame.stamp;
-  around.is_on_floor = tools.config.motion.pose_model == PoseModel::kFloor;
+  around.is_on_floor = tools.config.motion.isOnFloor();
   // The tracker adds those of all markers where people want to look at them.
   if (!frame.wants_views) {
     around.views = seen.views;

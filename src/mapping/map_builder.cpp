@@ -1,9 +1,7 @@
 #include "omnitag/mapping/map_builder.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <map>
 #include <optional>
@@ -11,6 +9,7 @@
 
 #include "map_growth.h"
 #include "marker_places.h"
+#include "omnitag/common/format.h"
 #include "omnitag/mapping/corner_alignment.h"
 #include "omnitag/marker/marker_reader.h"
 #include "omnitag/marker/tag_pattern.h"
@@ -19,13 +18,6 @@
 
 namespace omnitag {
 namespace {
-
-template <typename... Values>
-std::string format(const char* pattern, Values... values) {
-  std::array<char, 512> text{};
-  std::snprintf(text.data(), text.size(), pattern, values...);
-  return text.data();
-}
 
 double rms(double sum_of_squares, std::size_t count) {
   return count > 0 ? std::sqrt(sum_of_squares / static_cast<double>(count)) : 0.0;
@@ -382,7 +374,7 @@ MarkerMap BuiltMap::map(const std::string& frame_id) const {
 BuiltMap buildMap(const std::shared_ptr<const CameraModel>& camera,
                   const std::vector<FrameReadings>& frames, const MarkerMap& seed,
                   const MapBuilderConfig& config, const PanoramaSource& panoramas) {
-  if (seed.markers.empty() && config.motion.pose_model == PoseModel::kFree) {
+  if (seed.markers.empty() && !config.motion.isOnFloor()) {
     throw DegenerateRecording(
         "pose_model: free needs a seed map, of one marker at least: nothing else tells which way "
         "is up");

@@ -25,13 +25,13 @@ MarkerEstimateConfig estimateConfig(const MapBuilderConfig& config) {
   return {config.corner_noise, config.estimates_sizes};
 }
 
-bool isFree(const MapBuilderConfig& config) { return config.motion.pose_model == PoseModel::kFree; }
-
 Eigen::Vector3d deviationsOf(const Pose& motion, const MotionModelConfig& config) {
-  const bool is_free = config.pose_model == PoseModel::kFree;
+  const bool is_on_floor = config.isOnFloor();
   const Eigen::Isometry3d isometry = motion.toIsometry();
-  const double distance = is_free ? isometry.translation().norm() : std::hypot(motion.x, motion.y);
-  const double turn = is_free ? Eigen::AngleAxisd(isometry.linear()).angle() : std::abs(motion.yaw);
+  const double distance =
+      is_on_floor ? std::hypot(motion.x, motion.y) : isometry.translation().norm();
+  const double turn =
+      is_on_floor ? std::abs(motion.yaw) : Eigen::AngleAxisd(isometry.linear()).angle();
   const double translation = std::hypot(config.odometry_translation_per_metre * distance,
                                         config.odometry_translation_per_rotation * turn);
   const double rotation = std::hypot(config.odometry_rotation_per_rotation * turn,
@@ -92,7 +92,7 @@ std::optional<PoseEstimate> poseFromNeighbour(const Recording& recording, std::s
     const Eigen::Vector3d deviations = 3.0 * deviationsOf(motion, config.motion);
     PoseEstimate prior{other.map_from_base->pose * motion, other.map_from_base->covariance};
     prior.covariance.diagonal().head<3>() += deviations.cwiseAbs2();
-    if (isFree(config)) {
+    if (!config.motion.isOnFloor()) {
       const Eigen::Vector3d off_floor(deviations[0], deviations[2], deviations[2]);
       prior.covariance.diagonal().tail<3>() += off_floor.cwiseAbs2();
     }
@@ -109,7 +109,7 @@ std::optional<PoseEstimate> poseFromNeighbour(const Recording& recording, std::s
 std::size_t localizeFrames(Recording* recording, const MapBuilderConfig& config) {
   std::vector<std::size_t> indices;
   const MarkerMap map = recording->placedMap(&indices);
-  const PosePrior standing = isFree(config) ? PosePrior{} : PosePrior::upright();
+  const PosePrior standing = config.motion.isOnFloor() ? PosePrior::upright() : PosePrior{};
   std::size_t count = 0;
   for (std::size_t f = 0; f < recording->frames.size(); ++f) {
     RecordedFrame& frame = recording->frames[f];
@@ -176,7 +176,7 @@ std::size_t placeMarkers(Recording* recording, const MapBuilderConfig& config) {
 }  // namespace
 
 BundleConfig bundleConfig(const MapBuilderConfig& config) {
-  return {config.estimates_sizes, isFree(config)};
+  return {config.estimates_sizes, !config.motion.isOnFloor()};
 }
 
 IndexedBundle bundleOf(const Recording& recording, std::optional<std::size_t> held_frame,

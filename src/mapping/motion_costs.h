@@ -3,8 +3,6 @@
 #include <ceres/numeric_diff_cost_function.h>
 #include <ceres/sized_cost_function.h>
 
-#include <cmath>
-
 #include "omnitag/mapping/bundle_adjustment.h"
 #include "pose_blocks.h"
 
@@ -26,20 +24,15 @@ class MotionCost : public ceres::SizedCostFunction<3, 3, 3> {
     residual = weights.cwiseProduct(difference(moved, motion_.from_from_to).head<3>());
     if (jacobians == nullptr) return true;
 
-    const double c = std::cos(from.yaw);
-    const double s = std::sin(from.yaw);
+    const FloorMotionDerivatives derivatives = floorMotionDerivatives(from, moved);
     using Square = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-    Square by_from;
-    by_from << -c, -s, moved.y, s, -c, -moved.x, 0.0, 0.0, -1.0;
-    Square by_to;
-    by_to << c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0;
     if (jacobians[0] != nullptr) {
       Eigen::Map<Square> jacobian(jacobians[0]);
-      jacobian = weights.asDiagonal() * by_from;
+      jacobian = weights.asDiagonal() * derivatives.by_from;
     }
     if (jacobians[1] != nullptr) {
       Eigen::Map<Square> jacobian(jacobians[1]);
-      jacobian = weights.asDiagonal() * by_to;
+      jacobian = weights.asDiagonal() * derivatives.by_to;
     }
     return true;
   }

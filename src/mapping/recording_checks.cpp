@@ -1,13 +1,13 @@
 #include "recording_checks.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <set>
 #include <string>
 #include <utility>
+
+#include "omnitag/common/format.h"
 
 namespace omnitag {
 namespace {
@@ -16,9 +16,7 @@ namespace {
 
 template <typename Value, typename... Values>
 [[noreturn]] void refuse(const char* pattern, Value value, Values... values) {
-  std::array<char, 512> text{};
-  std::snprintf(text.data(), text.size(), pattern, value, values...);
-  refuse(text.data());
+  refuse(format(pattern, value, values...).c_str());
 }
 
 using Key = std::pair<std::string, int>;

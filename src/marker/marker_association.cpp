@@ -1,10 +1,10 @@
 #include "omnitag/marker/marker_association.h"
 
-#include <array>
 #include <cmath>
 #include <complex>
-#include <cstdio>
 #include <limits>
+
+#include "omnitag/common/format.h"
 
 namespace omnitag {
 namespace {
@@ -28,12 +28,6 @@ std::complex<double> turnAndScale(const Corners<Eigen::Vector2d>& from,
     size += a.squaredNorm();
   }
   return correlation / size;
-}
-
-std::string format(const char* pattern, double value) {
-  std::array<char, 128> text{};
-  std::snprintf(text.data(), text.size(), pattern, value);
-  return text.data();
 }
 
 }  // namespace

@@ -111,6 +111,13 @@ Eigen::Isometry3d fromMessage(const geometry_msgs::Transform& target_from_source
   return Eigen::Translation3d(t.x, t.y, t.z) * Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized();
 }
 
+std::optional<Eigen::Isometry3d> findTransform(const tf2::BufferCore& transforms,
+                                               const std::string& target, const std::string& source,
+                                               const ros::Time& time) {
+  if (!transforms.canTransform(target, source, time)) return std::nullopt;
+  return fromMessage(transforms.lookupTransform(target, source, time).transform);
+}
+
 Eigen::Isometry3d fromMessage(const geometry_msgs::Pose& pose) {
   const Eigen::Vector3d position(pose.position.x, pose.position.y, pose.position.z);
   const Eigen::Quaterniond rotation(pose.orientation.w, pose.orientation.x, pose.orientation.y,

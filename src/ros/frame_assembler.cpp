@@ -79,13 +79,11 @@ std::optional<PoseVector> FrameAssembler::velocity(const ros::Time& stamp,
   const auto within = [&](const Interval& interval) -> std::optional<PoseVector> {
     const std::optional<ros::Time> begin = later(stamp, interval.begin);
     const std::optional<ros::Time> end = later(stamp, interval.end);
-    if (!begin || !end || !transforms.canTransform(frames_.odom, frames_.base, *begin) ||
-        !transforms.canTransform(frames_.odom, frames_.base, *end)) {
-      return std::nullopt;
-    }
-    const Eigen::Isometry3d before = lookUp(transforms, frames_.odom, frames_.base, *begin);
-    return velocityOf(before.inverse() * lookUp(transforms, frames_.odom, frames_.base, *end),
-                      duration);
+    if (!begin || !end) return std::nullopt;
+    const auto before = findTransform(transforms, frames_.odom, frames_.base, *begin);
+    const auto after = findTransform(transforms, frames_.odom, frames_.base, *end);
+    if (!before || !after) return std::nullopt;
+    return velocityOf(before->inverse() * *after, duration);
   };
   const std::optional<PoseVector> velocity = within(exposed);
   return velocity ? velocity : within({-duration, 0.0});

@@ -43,6 +43,18 @@ class FreeRobotTest : public testing::Test {
     EXPECT_LT(rotationPart(error).norm(), radians(0.5));
   }
 
+  /// At so many random poses, from nothing.
+  void expectFoundAnywhere(int poses) {
+    for (int i = 0; i < poses; ++i) {
+      const Pose truth = randomPose();
+      Localizer localizer(camera_, map_, config_);
+      const FrameResult result = localizer.process(frameFrom(truth, 0.0));
+      ASSERT_TRUE(result.map_from_base) << i << ": " << result.remark;
+      EXPECT_EQ(result.mode, Mode::kFound);
+      expectTruth(*result.map_from_base, truth);
+    }
+  }
+
   std::shared_ptr<const CameraModel> camera_ = test::sphericalCamera();
   Eigen::Isometry3d mounting_ = test::lookingDown();
   MarkerMap map_{"map", test::markersAround(3.5, 0.8)};
@@ -55,38 +67,19 @@ TEST_F(FreeRobotTest, IsFoundFromNothing) {
   constexpr int kPoses = 12;
   for (const EstimatorKind kind : {EstimatorKind::kPhotometric, EstimatorKind::kReprojection}) {
     config_.estimation.kind = kind;
-    for (int i = 0; i < kPoses; ++i) {
-      const Pose truth = randomPose();
-      Localizer localizer(camera_, map_, config_);
-      const FrameResult result = localizer.process(frameFrom(truth, 0.0));
-      ASSERT_TRUE(result.map_from_base) << i << ": " << result.remark;
-      EXPECT_EQ(result.mode, Mode::kFound);
-      expectTruth(*result.map_from_base, truth);
-    }
+    expectFoundAnywhere(kPoses);
   }
 }
 
 TEST_F(FreeRobotTest, IsFoundFromNothingByAFisheye) {
   camera_ = test::equidistantCamera();
   mounting_ = test::lookingUp();
-  for (int i = 0; i < 4; ++i) {
-    const Pose truth = randomPose();
-    Localizer localizer(camera_, map_, config_);
-    const FrameResult result = localizer.process(frameFrom(truth, 0.0));
-    ASSERT_TRUE(result.map_from_base) << i << ": " << result.remark;
-    expectTruth(*result.map_from_base, truth);
-  }
+  expectFoundAnywhere(4);
 }
 
 TEST_F(FreeRobotTest, IsFoundByViewsOfAllThatTheCameraSees) {
   config_.look_around.glance = false;
-  for (int i = 0; i < 4; ++i) {
-    const Pose truth = randomPose();
-    Localizer localizer(camera_, map_, config_);
-    const FrameResult result = localizer.process(frameFrom(truth, 0.0));
-    ASSERT_TRUE(result.map_from_base) << i << ": " << result.remark;
-    expectTruth(*result.map_from_base, truth);
-  }
+  expectFoundAnywhere(4);
 }
 
 TEST_F(FreeRobotTest, ASingleMarkerIsNeverTakenForItsMirrorImage) {

@@ -51,6 +51,15 @@ Pose operator*(const Pose& a_from_b, const Pose& b_from_c);
 /// b_from_a of a_from_b.
 Pose inverse(const Pose& a_from_b);
 
+/// How a motion on the floor, (x, y, yaw) of `inverse(from) * to`, changes with the (x, y, yaw) of
+/// the poses from which and to which it leads.
+struct FloorMotionDerivatives {
+  Eigen::Matrix3d by_from;
+  Eigen::Matrix3d by_to;
+};
+
+FloorMotionDerivatives floorMotionDerivatives(const Pose& from, const Pose& motion);
+
 /// The place and heading of one pose with the height, roll and pitch of another.
 Pose leaningAs(const Pose& lean, const Pose& place);
 

@@ -61,6 +61,8 @@ struct MotionModelConfig {
   double max_initial_time = 10.0;
   double max_initial_position_deviation = 2.0;
   double max_initial_heading_deviation = radians(60.0);
+
+  bool isOnFloor() const { return pose_model == PoseModel::kFloor; }
 };
 
 /// Reads the keys of FloorConfig; absent ones keep their defaults. Throws InputError.
@@ -115,7 +117,7 @@ class MotionModel {
   static constexpr int kSize = 15;
   using Covariance = Eigen::Matrix<double, kSize, kSize>;
 
-  bool isOnFloor() const { return config_.pose_model == PoseModel::kFloor; }
+  bool isOnFloor() const { return config_.isOnFloor(); }
   void restart(const PoseEstimate& map_from_base);
   /// Whether the deviations of the pose, as far as it is wanted, are within these (m and rad).
   bool isCertain(double max_position, double max_heading) const;

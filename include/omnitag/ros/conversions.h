@@ -8,9 +8,11 @@
 #include <omnitag/LocalizationStatus.h>
 #include <omnitag/MarkerDetectionArray.h>
 #include <std_msgs/Header.h>
+#include <tf2/buffer_core.h>
 
 #include <Eigen/Geometry>
 #include <optional>
+#include <string>
 
 #include "omnitag/common/pose.h"
 #include "omnitag/localization/localizer.h"
@@ -37,6 +39,11 @@ geometry_msgs::PoseWithCovariance toMessage(const PoseEstimate& estimate);
 std::optional<Eigen::Matrix3d> planarCovariance(const geometry_msgs::PoseWithCovariance& pose);
 
 Eigen::Isometry3d fromMessage(const geometry_msgs::Transform& target_from_source);
+
+/// From one frame to another at a time; nothing where tf does not know that.
+std::optional<Eigen::Isometry3d> findTransform(const tf2::BufferCore& transforms,
+                                               const std::string& target, const std::string& source,
+                                               const ros::Time& time);
 
 /// Throws InputError for coordinates that are not finite or a quaternion that is not of length 1
 /// within 1 %.

@@ -1,7 +1,5 @@
 #include "camera_output.h"
 
-#include <array>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
@@ -13,16 +11,10 @@
 #include "omnitag/calibration/leaning_mounting.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
+#include "omnitag/common/format.h"
 
 namespace omnitag {
 namespace {
-
-template <typename... Values>
-std::string format(const char* pattern, Values... values) {
-  std::array<char, 256> text{};
-  std::snprintf(text.data(), text.size(), pattern, values...);
-  return text.data();
-}
 
 /// One parameter; angles in degrees, for people.
 std::string lineOf(const CalibratedParameter& parameter) {

@@ -2,13 +2,12 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include <array>
-#include <cstdio>
 #include <filesystem>
 #include <regex>
 #include <utility>
 
 #include "omnitag/common/error.h"
+#include "omnitag/common/format.h"
 #include "omnitag/mapping/mapped_entries.h"
 #include "omnitag/marker/marker_map_writer.h"
 #include "omnitag/ros/parameters.h"
@@ -18,13 +17,6 @@ namespace {
 
 const char* const kOffset = "image_time_offset";
 const char* const kReadout = "row_readout_time";
-
-template <typename... Values>
-std::string format(const char* pattern, Values... values) {
-  std::array<char, 256> text{};
-  std::snprintf(text.data(), text.size(), pattern, values...);
-  return text.data();
-}
 
 std::string lineOf(const char* name, const EstimatedTime& time, double factor) {
   const std::string deviation =

@@ -46,12 +46,9 @@ void Recording::checkOdometry() const {
 OdometryAt Recording::odometry() const {
   return [this](double time) -> std::optional<Pose> {
     if (!(time > 0.0 && time < kTimesEnd)) return std::nullopt;
-    const tf2::BufferCore& transforms = input_.transforms();
-    const std::string& odom = options_.odom_frame;
-    const std::string& base = parameters_.frames.base;
-    const ros::Time stamp(time);
-    if (!transforms.canTransform(odom, base, stamp)) return std::nullopt;
-    return Pose::fromIsometry(fromMessage(transforms.lookupTransform(odom, base, stamp).transform));
+    const auto odom_from_base = findTransform(input_.transforms(), options_.odom_frame,
+                                              parameters_.frames.base, ros::Time(time));
+    return odom_from_base ? std::optional(Pose::fromIsometry(*odom_from_base)) : std::nullopt;
   };
 }
 

@@ -1,28 +1,17 @@
 #include "result_files.h"
 
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 
 #include "omnitag/common/error.h"
+#include "omnitag/common/format.h"
 
 namespace omnitag {
 namespace {
 
-std::string format(const char* pattern, double value) {
-  std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), pattern, value);
-  return text.data();
-}
-
 std::string number(double value) { return std::isfinite(value) ? format("%.9f", value) : ""; }
 
-std::string stampOf(const ros::Time& stamp) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%u.%09u", stamp.sec, stamp.nsec);
-  return text.data();
-}
+std::string stampOf(const ros::Time& stamp) { return format("%u.%09u", stamp.sec, stamp.nsec); }
 
 /// A field of a CSV file, in quotes where it needs them.
 std::string field(const std::string& text) {
