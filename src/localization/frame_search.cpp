@@ -60,13 +60,13 @@ std::optional<PhotometricFit> alignWithAll(const TrackingTools& tools, const Fra
 
 }  // namespace
 
-std::vector<View> viewsToSearch(const TrackingTools& tools, const MountedCamera& camera) {
-  const LocalizerConfig& config = tools.config;
+std::vector<View> viewsToSearch(const TrackingTools& tools, const MountedCamera& camera,
+                                const LookAroundConfig& config) {
+  const LocalizerConfig& all = tools.config;
   const ContourTable& table = tools.reader.warper().table();
-  const bool is_anything_possible = config.exploring_views > 0 || !config.motion.isOnFloor();
-  if (is_anything_possible) return viewsOfEverything(camera, table, config.look_around);
-  return viewsAllAround(tools.index.heights(), camera, table, config.visibility.max_range,
-                        config.look_around);
+  const bool is_anything_possible = all.exploring_views > 0 || !all.motion.isOnFloor();
+  if (is_anything_possible) return viewsOfEverything(camera, table, config);
+  return viewsAllAround(tools.index.heights(), camera, table, all.visibility.max_range, config);
 }
 
 std::vector<MarkerReading> lookAround(const TrackingTools& tools, const MountedCamera& camera,
@@ -75,7 +75,7 @@ std::vector<MarkerReading> lookAround(const TrackingTools& tools, const MountedC
   result->views.clear();
   result->view_images.clear();
   result->detections.clear();
-  std::vector<View> views = viewsToSearch(tools, camera);
+  std::vector<View> views = viewsToSearch(tools, camera, tools.config.look_around);
   result->timings.predict += step.lap();
   std::vector<MarkerReading> readings = withoutRepetitions(
       readViews(tools, std::move(views), result), result->views, tools.reader.warper());

@@ -11,7 +11,8 @@
 namespace omnitag {
 
 /// The views in which markers are looked for that are not expected.
-std::vector<View> viewsToSearch(const TrackingTools& tools, const MountedCamera& camera);
+std::vector<View> viewsToSearch(const TrackingTools& tools, const MountedCamera& camera,
+                                const LookAroundConfig& config);
 
 /// Reads all of these views; they, and nothing else, are then in the result.
 std::vector<MarkerReading> lookAround(const TrackingTools& tools, const MountedCamera& camera,

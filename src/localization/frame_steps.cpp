@@ -71,6 +71,13 @@ std::vector<MarkerReading> readViews(const TrackingTools& tools, std::vector<Vie
   return readings;
 }
 
+bool isPlaceKnown(const TrackingTools& tools, const MountedCamera& camera,
+                  const PredictedMarker& predicted) {
+  const TagPattern& pattern = tools.patterns.of(tools.map.markers[predicted.map_entry]);
+  return std::max(predicted.tangential_margin, predicted.radial_margin) <=
+         largestMargin(predicted, pattern, camera, tools.config.recognition);
+}
+
 std::optional<MarkerObservation> recognizePredicted(const TrackingTools& tools,
                                                     const cv::Mat& panorama,
                                                     const MountedCamera& camera,

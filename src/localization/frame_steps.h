@@ -8,6 +8,7 @@
 #include "omnitag/camera/mounted_camera.h"
 #include "omnitag/localization/frame_result.h"
 #include "omnitag/localization/localizer_config.h"
+#include "omnitag/localization/marker_memory.h"
 #include "omnitag/localization/observation.h"
 #include "omnitag/marker/glance_reader.h"
 #include "omnitag/marker/marker_index.h"
@@ -28,6 +29,7 @@ struct TrackingTools {
   const TagPatterns& patterns;
   /// What is known of a pose without a prediction.
   const PosePrior& standing;
+  const MarkerMemory& memory;
   /// LastingDisagreement's.
   double lasting_excess;
   /// The frame's image for decoders.
@@ -42,6 +44,10 @@ MarkerDetection toDetection(const MarkerObservation& observation, const Marker& 
 /// Reads views and adds them, with what they show, to the result.
 std::vector<MarkerReading> readViews(const TrackingTools& tools, std::vector<View> views,
                                      FrameResult* result);
+
+/// Whether a marker's place is known well enough for its pattern to be looked for.
+bool isPlaceKnown(const TrackingTools& tools, const MountedCamera& camera,
+                  const PredictedMarker& predicted);
 
 /// The marker at an entry of the map, where its pattern is found about where `belief` has it.
 std::optional<MarkerObservation> recognizeMarker(const TrackingTools& tools,

@@ -19,7 +19,7 @@ constexpr std::size_t kFirst = 2;
 /// Markers that leave no doubt about the pose when all of them are where they should be.
 constexpr std::size_t kEnough = 3;
 
-/// Of a prediction that is too vague to recognize markers, how many are decoded at first.
+/// Of a prediction that is too vague to recognize markers, how many are decoded at most.
 constexpr std::size_t kAnchors = 4;
 
 /// Pixels of a view that is decoded at most.
@@ -42,6 +42,16 @@ PosePrior vague(const Pose& pose, const PosePrior& standing) {
 /// How many of a PoseVector's numbers change where something moves the robot: on a floor it stays
 /// on it.
 int numbersOfPush(PoseModel model) { return model == PoseModel::kFloor ? 3 : 6; }
+
+/// Whether a marker is looked for where it was before, and nearly as far around: farther around,
+/// the pattern must be met the better.
+bool isSameLook(const PredictedMarker& before, const PredictedMarker& now) {
+  constexpr double kSamePlace = 0.5;  // pixels
+  constexpr double kNearly = 0.7;
+  return (now.center - before.center).norm() < kSamePlace &&
+         now.tangential_margin > kNearly * before.tangential_margin &&
+         now.radial_margin > kNearly * before.radial_margin;
+}
 
 /// By so much (m and rad) along and about each of the axes.
 PoseVector anyPush(double way, double turn, PoseModel model) {
@@ -76,44 +86,34 @@ constexpr double kVague = 0.01;
 
 FrameTracker::FrameTracker(const TrackingTools& tools, const Frame& frame,
                            const MountedCamera& camera, const PoseEstimate& predicted,
-                           std::optional<std::size_t> turn, FrameResult* result)
+                           bool has_prior, FrameResult* result)
     : tools_(tools),
       frame_(frame),
       camera_(camera),
       predicted_(predicted),
-      turn_(turn),
-      prior_(turn ? PosePrior::about(predicted) : vague(predicted.pose, tools.standing)),
+      has_prior_(has_prior),
+      prior_(has_prior ? PosePrior::about(predicted) : vague(predicted.pose, tools.standing)),
       result_(result),
       sightings_(result->predicted.size()) {}
 
 std::optional<PoseEstimate> FrameTracker::track() {
-  const bool recognizes = tools_.config.estimation.kind == EstimatorKind::kPhotometric;
-  if (recognizes) {
+  if (has_prior_) remember();
+  if (recognizes()) {
     // The first ones make it easy to find the others.
     recognize(predicted_, kFirst);
-    if (found() < kFirst) {
-      std::vector<std::size_t> anchors = undecoded();
-      anchors.resize(std::min(anchors.size(), kAnchors));
-      decode(anchors, turn_ ? kAnySize : largestInDoubt(frame_.image));
-    }
     solve();
     findOthers();
+    decodeAnchors();
     // What was found first may have been moved as one, and has drawn what was found after it.
-    if (turn_ && isDoubtful()) lookAgain(predicted_.pose);
+    if (has_prior_ && isDoubtful()) lookAgain(predicted_.pose);
     if (isDoubtful()) lookAgain(solution_->map_from_base.pose);
   }
-  std::vector<std::size_t> rest = undecoded();
-  if (recognizes && !turn_) rest.clear();
-  if (turn_ && found() >= kEnough && !rest.empty()) {
-    rest.front() = rest[*turn_ % rest.size()];
-    rest.resize(1);
-  }
-  if (!rest.empty()) {
+  if (const std::vector<std::size_t> rest = undecided(); !rest.empty()) {
     const std::size_t before = found();
     const bool was_vague = !solution_ || positionDeviation(solution_->map_from_base) > kVague;
     decode(rest, kAnySize);
     solve();
-    if (recognizes && was_vague && found() > before) findOthers();
+    if (recognizes() && was_vague && found() > before) findOthers();
   }
   Stopwatch step;
   if (solution_) align();
@@ -123,53 +123,89 @@ std::optional<PoseEstimate> FrameTracker::track() {
     result_->imaging_error = solution_->imaging_error;
   }
   report();
+  if (solution_) reportMissed();
   if (frame_.wants_views) addViews();
   return solution_ ? std::optional(solution_->map_from_base) : std::nullopt;
+}
+
+void FrameTracker::remember() {
+  const Eigen::Vector3d viewpoint = camera_.mapFromCamera(predicted_.pose).translation();
+  for (std::size_t i = 0; i < sightings_.size(); ++i) {
+    const std::size_t entry = result_->predicted[i].map_entry;
+    sightings_[i].is_likely = tools_.memory.wasSeen(entry);
+    sightings_[i].is_hidden = tools_.memory.isHidden(entry, viewpoint, frame_.stamp);
+  }
 }
 
 void FrameTracker::recognize(const PoseEstimate& belief, std::size_t enough) {
   Stopwatch step;
   for (const std::size_t target : missing()) {
     if (found() >= enough) break;
-    sightings_[target].observation = recognizeOne(target, belief);
+    recognizeOne(target, belief);
   }
   result_->timings.recognize += step.lap();
 }
 
+void FrameTracker::decodeAnchors() {
+  std::vector<std::size_t> anchors = undecided();
+  anchors.resize(std::min(anchors.size(), kAnchors));
+  for (const std::size_t anchor : anchors) {
+    if (found() >= kFirst) return;
+    const std::size_t before = found();
+    decode({anchor}, has_prior_ ? kAnySize : largestInDoubt(frame_.image));
+    if (found() == before) continue;
+    solve();
+    findOthers();
+  }
+}
+
 void FrameTracker::findOthers() {
+  if (!solution_) return;
+  // What is not there takes longer the less is known of where it should be.
+  if (recognizeAll(solution_->map_from_base, true)) solve();
   constexpr int kRounds = 2;
   for (int round = 0; round < kRounds && solution_; ++round) {
     const PoseEstimate belief = solution_->map_from_base;
-    if (!recognizeAll(belief)) return;
+    if (!recognizeAll(belief, false)) return;
     solve();
     if (positionDeviation(belief) <= kVague) return;
   }
 }
 
-bool FrameTracker::recognizeAll(const PoseEstimate& belief) {
+bool FrameTracker::recognizeAll(const PoseEstimate& belief, bool are_only_likely) {
   Stopwatch step;
   const std::size_t before = found();
-  const std::vector<std::size_t> targets = missing();
+  std::vector<std::size_t> targets = missing();
+  if (are_only_likely) {
+    const auto isUnlikely = [this](std::size_t target) { return !sightings_[target].is_likely; };
+    targets.erase(std::remove_if(targets.begin(), targets.end(), isUnlikely), targets.end());
+  }
   constexpr std::size_t kWorthAThread = 2;
-  forEachIndex(targets.size(), tools_.config.threads, kWorthAThread, [&](std::size_t i) {
-    sightings_[targets[i]].observation = recognizeOne(targets[i], belief);
-  });
+  forEachIndex(targets.size(), tools_.config.threads, kWorthAThread,
+               [&](std::size_t i) { recognizeOne(targets[i], belief); });
   result_->timings.recognize += step.lap();
   return found() > before;
 }
 
-std::optional<MarkerObservation> FrameTracker::recognizeOne(std::size_t target,
-                                                            const PoseEstimate& belief) const {
-  return recognizeMarker(tools_, frame_.image, camera_, result_->predicted[target].map_entry,
-                         belief);
+void FrameTracker::recognizeOne(std::size_t target, const PoseEstimate& belief) {
+  const std::size_t entry = result_->predicted[target].map_entry;
+  const auto predicted =
+      predictMarker(tools_.map, entry, camera_, belief, tools_.config.visibility);
+  if (!predicted || !isPlaceKnown(tools_, camera_, *predicted)) return;
+  Sighting& sighting = sightings_[target];
+  // What was not there is not there now.
+  if (sighting.looked_at && isSameLook(*sighting.looked_at, *predicted)) return;
+  sighting.looked_at = predicted;
+  sighting.observation = recognizePredicted(tools_, frame_.image, camera_, belief.pose, *predicted);
 }
 
 std::vector<std::size_t> FrameTracker::missing() const {
   std::vector<std::size_t> targets;
   for (std::size_t i = 0; i < sightings_.size(); ++i) {
-    if (!sightings_[i].observation) targets.push_back(i);
+    if (!sightings_[i].observation && !sightings_[i].is_hidden) targets.push_back(i);
   }
   std::stable_sort(targets.begin(), targets.end(), [this](std::size_t a, std::size_t b) {
+    if (sightings_[a].is_likely != sightings_[b].is_likely) return sightings_[a].is_likely;
     return meanEdge(result_->predicted[a].corners) > meanEdge(result_->predicted[b].corners);
   });
   return targets;
@@ -185,6 +221,23 @@ std::vector<std::size_t> FrameTracker::undecoded() const {
   return targets;
 }
 
+std::vector<std::size_t> FrameTracker::undecided() const {
+  if (recognizes() && !has_prior_) return {};
+  std::vector<std::size_t> targets = undecoded();
+  if (!solution_) return targets;
+  const auto isDecided = [this](std::size_t target) {
+    return sightings_[target].looked_at.has_value();
+  };
+  targets.erase(std::remove_if(targets.begin(), targets.end(), isDecided), targets.end());
+  return targets;
+}
+
+std::size_t FrameTracker::expected() const {
+  return static_cast<std::size_t>(std::count_if(
+      sightings_.begin(), sightings_.end(),
+      [](const Sighting& sighting) { return sighting.observation || !sighting.is_hidden; }));
+}
+
 std::size_t FrameTracker::found() const {
   return static_cast<std::size_t>(
       std::count_if(sightings_.begin(), sightings_.end(),
@@ -198,9 +251,9 @@ bool FrameTracker::isDoubtful() const {
     // Those that were not found may be hidden. But where the pose is a surprise, or the prediction
     // too vague for any to be one, they may as well be where another pose has them.
     constexpr double kHardlyKnown = 0.05;  // m
-    const bool may_be_elsewhere = turn_ && (positionDeviation(predicted_) > kHardlyKnown ||
-                                            !agree(solution_->map_from_base, predicted_));
-    return may_be_elsewhere && !isLargeMajority(agreeing, sightings_.size());
+    const bool may_be_elsewhere = has_prior_ && (positionDeviation(predicted_) > kHardlyKnown ||
+                                                 !agree(solution_->map_from_base, predicted_));
+    return may_be_elsewhere && !isLargeMajority(agreeing, expected());
   }
   constexpr double kFar = 0.02;  // m and rad
   const bool do_all_agree =
@@ -216,6 +269,8 @@ void FrameTracker::lookAgain(const Pose& pose) {
   const std::vector<Sighting> before = sightings_;
   const std::size_t found_before = found();
   const PoseEstimate belief{pose};
+  // Of the largest margin: farther around, another look takes too long.
+  constexpr double kShareAround = 1.0 / 3.0;
   constexpr std::size_t kWorthAThread = 2;
   forEachIndex(sightings_.size(), tools_.config.threads, kWorthAThread, [&](std::size_t i) {
     auto predicted = predictMarker(tools_.map, result_->predicted[i].map_entry, camera_, belief,
@@ -223,7 +278,7 @@ void FrameTracker::lookAgain(const Pose& pose) {
     if (!predicted) return;
     const TagPattern& pattern = tools_.patterns.of(tools_.map.markers[predicted->map_entry]);
     predicted->tangential_margin = predicted->radial_margin =
-        largestMargin(*predicted, pattern, camera_, tools_.config.recognition);
+        kShareAround * largestMargin(*predicted, pattern, camera_, tools_.config.recognition);
     const auto anew = recognizePredicted(tools_, frame_.image, camera_, pose, *predicted);
     if (anew) sightings_[i].observation = anew;
   });
@@ -279,7 +334,7 @@ void FrameTracker::solve() {
   solution_ = estimatePose(tools_.map, camera_, observations, prior_, config);
   // Markers and prior that contradict each other leave large residuals.
   constexpr double kLargeExcess = 2.0;
-  if (solution_ && turn_ && observations.size() >= 2 && solution_->excess > kLargeExcess) {
+  if (solution_ && has_prior_ && observations.size() >= 2 && solution_->excess > kLargeExcess) {
     const auto alone = estimatePose(tools_.map, camera_, observations, farthestPushed(), config);
     if (alone && std::count(alone->used.begin(), alone->used.end(), true) >= 2) {
       prior_ = afterPush(prior_, alone->map_from_base, poseModel());
@@ -305,7 +360,7 @@ void FrameTracker::align() {
     if (!isLargeMajority(entries.size(), all)) break;
     auto aligned = alignWithPixels(tools_, frame_.image, camera_, entries,
                                    solution_->map_from_base.pose, prior_);
-    if (aligned && turn_ && entries.size() >= 2 && aligned->surprise > 1.0) {
+    if (aligned && has_prior_ && entries.size() >= 2 && aligned->surprise > 1.0) {
       // Pixels show what corners are too coarse for.
       const Pose& start = aligned->map_from_base.pose;
       const auto alone =
@@ -354,6 +409,14 @@ void FrameTracker::report() {
   for (Stranger& stranger : strangers_) {
     result_->detections.push_back(toDetection(stranger.reading));
     result_->detections.back().reason = std::move(stranger.reason);
+  }
+}
+
+void FrameTracker::reportMissed() {
+  for (std::size_t i = 0; i < sightings_.size(); ++i) {
+    const Sighting& sighting = sightings_[i];
+    if (sighting.observation || !(sighting.looked_at || sighting.was_decoded)) continue;
+    result_->missed.push_back(result_->predicted[i].map_entry);
   }
 }
 

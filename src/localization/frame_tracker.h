@@ -16,13 +16,11 @@ namespace omnitag {
 /// to the frame's result.
 class FrameTracker {
  public:
-  /// All must outlive the tracker. `result->predicted` holds what is to be found. `turn` is
-  /// counted up from frame to frame: of the markers that were not found though the pose is certain,
-  /// it says which one is looked at with the decoder, to see what is there instead. Without it, as
-  /// for a prediction that readings of the same frame gave, the pose is that of the markers alone,
-  /// and few are decoded where they can be recognized.
+  /// All must outlive the tracker. `result->predicted` holds what is to be found. `has_prior`:
+  /// whether the prediction is a prior. Otherwise, as where readings of the same frame gave it, the
+  /// pose is that of the markers alone, and few are decoded where they can be recognized.
   FrameTracker(const TrackingTools& tools, const Frame& frame, const MountedCamera& camera,
-               const PoseEstimate& predicted, std::optional<std::size_t> turn, FrameResult* result);
+               const PoseEstimate& predicted, bool has_prior, FrameResult* result);
 
   /// The pose; nothing where no marker agrees with any.
   std::optional<PoseEstimate> track();
@@ -31,7 +29,12 @@ class FrameTracker {
   /// What became of a predicted marker.
   struct Sighting {
     std::optional<MarkerObservation> observation;
+    /// Where its pattern was looked for, once its place was known well enough.
+    std::optional<PredictedMarker> looked_at;
     bool was_decoded = false;
+    /// What MarkerMemory says: whether it was seen before, or hardly can be and is not looked for.
+    bool is_likely = false;
+    bool is_hidden = false;
   };
   /// What was decoded and is none of the predicted markers, and why.
   struct Stranger {
@@ -39,31 +42,40 @@ class FrameTracker {
     std::string reason;
   };
 
-  /// Looks for the patterns of the markers that were not found, the largest first, until so many
+  void remember();
+  /// Looks for the patterns of the markers that were not found, the likeliest first, until so many
   /// are found.
   void recognize(const PoseEstimate& belief, std::size_t enough);
   /// Looks for the patterns of all others and solves again: once more where the solution told too
   /// little of where they are.
   void findOthers();
-  /// Looks for the patterns of all that were not found; whether it found one.
-  bool recognizeAll(const PoseEstimate& belief);
-  std::optional<MarkerObservation> recognizeOne(std::size_t target,
-                                                const PoseEstimate& belief) const;
+  /// Looks for the patterns of all that were not found, or of the likely ones; whether it found
+  /// one.
+  bool recognizeAll(const PoseEstimate& belief, bool are_only_likely);
+  /// Looks for the pattern of one about where a pose has it; its place must be known that well.
+  void recognizeOne(std::size_t target, const PoseEstimate& belief);
+  /// Decodes views of the likeliest, one after another, until two markers are found.
+  void decodeAnchors();
   /// Decodes views of these markers that have no more than so many pixels.
   void decode(const std::vector<std::size_t>& targets, double max_pixels);
-  /// Those that were not found yet, the largest first.
+  /// Those that were not found yet and that nothing hides, the likely ones first, then the largest.
   std::vector<std::size_t> missing() const;
   /// Those of them that the decoder may still be able to read.
   std::vector<std::size_t> undecoded() const;
+  /// Those of them whose patterns could not be looked for.
+  std::vector<std::size_t> undecided() const;
+  /// How many are found or hidden by nothing.
+  std::size_t expected() const;
   std::size_t found() const;
   /// Whether the solution is off the prediction, or leaves out some that were found, while too few
   /// agree with it sharply for these to be sure to be the ones that hang where the map has them.
   bool isDoubtful() const;
-  /// Looks for the patterns of all from a pose, as far around as is possible and for however much
-  /// they are slanted, and solves again: what was recognized from a pose that is wrong is drawn a
-  /// little toward that pose. Where that finds more, the others are looked for again as well. Keeps
-  /// what was where no pose agrees then.
+  /// Looks for the patterns of all from a pose, far around and for however much they are slanted,
+  /// and solves again: what was recognized from a pose that is wrong is drawn a little toward that
+  /// pose. Where that finds more, the others are looked for again as well. Keeps what was where no
+  /// pose agrees then.
   void lookAgain(const Pose& pose);
+  bool recognizes() const { return tools_.config.estimation.kind == EstimatorKind::kPhotometric; }
   PoseModel poseModel() const { return tools_.config.motion.pose_model; }
   /// The prior of a robot that was pushed as far as anybody may.
   PosePrior farthestPushed() const;
@@ -74,6 +86,7 @@ class FrameTracker {
   /// with the corners where others are off without them.
   void align();
   void report();
+  void reportMissed();
   void addViews();
   /// Views around these predicted markers, which their targets name.
   std::vector<View> viewsOf(const std::vector<std::size_t>& targets) const;
@@ -82,7 +95,7 @@ class FrameTracker {
   const Frame& frame_;
   const MountedCamera& camera_;
   const PoseEstimate& predicted_;
-  std::optional<std::size_t> turn_;
+  bool has_prior_;
   /// What is known of the pose beside what is found.
   PosePrior prior_;
   FrameResult* result_;

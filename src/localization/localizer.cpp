@@ -17,6 +17,7 @@
 #include "omnitag/common/stopwatch.h"
 #include "omnitag/localization/displacement.h"
 #include "omnitag/localization/reprojection.h"
+#include "patrol.h"
 #include "pose_confirmation.h"
 
 namespace omnitag {
@@ -35,11 +36,11 @@ constexpr int kFew = 2;
 /// says.
 constexpr double kSway = 2e-3;
 
+/// s until a pose that stands on few markers is doubted again, which costs a look all around.
+constexpr double kDoubtPeriod = 0.25;
+
 /// s until a rejected marker is measured again, which takes a millisecond or two.
 constexpr double kMeasuringPeriod = 1.0;
-
-/// s for which the same view is patrolled where it shows a marker elsewhere than the map says.
-constexpr double kOddViewTime = 2.5 * kMeasuringPeriod;
 
 std::set<std::string> familiesOf(const MarkerMap& map) {
   std::set<std::string> families;
@@ -80,21 +81,27 @@ Localizer::Localizer(std::shared_ptr<const CameraModel> camera, MarkerMap map,
       glance_reader_(camera_, config.detector, reader_.detector(), config.threads),
       patterns_(map_),
       motion_(config.motion),
+      memory_(config.attention),
+      patrol_(std::make_unique<Patrol>()),
       blur_(config.estimation.blur * config.estimation.blur) {}
 
 TrackingTools Localizer::trackingTools() {
-  return {map_,           index_,    config_,   reader_,
-          glance_reader_, patterns_, standing_, disagreement_.excess(),
+  return {map_,      index_,         config_,
+          reader_,   glance_reader_, patterns_,
+          standing_, memory_,        disagreement_.excess(),
           readable_};
 }
+
+Localizer::~Localizer() = default;
 
 void Localizer::setMap(MarkerMap map) {
   patterns_.add(map);
   map_ = std::move(map);
   index_ = MarkerIndex(map_);
+  memory_.clear();
 }
 
-void Localizer::seek(std::vector<Marker> markers) { exploration_.seek(std::move(markers)); }
+void Localizer::seek(std::vector<Marker> markers) { patrol_->seek(std::move(markers)); }
 
 void Localizer::setPose(const PoseEstimate& map_from_base,
                         const std::optional<Pose>& odom_from_base) {
@@ -111,6 +118,7 @@ void Localizer::setPose(const Pose& map_from_base, const std::optional<Pose>& od
 void Localizer::forgetPose() {
   given_pose_.reset();
   has_pose_ = false;
+  memory_.clear();
 }
 
 FrameResult Localizer::process(const Frame& frame) {
@@ -131,7 +139,9 @@ FrameResult Localizer::process(const Frame& frame) {
     learnBlur(frame, camera, &result);
   }
   measure(camera, &result);
+  remember(camera, result);
   was_tracked_ = result.acceptedMarkers() > 0 && result.map_from_base.has_value();
+  if (was_tracked_) seen_stamp_ = frame.stamp;
   result.exposure = exposureOf(frame.image);
   result.image_lag = image_lag_.lag();
   result.timings.total = total.lap();
@@ -219,10 +229,7 @@ bool Localizer::track(const Frame& frame, const MountedCamera& camera,
   disagreement_.add(result->disagreement);
   result->mode = Mode::kTracking;
   result->map_from_base = corrected;
-  if (config_.exploring_views > 0 || frame.stamp >= next_patrol_) {
-    next_patrol_ = frame.stamp + config_.recognition.period;
-    patrol(frame, camera, pose->pose, result);
-  }
+  patrol_->look(trackingTools(), frame, camera, pose->pose, result);
   return true;
 }
 
@@ -231,14 +238,13 @@ std::optional<PoseEstimate> Localizer::followMarkers(const Frame& frame,
                                                      const PoseEstimate& predicted,
                                                      FrameResult* result) {
   const TrackingTools tools = trackingTools();
-  const std::size_t turn = frames_++;
   const FrameResult before = *result;
   MountedCamera blurred = camera;
   std::optional<PoseEstimate> pose;
   // Markers that are blurred otherwise than expected are looked for again.
   constexpr int kRounds = 4;
   for (int round = 0; round < kRounds; ++round) {
-    pose = FrameTracker(tools, frame, blurred, predicted, turn, result).track();
+    pose = FrameTracker(tools, frame, blurred, predicted, true, result).track();
     if (!result->blur_equations) break;
     const ImageBlur blur = blur_.after(*result->blur_equations, blurred.blur());
     if (areAlike(blur, blurred.blur(), camera_->rimPixels())) break;
@@ -292,10 +298,12 @@ bool Localizer::markersAgree(const MountedCamera& camera, const PoseEstimate& pr
 
 bool Localizer::isElsewhere(const Frame& frame, const MountedCamera& camera,
                             const PoseEstimate& tracked, FrameResult* result) {
-  const int accepted = result->acceptedMarkers();
-  const bool is_weak = accepted <= kFew && accepted < static_cast<int>(result->predicted.size());
+  const auto lost =
+      std::count_if(result->missed.begin(), result->missed.end(),
+                    [this](std::size_t entry) { return memory_.wasSeenSince(entry, seen_stamp_); });
+  const bool is_weak = result->acceptedMarkers() <= kFew && lost > 0;
   if (!is_weak || frame.stamp < next_doubt_) return false;
-  next_doubt_ = frame.stamp + config_.recognition.period;
+  next_doubt_ = frame.stamp + kDoubtPeriod;
   FrameResult around;
   around.timings = result->timings;
   const std::vector<MarkerReading> readings = lookAround(trackingTools(), camera, &around);
@@ -308,61 +316,6 @@ bool Localizer::isElsewhere(const Frame& frame, const MountedCamera& camera,
   const auto explained = std::count_if(found.entries.begin(), found.entries.end(),
                                        [](const auto& entry) { return entry.has_value(); });
   return found.map_from_base && explained >= 2 && !agree(*found.map_from_base, tracked);
-}
-
-void Localizer::patrol(const Frame& frame, const MountedCamera& camera, const Pose& map_from_base,
-                       FrameResult* result) {
-  const bool is_exploring = config_.exploring_views > 0;
-  if (is_exploring && result->explored.empty()) {
-    explore(camera, map_from_base, result);
-  }
-  const std::vector<MarkerReading> readings =
-      is_exploring ? result->explored : readNextView(camera, result);
-  bool is_odd = false;
-  for (const MarkerReading& reading : readings) {
-    const bool is_known =
-        std::any_of(result->detections.begin(), result->detections.end(),
-                    [&reading](const MarkerDetection& detection) {
-                      return detection.id == reading.id && detection.family == reading.family &&
-                             (detection.center - reading.center).norm() < meanEdge(reading.corners);
-                    });
-    if (is_known) continue;
-    // One that was not expected, since it is far or seen from the side, may well be in its place.
-    if (isInPlace(reading, trackingTools(), camera, map_from_base)) continue;
-    const bool is_unknown = entriesOf(map_, reading.family, reading.id).empty();
-    MarkerDetection detection = toDetection(reading);
-    detection.reason = is_unknown ? whyUnknown(config_) : "hangs elsewhere than the map says";
-    is_odd = is_odd || !is_unknown;
-    result->detections.push_back(std::move(detection));
-  }
-  // Where a marker hangs elsewhere, the next looks go there, too, until it was measured repeatedly.
-  if (is_odd && !odd_since_) odd_since_ = frame.stamp;
-  if (is_odd && !is_exploring && frame.stamp < *odd_since_ + kOddViewTime) return;
-  odd_since_.reset();
-  ++patrolled_view_;
-}
-
-std::vector<MarkerReading> Localizer::readNextView(const MountedCamera& camera,
-                                                   FrameResult* result) {
-  const std::vector<View> all = viewsToSearch(trackingTools(), camera);
-  if (all.empty()) return {};
-  return readViews(trackingTools(), {all[patrolled_view_ % all.size()]}, result);
-}
-
-void Localizer::explore(const MountedCamera& camera, const Pose& map_from_base,
-                        FrameResult* result) {
-  if (exploration_.wantsGlance(config_)) {
-    Stopwatch step;
-    result->explored =
-        glance_reader_.read(readable_.get(), 0, reader_.warper(), camera.axisUp()).readings;
-    result->timings.decode += step.lap();
-  }
-  std::vector<View> views =
-      exploration_.views(viewsToSearch(trackingTools(), camera), camera, map_from_base,
-                         reader_.warper().table(), result->explored, config_);
-  const std::vector<MarkerReading> readings = withoutRepetitions(
-      readViews(trackingTools(), std::move(views), result), result->views, reader_.warper());
-  result->explored.insert(result->explored.end(), readings.begin(), readings.end());
 }
 
 void Localizer::search(const Frame& frame, const MountedCamera& camera,
@@ -462,6 +415,15 @@ void Localizer::carryOn(const PoseEstimate& predicted, bool is_refuted, FrameRes
   }
   result->mode = Mode::kDeadReckoning;
   result->map_from_base = predicted;
+}
+
+void Localizer::remember(const MountedCamera& camera, const FrameResult& result) {
+  if (!result.map_from_base) return;
+  for (const MarkerDetection& detection : result.detections) {
+    if (detection.accepted) memory_.addSeen(*detection.map_entry, result.stamp);
+  }
+  const Eigen::Vector3d viewpoint = camera.mapFromCamera(result.map_from_base->pose).translation();
+  for (const std::size_t entry : result.missed) memory_.addMissed(entry, viewpoint, result.stamp);
 }
 
 void Localizer::measure(const MountedCamera& camera, FrameResult* result) {

@@ -33,6 +33,9 @@ LocalizerConfig readLocalizerConfig(const YamlReader& reader) {
   if (reader.has("look_around")) {
     config.look_around = readLookAroundConfig(reader.mapping("look_around"));
   }
+  if (reader.has("attention")) {
+    config.attention = readAttentionConfig(reader.mapping("attention"));
+  }
   if (reader.has("relocalization")) {
     config.relocalization = readRelocalizationConfig(reader.mapping("relocalization"));
   }

@@ -86,7 +86,7 @@ std::optional<FrameResult> lookFrom(const Relocalization& found, const Glance& s
   timings->solve += step.lap();
   around.timings = *timings;
   around.predicted = predictMarkers(tools.map, tools.index, camera, start, tools.config.visibility);
-  around.map_from_base = FrameTracker(tools, frame, camera, start, std::nullopt, &around).track();
+  around.map_from_base = FrameTracker(tools, frame, camera, start, false, &around).track();
   *timings = around.timings;
   const bool are_all_found =
       std::all_of(explaining.begin(), explaining.end(),

@@ -1,8 +1,11 @@
 #include "omnitag/photometry/recognition.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
+#include <optional>
 #include <vector>
 
 #include "omnitag/marker/marker_reader.h"
@@ -61,87 +64,164 @@ std::vector<Sample> samplesOf(const std::vector<Footprint>& footprints, const Ta
   return samples;
 }
 
-/// Where a marker may be, relative to where it is predicted.
+/// A place of a marker: it is turned about the principal point (rad), which displaces it along the
+/// tangent, and then displaced by whole pixels.
+struct Place {
+  double turn = 0.0;
+  Eigen::Vector2i offset = Eigen::Vector2i::Zero();
+};
+
+/// Where a marker may be, relative to where it is predicted: around the principal point, as a robot
+/// that turns sees it, and toward it.
 class SearchArea {
  public:
   SearchArea(const PredictedMarker& predicted, const CameraModel& camera)
-      : radial_((predicted.center - camera.imagePlane().principalPoint()).stableNormalized()),
+      : from_axis_(predicted.center - camera.imagePlane().principalPoint()),
+        middle_(predicted.center),
         tangential_margin_(predicted.tangential_margin),
         radial_margin_(predicted.radial_margin) {}
 
-  /// Whether it may be so many pixels away, give or take some.
+  /// Whether a displacement leaves the marker within the area, give or take some pixels.
   bool contains(const Eigen::Vector2d& displacement, double tolerance) const {
-    const double tangential = radial_.x() * displacement.y() - radial_.y() * displacement.x();
-    return std::abs(tangential) <= tangential_margin_ + tolerance &&
-           std::abs(radial_.dot(displacement)) <= radial_margin_ + tolerance;
+    const Eigen::Vector2d radial = from_axis_.stableNormalized();
+    Eigen::Vector2d off(radial.dot(displacement),
+                        radial.x() * displacement.y() - radial.y() * displacement.x());
+    if (isFarFromAxis()) {
+      const double radius = from_axis_.norm();
+      const double turn = std::atan2(off.y(), radius + off.x());
+      off = {(from_axis_ + displacement).norm() - radius, radius * turn};
+    }
+    return std::abs(off.y()) <= tangential_margin_ + tolerance &&
+           std::abs(off.x()) <= radial_margin_ + tolerance;
   }
 
-  /// A grid of whole pixels that leaves none of it farther than a step away.
-  std::vector<Eigen::Vector2i> places(int step) const {
-    const double reach = std::hypot(tangential_margin_, radial_margin_);
-    const int steps = static_cast<int>(std::ceil(reach / step));
-    std::vector<Eigen::Vector2i> places;
-    for (int row = -steps; row <= steps; ++row) {
-      for (int column = -steps; column <= steps; ++column) {
-        const Eigen::Vector2i place(column * step, row * step);
-        if (contains(place.cast<double>(), 0.5 * step)) places.push_back(place);
+  /// A grid that leaves none of it farther than a step (pixels) away, that which is predicted among
+  /// them; those of the same turn one after another.
+  std::vector<Place> places(int step) const {
+    std::vector<Place> places;
+    if (!isFarFromAxis()) {
+      const int steps = stepsFor(std::hypot(tangential_margin_, radial_margin_), step);
+      for (int row = -steps; row <= steps; ++row) {
+        for (int column = -steps; column <= steps; ++column) {
+          const Eigen::Vector2i offset(column * step, row * step);
+          if (contains(offset.cast<double>(), 0.5 * step)) places.push_back({0.0, offset});
+        }
+      }
+      return places;
+    }
+    const int turns = stepsFor(tangential_margin_, step);
+    const int steps = stepsFor(radial_margin_, step);
+    for (int i = -turns; i <= turns; ++i) {
+      const double turn = i * step / from_axis_.norm();
+      const Eigen::Vector2d radial = Eigen::Rotation2Dd(turn) * from_axis_.normalized();
+      for (int k = -steps; k <= steps; ++k) {
+        places.push_back({turn, (k * step * radial).array().round().matrix().cast<int>()});
       }
     }
     return places;
   }
 
+  /// Where a pixel of the predicted marker images, once that has turned.
+  Eigen::Vector2d turned(const Eigen::Vector2d& pixel, double turn) const {
+    return middle_ - from_axis_ + Eigen::Rotation2Dd(turn) * (pixel - middle_ + from_axis_);
+  }
+
+  Placement placementAt(const Place& place) const {
+    Placement placement;
+    placement.predicted_middle = middle_;
+    placement.displacement = turned(middle_, place.turn) + place.offset.cast<double>() - middle_;
+    placement.stretch =
+        Eigen::Rotation2Dd(place.turn).toRotationMatrix() - Eigen::Matrix2d::Identity();
+    return placement;
+  }
+
  private:
-  Eigen::Vector2d radial_;
+  static int stepsFor(double reach, int step) {
+    return static_cast<int>(std::ceil((reach - 0.5 * step) / step));
+  }
+
+  /// Whether a displacement is nearly a turn, and how far a marker is from the axis.
+  bool isFarFromAxis() const { return from_axis_.norm() > 2.0 * tangential_margin_; }
+
+  Eigen::Vector2d from_axis_;
+  Eigen::Vector2d middle_;
   double tangential_margin_;
   double radial_margin_;
 };
 
-/// Moves the marker by whole pixels and returns at which of the places its pattern correlates best
-/// with the panorama, of those where all of it is in the image.
-Eigen::Vector2i bestPlace(const cv::Mat& panorama, const std::vector<Sample>& samples,
-                          const std::vector<Eigen::Vector2i>& places) {
-  struct Pixel {
-    std::ptrdiff_t index;
-    float white;
-  };
-  std::vector<Pixel> pixels;
-  pixels.reserve(samples.size());
-  const auto stride = static_cast<std::ptrdiff_t>(panorama.step[0]);
-  float white_sum = 0.0F;
-  Eigen::Vector2i low(panorama.cols, panorama.rows);
-  Eigen::Vector2i high(0, 0);
-  for (const Sample& sample : samples) {
-    pixels.push_back({sample.row * stride + sample.column, static_cast<float>(sample.white)});
-    white_sum += pixels.back().white;
-    low = low.cwiseMin(Eigen::Vector2i(sample.column, sample.row));
-    high = high.cwiseMax(Eigen::Vector2i(sample.column, sample.row));
-  }
-  const auto count = static_cast<float>(pixels.size());
-  for (Pixel& pixel : pixels) pixel.white -= white_sum / count;
-  Eigen::Vector2i best = Eigen::Vector2i::Zero();
-  float best_correlation = -1.0F;
-  for (const Eigen::Vector2i& place : places) {
-    if ((low + place).minCoeff() < 0 || high.x() + place.x() >= panorama.cols ||
-        high.y() + place.y() >= panorama.rows) {
-      continue;
+/// Samples relative to the first pixel of a panorama, about their mean.
+class PlacedSamples {
+ public:
+  PlacedSamples(const std::vector<Sample>& samples, const SearchArea& area, double turn,
+                std::ptrdiff_t stride) {
+    pixels_.reserve(samples.size());
+    float sum = 0.0F;
+    for (const Sample& sample : samples) {
+      const Eigen::Vector2i pixel = area.turned(Eigen::Vector2d(sample.column, sample.row), turn)
+                                        .array()
+                                        .round()
+                                        .matrix()
+                                        .cast<int>();
+      pixels_.push_back({pixel.y() * stride + pixel.x(), static_cast<float>(sample.white)});
+      sum += pixels_.back().white;
+      low_ = low_.cwiseMin(pixel);
+      high_ = high_.cwiseMax(pixel);
     }
-    const std::uint8_t* const moved = panorama.data + place.y() * stride + place.x();
+    const auto count = static_cast<float>(pixels_.size());
+    for (Pixel& pixel : pixels_) pixel.white -= sum / count;
+  }
+
+  /// Their correlation with the panorama, but for a factor that all places share; -1 where one is
+  /// not in the image.
+  float correlationAt(const cv::Mat& panorama, const Eigen::Vector2i& offset) const {
+    if ((low_ + offset).minCoeff() < 0 || high_.x() + offset.x() >= panorama.cols ||
+        high_.y() + offset.y() >= panorama.rows) {
+      return -1.0F;
+    }
+    const std::uint8_t* const moved = panorama.ptr<std::uint8_t>(0) +
+                                      offset.y() * static_cast<std::ptrdiff_t>(panorama.step[0]) +
+                                      offset.x();
     int sum = 0;
     int squares = 0;
     float product = 0.0F;
-    for (const Pixel& pixel : pixels) {
+    for (const Pixel& pixel : pixels_) {
       const int grey = moved[pixel.index];
       sum += grey;
       squares += grey * grey;
       product += static_cast<float>(grey) * pixel.white;
     }
-    const float mean = static_cast<float>(sum) / count;
+    const float mean = static_cast<float>(sum) / static_cast<float>(pixels_.size());
     const float variance = static_cast<float>(squares) - static_cast<float>(sum) * mean;
-    const float correlation = variance > 0.0F ? product / std::sqrt(variance) : -1.0F;
-    if (correlation > best_correlation) {
-      best_correlation = correlation;
-      best = place;
+    return variance > 0.0F ? product / std::sqrt(variance) : -1.0F;
+  }
+
+ private:
+  struct Pixel {
+    std::ptrdiff_t index;
+    float white;
+  };
+  std::vector<Pixel> pixels_;
+  Eigen::Vector2i low_ = Eigen::Vector2i::Constant(std::numeric_limits<int>::max() / 2);
+  Eigen::Vector2i high_ = Eigen::Vector2i::Constant(std::numeric_limits<int>::min() / 2);
+};
+
+/// Where the marker's pattern correlates best with the panorama, of the places where all of it is
+/// in the image.
+Place bestPlace(const cv::Mat& panorama, const std::vector<Sample>& samples, const SearchArea& area,
+                const std::vector<Place>& places) {
+  Place best;
+  float best_correlation = -1.0F;
+  std::optional<PlacedSamples> placed;
+  double turn = 0.0;
+  for (const Place& place : places) {
+    if (!placed || place.turn != turn) {
+      turn = place.turn;
+      placed.emplace(samples, area, turn, static_cast<std::ptrdiff_t>(panorama.step[0]));
     }
+    const float correlation = placed->correlationAt(panorama, place.offset);
+    if (correlation <= best_correlation) continue;
+    best_correlation = correlation;
+    best = place;
   }
   return best;
 }
@@ -166,12 +246,12 @@ Recognition recognitionOf(const PredictedMarker& predicted, const Placement& pla
 }  // namespace
 
 RecognitionConfig readRecognitionConfig(const YamlReader& reader) {
-  reader.allowOnly({"max_margin", "false_accept_rate", "min_contrast", "period"});
+  reader.refuseReplaced("period", "attention/period (s, of a whole look around)");
+  reader.allowOnly({"max_margin", "false_accept_rate", "min_contrast"});
   RecognitionConfig config;
   reader.read("max_margin", &config.max_margin, kNonNegative);
   reader.read("false_accept_rate", &config.false_accept_rate, {1e-12, 0.1});
   reader.read("min_contrast", &config.min_contrast, kPositive);
-  reader.read("period", &config.period, kPositive);
   return config;
 }
 
@@ -205,11 +285,10 @@ std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& mark
   // Alignment finds its way from a quarter of a module.
   const int step = std::max(1, static_cast<int>(0.3 * blurredModuleOf(predicted, pattern, camera)));
   const SearchArea area(predicted, camera.model());
-  const std::vector<Eigen::Vector2i> places = area.places(step);
-  const auto recognizedFrom = [&](const Eigen::Vector2i& place) -> std::optional<Recognition> {
-    Placement start;
-    start.displacement = place.cast<double>();
-    start.predicted_middle = predicted.center;
+  const std::vector<Place> places = area.places(step);
+  const auto recognizedFrom = [&](const Place& place) -> std::optional<Recognition> {
+    Placement start = area.placementAt(place);
+    if (!may_be_stretched) start.stretch.setZero();
     const auto fit = alignPattern(panorama, footprints, pattern, start, may_be_stretched);
     if (!fit || fit->contrast < config.min_contrast) return std::nullopt;
     if (!area.contains(fit->placement.displacement, step + 1.0)) return std::nullopt;
@@ -221,10 +300,11 @@ std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& mark
   // Where little displacement is to be expected, it is mostly found from where it is predicted,
   // which is one of the places.
   std::optional<Recognition> there;
-  if (!may_be_stretched) there = recognizedFrom(Eigen::Vector2i::Zero());
+  if (!may_be_stretched) there = recognizedFrom({});
   if (there && there->is_accepted) return there;
-  const Eigen::Vector2i place = bestPlace(panorama, samplesOf(footprints, pattern), places);
-  return !may_be_stretched && place.isZero() ? there : recognizedFrom(place);
+  const Place place = bestPlace(panorama, samplesOf(footprints, pattern), area, places);
+  const bool was_tried = !may_be_stretched && place.turn == 0.0 && place.offset.isZero();
+  return was_tried ? there : recognizedFrom(place);
 }
 
 }  // namespace omnitag

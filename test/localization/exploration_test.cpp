@@ -198,8 +198,10 @@ TEST(ExploringLocalizerTest, ReadsASoughtMarkerInTheNextFrame) {
 
 TEST(ExploringLocalizerTest, ADoubtfulLookAllAroundIsNotLostToExploring) {
   const std::vector<Marker> all = test::roomMarkers();
-  // Three are known, of which two hang in view: too few not to doubt the pose.
-  MarkerMap map{"map", {all[0], all[1], test::wallMarker(40, {-4.0, 3.4, 1.4}, 0.0)}};
+  // Three are known, of which one is taken down: the others are too few not to doubt the pose.
+  std::vector<Marker> before = all;
+  before.push_back(test::wallMarker(40, {-4.0, 3.4, 1.4}, 0.0));
+  MarkerMap map{"map", {all[0], all[1], before.back()}};
   map.default_family = "tag36h11";
   LocalizerConfig config;
   config.exploring_views = 1;
@@ -208,9 +210,12 @@ TEST(ExploringLocalizerTest, ADoubtfulLookAllAroundIsNotLostToExploring) {
   const Eigen::Isometry3d mounting = test::lookingDown();
   Localizer localizer(camera, map, config);
   const Pose pose{0.3, -0.2, 0.4};
-  const cv::Mat image = test::renderPanorama({"map", all}, {camera, mounting}, pose, 2);
+  const auto render = [&](const std::vector<Marker>& seen) {
+    return test::renderPanorama({"map", seen}, {camera, mounting}, pose, 2);
+  };
   localizer.setPose(pose);
-  const FrameResult result = localizer.process({0.0, image, mounting, std::nullopt});
+  ASSERT_EQ(localizer.process({0.0, render(before), mounting, std::nullopt}).acceptedMarkers(), 3);
+  const FrameResult result = localizer.process({0.1, render(all), mounting, std::nullopt});
   ASSERT_EQ(result.mode, Mode::kTracking);
   ASSERT_EQ(result.acceptedMarkers(), 2);
   // One view shows no more than three of them.

@@ -215,7 +215,7 @@ TEST_P(FrameTrackerTest, TheSharperThePredictionTheFewerViewsAreDecoded) {
   const FrameResult sharp = track(map, map, nearby(0.005, radians(0.2)));
   EXPECT_EQ(forExpected(sharp), 0);
   EXPECT_EQ(sharp.acceptedMarkers(), 7);
-  const FrameResult vague = track(map, map, nearby(0.15, radians(5.0)));
+  const FrameResult vague = track(map, map, nearby(0.15, radians(20.0)));
   EXPECT_GT(forExpected(vague), 0);
   EXPECT_EQ(vague.acceptedMarkers(), 7);
 }

@@ -221,17 +221,19 @@ TEST_F(OddMarkersTest, AllThatWereHungAnewAreNamed) {
   for (const DisplacedMarker& each : named) EXPECT_NEAR(each.distance, 0.9, 0.1);
 }
 
-TEST_F(OddMarkersTest, ARejectedMarkerIsMeasuredOncePerSecond) {
+TEST_F(OddMarkersTest, ARejectedMarkerIsMeasuredOncePerSecondAtMost) {
   MarkerMap seen = map_;
   seen.markers[3].map_from_marker.translate(Eigen::Vector3d(0.15, 0.0, 0.0));
   const cv::Mat image = render(seen);
   localizer_.setPose(truth_);
   int measured = 0;
-  constexpr int kSeconds = 3;
+  constexpr int kSeconds = 8;
   for (int i = 0; i < 10 * kSeconds; ++i) {
     measured += static_cast<int>(process(image).displaced.size());
   }
-  EXPECT_EQ(measured, kSeconds);
+  // Once the patrol has come by, which takes up to two seconds.
+  EXPECT_GE(measured, kSeconds - 3);
+  EXPECT_LE(measured, kSeconds);
 }
 
 TEST_F(OddMarkersTest, OneThatIsPrintedMirroredIsNotTakenForItsEntry) {

@@ -403,13 +403,15 @@ TEST(RecognitionTest, BlurMakesTheMarginLarger) {
   // Which a decoder does not read any more.
   constexpr double kBlur = 2.0;  // pixels
   const Marker marker = withModulesOf(3.5, markerAt(2.2, 0.0));
-  const double margin = 1.3 * RecognitionConfig{}.max_margin * moduleOf(marker);
+  RecognitionConfig config;
+  config.max_margin = 5.0;
+  const double margin = 1.3 * config.max_margin * moduleOf(marker);
   const Eigen::Vector2d shift = 0.6 * margin * Eigen::Vector2d(0.8, -0.6);
   cv::Mat image = imageOf(marker, shift);
   cv::GaussianBlur(image, image, {}, kBlur);
   const TagPattern pattern(marker.family, marker.id);
-  EXPECT_FALSE(recognizeAs(pattern, image, marker, margin));
-  const auto found = recognizeAs(pattern, image, marker, margin, {}, {kBlur * kBlur});
+  EXPECT_FALSE(recognizeAs(pattern, image, marker, margin, config));
+  const auto found = recognizeAs(pattern, image, marker, margin, config, {kBlur * kBlur});
   ASSERT_TRUE(isAccepted(found)) << describe(found);
   EXPECT_LT((displacementOf(*found, marker) - shift).norm(), 0.2);
 }
@@ -427,6 +429,26 @@ TEST(RecognitionTest, FindsAMarkerAnywhereWithinItsMargin) {
     const auto recognition = recognizeIn(imageOf(marker, shift), marker, 7.0);
     ASSERT_TRUE(isAccepted(recognition)) << shift.transpose() << ": " << describe(recognition);
     EXPECT_LT((displacementOf(*recognition, marker) - shift).norm(), 0.1) << shift.transpose();
+  }
+}
+
+TEST(RecognitionTest, FindsAMarkerThatARobotsTurnTookFarAside) {
+  // It images turned, too.
+  const Marker marker = withModulesOf(4.0, markerAt(2.2, radians(20.0)));
+  const MountedCamera camera = movedCamera({0.0, 0.0});
+  const Eigen::Vector2d expected = *camera.pixelFromMap(truth(), marker.center());
+  const double radius = (expected - camera.model().imagePlane().principalPoint()).norm();
+  for (const double turn : {-0.28, -0.15, 0.2, 0.28}) {
+    SCOPED_TRACE(turn);
+    Pose turned = truth();
+    turned.yaw += turn;
+    const cv::Mat image = test::renderPanorama({"map", {marker}}, camera, turned, 5);
+    const auto recognition = recognizeIn(image, marker, 0.3 * radius);
+    ASSERT_TRUE(isAccepted(recognition)) << describe(recognition);
+    const Eigen::Vector2d place = *camera.pixelFromMap(turned, marker.center());
+    EXPECT_GT((place - expected).norm(), 10.0);
+    // Its shape is another one there, not only turned.
+    EXPECT_LT((recognition->center - place).norm(), 0.3);
   }
 }
 

@@ -131,7 +131,13 @@ TEST(Parameters, ManualHasTheDefaults) {
   EXPECT_EQ(recognition.max_margin, recognition_default.max_margin);
   EXPECT_EQ(recognition.false_accept_rate, recognition_default.false_accept_rate);
   EXPECT_EQ(recognition.min_contrast, recognition_default.min_contrast);
-  EXPECT_EQ(recognition.period, recognition_default.period);
+
+  const AttentionConfig& attention = manual.localizer.attention;
+  const AttentionConfig& attention_default = defaults.localizer.attention;
+  EXPECT_EQ(attention.period, attention_default.period);
+  EXPECT_EQ(attention.max_pixels, attention_default.max_pixels);
+  EXPECT_EQ(attention.hidden_way, attention_default.hidden_way);
+  EXPECT_EQ(attention.hidden_time, attention_default.hidden_time);
 
   const LookAroundConfig& look_around = manual.localizer.look_around;
   const LookAroundConfig& look_around_default = defaults.localizer.look_around;

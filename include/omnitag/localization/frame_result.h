@@ -116,6 +116,8 @@ struct FrameResult {
   std::vector<std::string> advice;
   /// What the frame was expected to show.
   std::vector<PredictedMarker> predicted;
+  /// Entries of the map that were looked for where the pose has them, in vain.
+  std::vector<std::size_t> missed;
   /// Where it was looked, and what was seen there (CV_8UC1, as many as views).
   std::vector<View> views;
   std::vector<cv::Mat> view_images;

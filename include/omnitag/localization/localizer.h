@@ -12,10 +12,10 @@
 
 #include "omnitag/camera/mounted_camera.h"
 #include "omnitag/common/pose.h"
-#include "omnitag/localization/exploration.h"
 #include "omnitag/localization/frame_result.h"
 #include "omnitag/localization/image_lag.h"
 #include "omnitag/localization/localizer_config.h"
+#include "omnitag/localization/marker_memory.h"
 #include "omnitag/localization/motion_model.h"
 #include "omnitag/marker/glance_reader.h"
 #include "omnitag/marker/marker_map.h"
@@ -25,6 +25,7 @@
 
 namespace omnitag {
 
+class Patrol;
 struct TrackingTools;
 
 /// Follows a robot through a stream of images: predicts, looks, triangulates, judges; and looks all
@@ -36,6 +37,7 @@ class Localizer {
   /// Throws InputError where the map names a family that the AprilTag library does not have.
   Localizer(std::shared_ptr<const CameraModel> camera, MarkerMap map,
             const LocalizerConfig& config);
+  ~Localizer();
 
   /// Takes base_link's pose in the map from outside, as a hypothesis
   /// (MotionModelConfig::max_initial_…). `odom_from_base`: odometry when the robot was there, from
@@ -88,17 +90,11 @@ class Localizer {
   /// prediction that is too sure of itself may hold a pose against all of them.
   bool markersAgree(const MountedCamera& camera, const PoseEstimate& predicted,
                     const Pose& solution, const FrameResult& result) const;
-  /// Whether a look all around, now and then where a marker or two are all that was found of those
-  /// predicted, finds the robot elsewhere. What it reads is not lost to exploring.
+  /// Whether a look all around, now and then where only a marker or two are found and one is missed
+  /// that the frame before showed, finds the robot elsewhere. What it reads is not lost to
+  /// exploring.
   bool isElsewhere(const Frame& frame, const MountedCamera& camera, const PoseEstimate& tracked,
                    FrameResult* result);
-  /// Looks for what is not expected from a pose: with one of the views all around from time to
-  /// time, or in every frame as exploring asks for, unless a doubt has just read something
-  /// all around.
-  void patrol(const Frame& frame, const MountedCamera& camera, const Pose& map_from_base,
-              FrameResult* result);
-  std::vector<MarkerReading> readNextView(const MountedCamera& camera, FrameResult* result);
-  void explore(const MountedCamera& camera, const Pose& map_from_base, FrameResult* result);
   /// Looks all around, and decides between what it finds and the prediction.
   void search(const Frame& frame, const MountedCamera& camera,
               const std::optional<PoseEstimate>& predicted, bool is_refuted, FrameResult* result);
@@ -113,6 +109,8 @@ class Localizer {
   /// Without a marker that agrees: the prediction, unless what was read contradicts it.
   void carryOn(const PoseEstimate& predicted, bool is_refuted, FrameResult* result) const;
   TrackingTools trackingTools();
+  /// Keeps which markers the frame showed and which not.
+  void remember(const MountedCamera& camera, const FrameResult& result);
   /// Fills in what the frame's pose says about its detections.
   void measure(const MountedCamera& camera, FrameResult* result);
   /// Whether it is time to see how far a marker hangs from its place; if so, it is then done.
@@ -126,6 +124,8 @@ class Localizer {
   GlanceReader glance_reader_;
   TagPatterns patterns_;
   MotionModel motion_;
+  MarkerMemory memory_;
+  std::unique_ptr<Patrol> patrol_;
   BlurFilter blur_;
   LastingDisagreement disagreement_;
   ImageLag image_lag_;
@@ -145,15 +145,10 @@ class Localizer {
   std::optional<GivenPose> given_pose_;
   bool has_pose_ = false;
   std::optional<double> last_stamp_;
-  std::size_t frames_ = 0;
-  /// Stamp from which a view is patrolled next, which of them, and since when it has shown a marker
-  /// that hangs elsewhere.
-  double next_patrol_ = -std::numeric_limits<double>::infinity();
-  std::size_t patrolled_view_ = 0;
-  std::optional<double> odd_since_;
+  /// Stamp of the last image whose markers told a pose.
+  double seen_stamp_ = std::numeric_limits<double>::infinity();
   /// Stamp from which a pose that stands on few markers is doubted next.
   double next_doubt_ = -std::numeric_limits<double>::infinity();
-  Exploration exploration_;
   /// By family and id: when it was last seen how far a marker hangs from its place.
   std::map<std::pair<std::string, int>, double> measured_;
 };

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "frame_steps.h"
+#include "omnitag/camera/mounted_camera.h"
+#include "omnitag/localization/exploration.h"
+#include "omnitag/localization/frame_result.h"
+
+namespace omnitag {
+
+/// Looks for what a pose does not let expect: markers that hang elsewhere than the map says, and
+/// others than those of the map. With a view now and then, so that AttentionConfig::period shows
+/// everything, at a cost of so many pixels that no frame takes much longer than others; while
+/// exploring with more (Exploration).
+class Patrol {
+ public:
+  void seek(std::vector<Marker> markers) { exploration_.seek(std::move(markers)); }
+
+  /// Adds what is read where the frame's pose does not have it. Where `result->explored` already
+  /// holds what was read all around, nothing more is read.
+  void look(const TrackingTools& tools, const Frame& frame, const MountedCamera& camera,
+            const Pose& map_from_base, FrameResult* result);
+
+ private:
+  /// A view that showed a marker of the map elsewhere, and until when (s) it takes every second
+  /// turn.
+  struct OddView {
+    std::size_t index;
+    double until;
+  };
+
+  void explore(const TrackingTools& tools, const MountedCamera& camera, const Pose& map_from_base,
+               FrameResult* result);
+  /// Reads the view whose turn it is, if it can be afforded.
+  std::vector<MarkerReading> readNextView(const TrackingTools& tools, const MountedCamera& camera,
+                                          FrameResult* result);
+  std::size_t nextOf(std::size_t count, double stamp);
+
+  Exploration exploration_;
+  /// Stamp of the frame before, and the pixels that may be read since then, or saved before.
+  std::optional<double> last_stamp_;
+  double credit_ = 0.0;
+  /// The view whose turn is next, and how many had one.
+  std::size_t next_view_ = 0;
+  std::size_t looks_ = 0;
+  std::vector<OddView> odd_views_;
+  std::size_t last_view_ = 0;
+};
+
+}  // namespace omnitag
