@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "omnitag/camera/mounted_camera.h"
+#include "omnitag/localization/evidence.h"
 #include "omnitag/localization/frame_result.h"
 #include "omnitag/localization/localizer_config.h"
 #include "omnitag/localization/marker_memory.h"
@@ -19,6 +20,9 @@
 
 namespace omnitag {
 
+/// Why a marker is not accepted that was moved.
+constexpr const char* kElsewhere = "hangs elsewhere than the map says";
+
 /// What a localizer looks with.
 struct TrackingTools {
   const MarkerMap& map;
@@ -30,11 +34,19 @@ struct TrackingTools {
   /// What is known of a pose without a prediction.
   const PosePrior& standing;
   const MarkerMemory& memory;
+  const Evidence& evidence;
+  /// The prior that the poses go back to; none where markers told the first.
+  const std::optional<PosePrior>& start;
   /// LastingDisagreement's.
   double lasting_excess;
   /// The frame's image for decoders.
   ReadableImage& readable;
 };
+
+/// Whether a marker that was observed is where a prior allows it to be: by the corners, and by what
+/// they make of the pose.
+bool agreesWithPrior(const TrackingTools& tools, const MountedCamera& camera,
+                     const MarkerObservation& observation, const PosePrior& prior);
 
 /// A reading as a detection that is not accepted yet.
 MarkerDetection toDetection(const MarkerReading& reading);

@@ -123,7 +123,7 @@ std::optional<PoseEstimate> FrameTracker::track() {
     result_->imaging_error = solution_->imaging_error;
   }
   report();
-  if (solution_) reportMissed();
+  reportMissed();
   if (frame_.wants_views) addViews();
   return solution_ ? std::optional(solution_->map_from_base) : std::nullopt;
 }
@@ -321,27 +321,71 @@ PosePrior FrameTracker::farthestPushed() const {
   return prior_.pushed(anyPush(kFarthestPush, kFarthestPush, poseModel()));
 }
 
-void FrameTracker::solve() {
-  Stopwatch step;
+std::optional<PoseSolution> FrameTracker::solutionOfObserved(const PosePrior& prior) {
   std::vector<MarkerObservation> observations;
   observed_.clear();
   for (std::size_t i = 0; i < sightings_.size(); ++i) {
-    if (!sightings_[i].observation) continue;
+    if (!sightings_[i].observation || sightings_[i].is_elsewhere) continue;
     observations.push_back(*sightings_[i].observation);
     observed_.push_back(i);
   }
-  const EstimatorConfig& config = tools_.config.estimation;
-  solution_ = estimatePose(tools_.map, camera_, observations, prior_, config);
+  return estimatePose(tools_.map, camera_, observations, prior, tools_.config.estimation);
+}
+
+void FrameTracker::solve() {
+  Stopwatch step;
+  if (has_prior_) {
+    for (Sighting& sighting : sightings_) {
+      if (!sighting.observation) continue;
+      sighting.is_elsewhere = tools_.memory.isElsewhere(sighting.observation->map_entry) &&
+                              !agreesWithPrior(tools_, camera_, *sighting.observation, prior_);
+    }
+  }
+  solution_ = solutionOfObserved(prior_);
   // Markers and prior that contradict each other leave large residuals.
   constexpr double kLargeExcess = 2.0;
-  if (solution_ && has_prior_ && observations.size() >= 2 && solution_->excess > kLargeExcess) {
-    const auto alone = estimatePose(tools_.map, camera_, observations, farthestPushed(), config);
+  if (solution_ && has_prior_ && observed_.size() >= 2 && solution_->excess > kLargeExcess) {
+    const auto alone = solutionOfObserved(farthestPushed());
     if (alone && std::count(alone->used.begin(), alone->used.end(), true) >= 2) {
-      prior_ = afterPush(prior_, alone->map_from_base, poseModel());
-      solution_ = estimatePose(tools_.map, camera_, observations, prior_, config);
+      if (isMoved(*alone)) prior_ = afterPush(prior_, alone->map_from_base, poseModel());
+      solution_ = solutionOfObserved(prior_);
     }
   }
   result_->timings.solve += step.lap();
+}
+
+bool FrameTracker::isMoved(const PoseSolution& alone) {
+  Contradiction contradiction;
+  contradiction.expected = predicted_.pose;
+  contradiction.found = alone.map_from_base.pose;
+  contradiction.has_odometry = frame_.odom_from_base.has_value();
+  std::vector<std::size_t> for_found;
+  bool were_all_seen = true;
+  for (std::size_t k = 0; k < observed_.size(); ++k) {
+    const MarkerObservation& observation = *sightings_[observed_[k]].observation;
+    const bool is_expected = agreesWithPrior(tools_, camera_, observation, prior_);
+    if (is_expected && !alone.used[k]) {
+      contradiction.for_expected.push_back(observation.map_entry);
+    } else if (!is_expected && alone.used[k]) {
+      contradiction.for_found.push_back(observation.map_entry);
+      for_found.push_back(observed_[k]);
+      were_all_seen = were_all_seen && sightings_[observed_[k]].is_likely;
+    }
+  }
+  // What moved by less than tells markers apart, or moved all that the image before showed, is the
+  // robot.
+  const bool is_alone = contradiction.for_expected.empty();
+  if (for_found.empty() || (is_alone && were_all_seen)) return true;
+  for (const Sighting& sighting : sightings_) {
+    if (sighting.looked_at && !sighting.observation) {
+      contradiction.missed.push_back(sighting.looked_at->map_entry);
+    }
+  }
+  const Verdict verdict = tools_.evidence.weigh(contradiction, tools_.start);
+  if (verdict == Verdict::kFound) return true;
+  result_->is_open = result_->is_open || verdict == Verdict::kOpen;
+  for (const std::size_t target : for_found) sightings_[target].is_elsewhere = true;
+  return false;
 }
 
 void FrameTracker::align() {
@@ -404,6 +448,14 @@ void FrameTracker::report() {
     if (!detection.accepted) {
       detection.reason = solution_ ? "disagrees with the other markers" : "no pose agrees with it";
     }
+    result_->detections.push_back(std::move(detection));
+  }
+  for (const Sighting& sighting : sightings_) {
+    if (!sighting.observation || !sighting.is_elsewhere) continue;
+    const std::size_t entry = sighting.observation->map_entry;
+    MarkerDetection detection = toDetection(*sighting.observation, tools_.map.markers[entry]);
+    detection.reason = kElsewhere;
+    result_->elsewhere.push_back(entry);
     result_->detections.push_back(std::move(detection));
   }
   for (Stranger& stranger : strangers_) {

@@ -35,6 +35,8 @@ class FrameTracker {
     /// What MarkerMemory says: whether it was seen before, or hardly can be and is not looked for.
     bool is_likely = false;
     bool is_hidden = false;
+    /// Whether it hangs elsewhere than the map says.
+    bool is_elsewhere = false;
   };
   /// What was decoded and is none of the predicted markers, and why.
   struct Stranger {
@@ -80,8 +82,13 @@ class FrameTracker {
   /// The prior of a robot that was pushed as far as anybody may.
   PosePrior farthestPushed() const;
   /// Estimates the pose from what was found. Where markers agree that the robot is elsewhere than
-  /// predicted, what moved it is not in the prediction: it counts for less from then on.
+  /// predicted, either they were moved and are left out, or what moved the robot is not in the
+  /// prediction: it counts for less from then on.
   void solve();
+  std::optional<PoseSolution> solutionOfObserved(const PosePrior& prior);
+  /// Whether the robot is where markers alone have it, and not where it is predicted. Otherwise
+  /// those are marked that hang elsewhere.
+  bool isMoved(const PoseSolution& alone);
   /// Aligns the solution with the pixels of its markers, but for those that are then off; leaves it
   /// with the corners where others are off without them.
   void align();

@@ -82,14 +82,14 @@ Localizer::Localizer(std::shared_ptr<const CameraModel> camera, MarkerMap map,
       patterns_(map_),
       motion_(config.motion),
       memory_(config.attention),
+      evidence_(config_.evidence, map_, memory_, config_.estimation.reprojection,
+                config_.estimation.max_misfit),
       patrol_(std::make_unique<Patrol>()),
       blur_(config.estimation.blur * config.estimation.blur) {}
 
 TrackingTools Localizer::trackingTools() {
-  return {map_,      index_,         config_,
-          reader_,   glance_reader_, patterns_,
-          standing_, memory_,        disagreement_.excess(),
-          readable_};
+  return {map_,      index_,  config_,   reader_, glance_reader_,         patterns_,
+          standing_, memory_, evidence_, start_,  disagreement_.excess(), readable_};
 }
 
 Localizer::~Localizer() = default;
@@ -129,6 +129,7 @@ FrameResult Localizer::process(const Frame& frame) {
   FrameResult result;
   result.stamp = frame.stamp;
   result.is_on_floor = config_.motion.isOnFloor();
+  memory_.startFrame(frame.stamp);
   standing_ = motion_.standing(frame.odom_from_base);
   const std::optional<PoseEstimate> predicted = predict(frame);
   const MountedCamera camera = cameraOf(frame, predicted.has_value());
@@ -140,6 +141,7 @@ FrameResult Localizer::process(const Frame& frame) {
   }
   measure(camera, &result);
   remember(camera, result);
+  if (result.is_open) withhold(&result);
   was_tracked_ = result.acceptedMarkers() > 0 && result.map_from_base.has_value();
   if (was_tracked_) seen_stamp_ = frame.stamp;
   result.exposure = exposureOf(frame.image);
@@ -169,6 +171,8 @@ std::optional<PoseEstimate> Localizer::predict(const Frame& frame) {
     motion_.resetToGiven(given.map_from_base, frame.stamp,
                          given.odom_from_base ? given.odom_from_base : frame.odom_from_base);
     has_pose_ = true;
+    memory_.forgetPlaces();
+    start_ = PosePrior::about(given.map_from_base);
     return motion_.predict(frame.stamp, frame.odom_from_base);
   }
   if (!has_pose_) return std::nullopt;
@@ -318,12 +322,33 @@ bool Localizer::isElsewhere(const Frame& frame, const MountedCamera& camera,
   return found.map_from_base && explained >= 2 && !agree(*found.map_from_base, tracked);
 }
 
+Verdict Localizer::weigh(const Frame& frame, const Pose& expected, const Pose& found,
+                         const std::vector<std::size_t>& for_expected,
+                         const FrameResult& result) const {
+  Contradiction contradiction{expected, found, {}, for_expected, {}, !!frame.odom_from_base};
+  const auto isShown = [&](std::size_t entry) {
+    return std::any_of(
+        result.detections.begin(), result.detections.end(),
+        [entry](const MarkerDetection& detection) { return detection.map_entry == entry; });
+  };
+  for (const MarkerDetection& detection : result.detections) {
+    if (detection.accepted) contradiction.for_found.push_back(*detection.map_entry);
+  }
+  for (const std::size_t entry : result.missed) {
+    if (!isShown(entry)) contradiction.missed.push_back(entry);
+  }
+  return evidence_.weigh(contradiction, start_);
+}
+
 void Localizer::search(const Frame& frame, const MountedCamera& camera,
                        const std::optional<PoseEstimate>& predicted, bool is_refuted,
                        FrameResult* result) {
+  const std::vector<std::size_t> missed = result->missed;
   const auto accept = [&](const PoseEstimate& seen) {
+    result->missed = missed;
     const bool is_expected = predicted && agree(*predicted, seen);
-    settle(is_expected ? seen : modest(seen, *result), frame, predicted, is_expected, result);
+    const PoseEstimate pose = is_expected ? seen : modest(seen, *result);
+    decide(pose, frame, predicted, is_expected, result);
   };
   if (const auto seen = glance(trackingTools(), frame, camera, result)) {
     return accept(*seen);
@@ -364,7 +389,8 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
       step.lap();
       if (!is_expected) pose = modest(pose, *result);
     }
-    settle(pose, frame, predicted, is_expected, result);
+    result->missed = missed;
+    decide(pose, frame, predicted, is_expected, result);
   } else if (predicted) {
     carryOn(*predicted, is_refuted, result);
   } else {
@@ -388,6 +414,40 @@ std::optional<PoseEstimate> Localizer::confirmAround(const std::vector<MarkerRea
   return result->map_from_base;
 }
 
+void Localizer::decide(const PoseEstimate& pose, const Frame& frame,
+                       const std::optional<PoseEstimate>& predicted, bool is_expected,
+                       FrameResult* result) {
+  std::vector<std::size_t> entries;
+  for (const MarkerDetection& detection : result->detections) {
+    if (detection.accepted) entries.push_back(*detection.map_entry);
+  }
+  const bool is_group = entries.size() >= 2;
+  if (is_expected || !is_group) return settle(pose, frame, predicted, is_expected, result);
+  if (!predicted) {
+    // Where nothing else is in view, the robot may as well be elsewhere.
+    const bool is_moved = std::all_of(entries.begin(), entries.end(), [this](std::size_t entry) {
+      return memory_.elsewhere(entry) != nullptr;
+    });
+    if (!is_moved) return settle(pose, frame, predicted, is_expected, result);
+    result->elsewhere = std::move(entries);
+    return withhold(result);
+  }
+  const Verdict verdict = weigh(frame, predicted->pose, pose.pose, {}, *result);
+  if (verdict == Verdict::kFound) {
+    memory_.forgetPlaces();
+    return settle(pose, frame, predicted, is_expected, result);
+  }
+  result->elsewhere = std::move(entries);
+  result->is_open = verdict == Verdict::kOpen;
+  result->map_from_base = predicted;
+  result->mode = Mode::kDeadReckoning;
+  for (MarkerDetection& detection : result->detections) {
+    if (!detection.accepted) continue;
+    detection.accepted = false;
+    detection.reason = kElsewhere;
+  }
+}
+
 void Localizer::settle(const PoseEstimate& pose, const Frame& frame,
                        const std::optional<PoseEstimate>& predicted, bool is_expected,
                        FrameResult* result) {
@@ -396,6 +456,7 @@ void Localizer::settle(const PoseEstimate& pose, const Frame& frame,
     result->mode = Mode::kTracking;
   } else {
     motion_.reset(pose, frame.stamp, frame.odom_from_base);
+    start_.reset();
     result->mode = Mode::kFound;
     if (predicted) result->remark = howFarOff(pose.pose, predicted->pose);
   }
@@ -419,11 +480,47 @@ void Localizer::carryOn(const PoseEstimate& predicted, bool is_refuted, FrameRes
 
 void Localizer::remember(const MountedCamera& camera, const FrameResult& result) {
   if (!result.map_from_base) return;
+  const Pose& pose = result.map_from_base->pose;
+  const MountedCamera seen_by = camera.withError(result.imaging_error);
+  const auto sightingOf = [&](const MarkerDetection& detection) {
+    return RememberedSighting{
+        result.stamp, {*detection.map_entry, detection.corners, detection.center}, seen_by, pose};
+  };
   for (const MarkerDetection& detection : result.detections) {
-    if (detection.accepted) memory_.addSeen(*detection.map_entry, result.stamp);
+    if (!detection.map_entry) continue;
+    const auto& elsewhere = result.elsewhere;
+    if (detection.accepted) {
+      memory_.addSeen(sightingOf(detection));
+    } else if (std::find(elsewhere.begin(), elsewhere.end(), *detection.map_entry) !=
+               elsewhere.end()) {
+      memory_.addElsewhere(sightingOf(detection), !result.is_open);
+    }
   }
-  const Eigen::Vector3d viewpoint = camera.mapFromCamera(result.map_from_base->pose).translation();
-  for (const std::size_t entry : result.missed) memory_.addMissed(entry, viewpoint, result.stamp);
+  const bool is_told = result.acceptedMarkers() > 0;
+  const Eigen::Vector3d viewpoint = camera.mapFromCamera(pose).translation();
+  for (const std::size_t entry : result.missed) {
+    if (is_told) {
+      memory_.addMissed(entry, viewpoint, result.stamp);
+    } else {
+      memory_.addLost(entry);
+    }
+  }
+}
+
+void Localizer::withhold(FrameResult* result) {
+  std::string names;
+  for (const std::size_t entry : result->elsewhere) {
+    names += (names.empty() ? "" : ", ") + std::to_string(map_.markers[entry].id);
+  }
+  result->remark = "either markers " + names +
+                   " hang elsewhere than the map says, or the robot is elsewhere than expected";
+  result->mode = Mode::kSearching;
+  result->map_from_base.reset();
+  for (MarkerDetection& detection : result->detections) {
+    if (!detection.accepted) continue;
+    detection.accepted = false;
+    detection.reason = "others contradict it";
+  }
 }
 
 void Localizer::measure(const MountedCamera& camera, FrameResult* result) {

@@ -36,6 +36,9 @@ LocalizerConfig readLocalizerConfig(const YamlReader& reader) {
   if (reader.has("attention")) {
     config.attention = readAttentionConfig(reader.mapping("attention"));
   }
+  if (reader.has("evidence")) {
+    config.evidence = readEvidenceConfig(reader.mapping("evidence"));
+  }
   if (reader.has("relocalization")) {
     config.relocalization = readRelocalizationConfig(reader.mapping("relocalization"));
   }

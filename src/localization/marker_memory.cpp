@@ -1,5 +1,7 @@
 #include "omnitag/localization/marker_memory.h"
 
+#include <algorithm>
+
 namespace omnitag {
 
 AttentionConfig readAttentionConfig(const YamlReader& reader) {
@@ -17,17 +19,65 @@ MarkerMemory::Record& MarkerMemory::of(std::size_t entry) {
   return records_[entry];
 }
 
-void MarkerMemory::addSeen(std::size_t entry, double stamp) {
-  Record& record = of(entry);
-  record.seen = stamp;
+void MarkerMemory::addSeen(const RememberedSighting& sighting) {
+  Record& record = of(sighting.observation.map_entry);
+  addFirst(record, true);
+  record.seen = sighting.stamp;
   record.misses = 0;
+  record.in_place = sighting;
+  record.elsewhere.reset();
+}
+
+void MarkerMemory::addElsewhere(const RememberedSighting& sighting, bool is_certain) {
+  Record& record = of(sighting.observation.map_entry);
+  record.elsewhere = sighting;
+  record.is_certain = is_certain;
+}
+
+bool MarkerMemory::isElsewhere(std::size_t entry) const {
+  return elsewhere(entry) && records_[entry].is_certain;
+}
+
+bool MarkerMemory::hasSeen() const {
+  return std::any_of(records_.begin(), records_.end(),
+                     [](const Record& record) { return record.in_place.has_value(); });
+}
+
+const RememberedSighting* MarkerMemory::inPlace(std::size_t entry) const {
+  const bool is_known = entry < records_.size() && records_[entry].in_place;
+  return is_known ? &*records_[entry].in_place : nullptr;
+}
+
+const RememberedSighting* MarkerMemory::elsewhere(std::size_t entry) const {
+  const bool is_known = entry < records_.size() && records_[entry].elsewhere;
+  return is_known ? &*records_[entry].elsewhere : nullptr;
+}
+
+void MarkerMemory::forgetPlaces() {
+  for (Record& record : records_) {
+    record.in_place.reset();
+    record.elsewhere.reset();
+  }
 }
 
 void MarkerMemory::addMissed(std::size_t entry, const Eigen::Vector3d& viewpoint, double stamp) {
   Record& record = of(entry);
+  addFirst(record, false);
   record.missed = stamp;
   record.missed_from = viewpoint;
   ++record.misses;
+}
+
+void MarkerMemory::addFirst(const Record& record, bool is_seen) {
+  if (record.seen > kNever || record.missed > kNever) return;
+  first_looks_ += 1.0;
+  if (is_seen) first_seen_ += 1.0;
+}
+
+void MarkerMemory::addLost(std::size_t entry) { of(entry).seen = kNever; }
+
+double MarkerMemory::seenAtFirst() const {
+  return std::clamp((first_seen_ + 1.0) / (first_looks_ + 2.0), 0.1, 0.9);
 }
 
 bool MarkerMemory::isHidden(std::size_t entry, const Eigen::Vector3d& viewpoint,
@@ -42,6 +92,10 @@ bool MarkerMemory::isHidden(std::size_t entry, const Eigen::Vector3d& viewpoint,
 
 bool MarkerMemory::wasSeen(std::size_t entry) const {
   return entry < records_.size() && records_[entry].seen > records_[entry].missed;
+}
+
+bool MarkerMemory::wasMissed(std::size_t entry) const {
+  return entry < records_.size() && records_[entry].missed > records_[entry].seen;
 }
 
 bool MarkerMemory::wasSeenSince(std::size_t entry, double stamp) const {

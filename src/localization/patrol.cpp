@@ -60,7 +60,7 @@ void Patrol::look(const TrackingTools& tools, const Frame& frame, const MountedC
     }
     const bool is_unknown = entriesOf(tools.map, reading.family, reading.id).empty();
     MarkerDetection detection = toDetection(reading);
-    detection.reason = is_unknown ? whyUnknown(tools.config) : "hangs elsewhere than the map says";
+    detection.reason = is_unknown ? whyUnknown(tools.config) : kElsewhere;
     is_odd = is_odd || !is_unknown;
     result->detections.push_back(std::move(detection));
   }

@@ -118,6 +118,10 @@ struct FrameResult {
   std::vector<PredictedMarker> predicted;
   /// Entries of the map that were looked for where the pose has them, in vain.
   std::vector<std::size_t> missed;
+  /// Entries of the map that hang elsewhere than it says, if the expected pose is right; and
+  /// whether that is open, since they may as well be right and the expected pose wrong.
+  std::vector<std::size_t> elsewhere;
+  bool is_open = false;
   /// Where it was looked, and what was seen there (CV_8UC1, as many as views).
   std::vector<View> views;
   std::vector<cv::Mat> view_images;

@@ -103,6 +103,16 @@ class Localizer {
   std::optional<PoseEstimate> confirmAround(const std::vector<MarkerReading>& readings,
                                             const Frame& frame, const MountedCamera& camera,
                                             FrameResult* result);
+  /// Whether a pose that a search found replaces the expected one. `for_expected`: entries that
+  /// were seen where only that has them.
+  Verdict weigh(const Frame& frame, const Pose& expected, const Pose& found,
+                const std::vector<std::size_t>& for_expected, const FrameResult& result) const;
+  /// Takes a pose that a search found, unless what it stands on was moved more likely than the
+  /// robot.
+  void decide(const PoseEstimate& pose, const Frame& frame,
+              const std::optional<PoseEstimate>& predicted, bool is_expected, FrameResult* result);
+  /// Leaves the frame without a pose, since two are possible.
+  void withhold(FrameResult* result);
   /// Takes a pose that was found without the prediction, or agrees with it.
   void settle(const PoseEstimate& pose, const Frame& frame,
               const std::optional<PoseEstimate>& predicted, bool is_expected, FrameResult* result);
@@ -125,6 +135,10 @@ class Localizer {
   TagPatterns patterns_;
   MotionModel motion_;
   MarkerMemory memory_;
+  Evidence evidence_;
+  /// What was known of the first of the poses that this one goes back to; none where markers told
+  /// it.
+  std::optional<PosePrior> start_;
   std::unique_ptr<Patrol> patrol_;
   BlurFilter blur_;
   LastingDisagreement disagreement_;

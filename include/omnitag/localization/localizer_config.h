@@ -2,6 +2,7 @@
 
 #include "omnitag/camera/shutter.h"
 #include "omnitag/common/yaml_reader.h"
+#include "omnitag/localization/evidence.h"
 #include "omnitag/localization/look_around.h"
 #include "omnitag/localization/marker_memory.h"
 #include "omnitag/localization/motion_model.h"
@@ -25,6 +26,7 @@ struct LocalizerConfig {
   EstimatorConfig estimation;
   LookAroundConfig look_around;
   AttentionConfig attention;
+  EvidenceConfig evidence;
   RelocalizationConfig relocalization;
   MotionModelConfig motion;
   ShutterConfig shutter;
@@ -38,10 +40,10 @@ struct LocalizerConfig {
 };
 
 /// Reads the groups `visibility`, `view`, `detector`, `association`, `recognition`, `estimation`,
-/// `look_around`, `attention`, `relocalization`, `motion` and `floor`, and the keys `threads`,
-/// `pose_model` (floor | free), `estimator` (triangulation | reprojection | photometric) and those
-/// of ShutterConfig. Absent keys keep their defaults; other keys of the top level are not looked
-/// at. Throws InputError.
+/// `look_around`, `attention`, `evidence`, `relocalization`, `motion` and `floor`, and the keys
+/// `threads`, `pose_model` (floor | free), `estimator` (triangulation | reprojection | photometric)
+/// and those of ShutterConfig. Absent keys keep their defaults; other keys of the top level are not
+/// looked at. Throws InputError.
 LocalizerConfig readLocalizerConfig(const YamlReader& reader);
 
 }  // namespace omnitag

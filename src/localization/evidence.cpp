@@ -1,0 +1,133 @@
+#include "omnitag/localization/evidence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace omnitag {
+namespace {
+
+/// Length of the shortest tree that joins points, in which a step counts at least `shortest`
+/// (Prim).
+double lengthOfTree(std::vector<Eigen::Vector3d> points, double shortest) {
+  double length = 0.0;
+  if (points.empty()) return length;
+  std::vector<double> distances(points.size(), std::numeric_limits<double>::infinity());
+  Eigen::Vector3d last = points.back();
+  points.pop_back();
+  while (!points.empty()) {
+    std::size_t nearest = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      distances[i] = std::min(distances[i], (points[i] - last).norm());
+      if (distances[i] < distances[nearest]) nearest = i;
+    }
+    length += std::max(distances[nearest], shortest);
+    last = points[nearest];
+    std::swap(points[nearest], points.back());
+    std::swap(distances[nearest], distances[points.size() - 1]);
+    points.pop_back();
+  }
+  return length;
+}
+
+}  // namespace
+
+EvidenceConfig readEvidenceConfig(const YamlReader& reader) {
+  reader.allowOnly({"carried", "carried_without_odometry", "moved", "moved_per_second", "together",
+                    "missed", "odds"});
+  constexpr Interval kProbability{1e-30, 1.0};
+  EvidenceConfig config;
+  reader.read("carried", &config.carried, kProbability);
+  reader.read("carried_without_odometry", &config.carried_without_odometry, kProbability);
+  reader.read("moved", &config.moved, kProbability);
+  reader.read("moved_per_second", &config.moved_per_second, kProbability);
+  reader.read("together", &config.together, kPositive);
+  reader.read("missed", &config.missed, kProbability);
+  reader.read("odds", &config.odds, {1.0, 1e30});
+  return config;
+}
+
+Verdict Evidence::weigh(const Contradiction& contradiction,
+                        const std::optional<PosePrior>& start) const {
+  if (!memory_.hasSeen()) return Verdict::kFound;
+  const Eigen::Isometry3d motion =
+      contradiction.found.toIsometry() * contradiction.expected.toIsometry().inverse();
+  // What was known to hang elsewhere before says nothing new of the robot's last way.
+  std::vector<std::size_t> news;
+  std::vector<std::size_t> all_moved = contradiction.for_found;
+  std::vector<std::size_t> all_in_place = contradiction.for_expected;
+  for (const std::size_t entry : contradiction.for_found) {
+    if (!memory_.isElsewhere(entry)) news.push_back(entry);
+  }
+  for (std::size_t entry = 0; entry < memory_.size(); ++entry) {
+    const auto isIn = [entry](const std::vector<std::size_t>& entries) {
+      return std::find(entries.begin(), entries.end(), entry) != entries.end();
+    };
+    if (isIn(contradiction.for_found) || isIn(contradiction.for_expected)) continue;
+    const RememberedSighting* const elsewhere = memory_.elsewhere(entry);
+    const RememberedSighting* const in_place = memory_.inPlace(entry);
+    if (elsewhere && !contradicts(*elsewhere, motion)) all_moved.push_back(entry);
+    if (in_place && contradicts(*in_place, motion)) all_in_place.push_back(entry);
+  }
+
+  const double expected = logOfMoved(news, motion) + logOfMissed(contradiction.missed);
+  const double carried =
+      std::log(contradiction.has_odometry ? config_.carried : config_.carried_without_odometry) +
+      logOfMoved(contradiction.for_expected, motion);
+  const double always_expected = logOfMoved(all_moved, motion);
+  double never_expected = logOfMoved(all_in_place, motion);
+  if (start) {
+    const PoseVector off = start->errorOf(Pose::fromIsometry(motion * start->pose.toIsometry()));
+    never_expected -= 0.5 * off.dot(start->information * off);
+  }
+
+  const double decisive = std::log(config_.odds);
+  if (carried - expected > decisive || never_expected - always_expected > decisive) {
+    return Verdict::kFound;
+  }
+  if (expected - carried > decisive && always_expected - never_expected > decisive) {
+    return Verdict::kExpected;
+  }
+  return Verdict::kOpen;
+}
+
+double Evidence::logOfMoved(const std::vector<std::size_t>& entries,
+                            const Eigen::Isometry3d& motion) const {
+  if (entries.empty()) return 0.0;
+  std::vector<Eigen::Vector3d> places;
+  double probability = config_.moved;
+  for (const std::size_t entry : entries) {
+    places.push_back(map_.markers[entry].center());
+    const RememberedSighting* const sighting = memory_.inPlace(entry);
+    if (!sighting || !contradicts(*sighting, motion)) continue;
+    const double age = memory_.stamp() - sighting->stamp;
+    probability = std::min(probability, config_.moved_per_second * std::max(age, 0.1));
+  }
+  constexpr double kNearest = 0.7;  // m: of two on one board, one may hang there alone
+  return std::log(probability) - lengthOfTree(std::move(places), kNearest) / config_.together;
+}
+
+double Evidence::logOfMissed(const std::vector<std::size_t>& entries) const {
+  double sum = 0.0;
+  for (const std::size_t entry : entries) {
+    if (memory_.wasSeen(entry)) {
+      sum += std::log(config_.missed);
+    } else if (!memory_.wasMissed(entry)) {
+      sum += std::log(1.0 - memory_.seenAtFirst());
+    }
+  }
+  // Somebody may stand before several.
+  constexpr double kMostMissed = 6.0;
+  return std::max(sum, kMostMissed * std::log(config_.missed));
+}
+
+bool Evidence::contradicts(const RememberedSighting& sighting,
+                           const Eigen::Isometry3d& motion) const {
+  const Pose moved = Pose::fromIsometry(motion * sighting.map_from_base.toIsometry());
+  const Misfit misfit = misfitsAt(map_, sighting.camera, {sighting.observation}, moved,
+                                  ImagingError::Zero(), reprojection_)
+                            .front();
+  return misfit.deviations > max_misfit_;
+}
+
+}  // namespace omnitag
