@@ -111,8 +111,8 @@ std::vector<TrialFrame> Trials::shoot(const Room& room, const std::vector<Pose>&
     Stopwatch stopwatch;
     TrialFrame frame;
     frame.truth = pose;
-    frame.image = withNoise(renderer_.render(room.markers, patterns, room.walls, pose), kNoise,
-                            (*generator)());
+    frame.image = withGreyNoise(renderer_.render(room.markers, patterns, room.walls, pose), kNoise,
+                                (*generator)());
     image_seconds_ += stopwatch.lap();
     ++images_;
     frame.in_view = markersInView(room, camera_, pose);

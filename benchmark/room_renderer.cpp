@@ -7,6 +7,8 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "omnitag/common/angle.h"
+
 namespace omnitag {
 namespace {
 
@@ -143,7 +145,7 @@ cv::Rect RoomRenderer::boxAround(const Marker& marker, double width,
   double margin = kMargin;
   for (int i = 0; i < 4 * kPlacesPerEdge; ++i) {
     const double along = width * ((i % kPlacesPerEdge) / static_cast<double>(kPlacesPerEdge) - 0.5);
-    const Eigen::Rotation2Dd turn(0.5 * EIGEN_PI * (i / kPlacesPerEdge));  // NOLINT
+    const Eigen::Rotation2Dd turn(0.5 * kPi * (i / kPlacesPerEdge));  // NOLINT
     const Eigen::Vector2d place = turn * Eigen::Vector2d(along, 0.5 * width);
     const auto pixel = camera_.pixelFromMap(
         map_from_base, marker.map_from_marker * Eigen::Vector3d(place.x(), place.y(), 0.0));
@@ -157,7 +159,7 @@ cv::Rect RoomRenderer::boxAround(const Marker& marker, double width,
   return cv::Rect(low, high) & cv::Rect(0, 0, size.width, size.height);
 }
 
-cv::Mat withNoise(const cv::Mat& image, double deviation, std::uint64_t seed) {
+cv::Mat withGreyNoise(const cv::Mat& image, double deviation, std::uint64_t seed) {
   cv::RNG random(seed);
   cv::Mat noise(image.size(), CV_32FC1);
   random.fill(noise, cv::RNG::NORMAL, 0.0, deviation);

@@ -43,6 +43,6 @@ class RoomRenderer {
 };
 
 /// The image with noise of this standard deviation (grey levels), the same for the same seed.
-cv::Mat withNoise(const cv::Mat& image, double deviation, std::uint64_t seed);
+cv::Mat withGreyNoise(const cv::Mat& image, double deviation, std::uint64_t seed);
 
 }  // namespace omnitag
