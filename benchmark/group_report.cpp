@@ -84,7 +84,9 @@ void showWrong(unsigned room, const Trial& trial, Case what, bool has_odometry,
               degrees(trial.group.turn));
   for (std::size_t i = 0; i < drive.size(); ++i) {
     if (!isWrong(drive[i])) continue;
-    std::printf(" %zu (%.0f mm, %.1f)", i, 1e3 * drive[i].distance, drive[i].deviations);
+    std::printf(" %zu (%.0f mm, %.1f, %d:%d%s)", i, 1e3 * drive[i].distance, drive[i].deviations,
+                drive[i].right_in_view, drive[i].moved_in_view,
+                drive[i].result.mode == Mode::kDeadReckoning ? ", reckoned" : "");
   }
   std::printf("\n");
   std::fflush(stdout);

@@ -10,7 +10,9 @@ namespace omnitag {
 /// view.
 bool hasWrong(const std::vector<JudgedFrame>& drive);
 
-/// Prints a line with the wrong poses of a drive, where it has some.
+/// Prints a line with the wrong poses of a drive, where it has some: for each the frame, how far it
+/// is off, in mm and standard deviations, and how many markers are in view that hang where the map
+/// says and that do not.
 void showWrong(unsigned room, const Trial& trial, Case what, bool has_odometry,
                const std::vector<JudgedFrame>& drive);
 

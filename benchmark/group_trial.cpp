@@ -138,11 +138,12 @@ std::vector<JudgedFrame> Trials::follow(const Trial& trial, Case what, bool has_
     frame.base_from_camera = camera_.baseFromCamera();
     if (has_odometry) frame.odom_from_base = frames[i].odometry;
     JudgedFrame one = judge(localizer.process(frame), frames[i].truth);
-    one.is_in_view = std::any_of(
-        frames[i].in_view.begin(), frames[i].in_view.end(),
-        [&](std::size_t entry) { return !is_moved || trial.group.entries.count(entry) == 0; });
+    for (const std::size_t entry : frames[i].in_view) {
+      const bool is_off = is_moved && trial.group.entries.count(entry) > 0;
+      ++(is_off ? one.moved_in_view : one.right_in_view);
+    }
     if (is_carried && i == kCarriedAt) has_been_in_view = false;
-    has_been_in_view = has_been_in_view || one.is_in_view;
+    has_been_in_view = has_been_in_view || one.right_in_view > 0;
     one.has_been_in_view = has_been_in_view;
     judged.push_back(std::move(one));
   }

@@ -53,10 +53,14 @@ struct JudgedFrame {
   double deviations = 0.0;  // the same in standard deviations of x and y
   /// More than 5 deviations and 2 cm off.
   bool is_wrong = false;
-  /// Whether a marker that hangs where the map says is in view, and whether one has been, since the
-  /// start or since the robot was carried off.
-  bool is_in_view = false;
+  /// How many markers are in view that hang where the map says and that do not, and whether one
+  /// that does has been, since the start or since the robot was carried off.
+  int right_in_view = 0;
+  int moved_in_view = 0;
   bool has_been_in_view = false;
+
+  /// Whether markers do not tell by their number which of them hang where the map says.
+  bool isOutvoted() const { return moved_in_view >= right_in_view && moved_in_view > 0; }
 };
 
 /// Makes trials for one camera, and localizes in them.
