@@ -33,15 +33,18 @@ double lengthOfTree(std::vector<Eigen::Vector3d> points, double shortest) {
 }  // namespace
 
 EvidenceConfig readEvidenceConfig(const YamlReader& reader) {
-  reader.allowOnly({"carried", "carried_without_odometry", "moved", "moved_per_second", "together",
-                    "missed", "odds"});
+  reader.allowOnly({"carried", "carried_without_odometry", "misread", "moved", "moved_per_second",
+                    "together", "missed", "mistaken_start", "mistaken", "odds"});
   constexpr Interval kProbability{1e-30, 1.0};
   EvidenceConfig config;
   reader.read("carried", &config.carried, kProbability);
   reader.read("carried_without_odometry", &config.carried_without_odometry, kProbability);
+  reader.read("misread", &config.misread, kProbability);
   reader.read("moved", &config.moved, kProbability);
   reader.read("moved_per_second", &config.moved_per_second, kProbability);
   reader.read("together", &config.together, kPositive);
+  reader.read("mistaken_start", &config.mistaken_start, kProbability);
+  reader.read("mistaken", &config.mistaken, kProbability);
   reader.read("missed", &config.missed, kProbability);
   reader.read("odds", &config.odds, {1.0, 1e30});
   return config;
@@ -49,7 +52,6 @@ EvidenceConfig readEvidenceConfig(const YamlReader& reader) {
 
 Verdict Evidence::weigh(const Contradiction& contradiction,
                         const std::optional<PosePrior>& start) const {
-  if (!memory_.hasSeen()) return Verdict::kFound;
   const Eigen::Isometry3d motion =
       contradiction.found.toIsometry() * contradiction.expected.toIsometry().inverse();
   // What was known to hang elsewhere before says nothing new of the robot's last way.
@@ -70,17 +72,25 @@ Verdict Evidence::weigh(const Contradiction& contradiction,
     if (in_place && contradicts(*in_place, motion)) all_in_place.push_back(entry);
   }
 
-  const double expected = logOfMoved(news, motion) + logOfMissed(contradiction.missed);
+  const double never_seen = logOfMissed(contradiction.missed, false);
+  const double expected =
+      logOfMoved(news, motion) + never_seen + logOfMissed(contradiction.missed, true);
   const double carried =
       std::log(contradiction.has_odometry ? config_.carried : config_.carried_without_odometry) +
       logOfMoved(contradiction.for_expected, motion);
-  const double always_expected = logOfMoved(all_moved, motion);
+  double always_expected = logOfMoved(all_moved, motion) + never_seen;
   double never_expected = logOfMoved(all_in_place, motion);
-  if (start) {
-    const PoseVector off = start->errorOf(Pose::fromIsometry(motion * start->pose.toIsometry()));
-    never_expected -= 0.5 * off.dot(start->information * off);
+  constexpr std::size_t kSeveral = 3;
+  const std::size_t in_place = memory_.countInPlace();
+  if (in_place >= kSeveral) never_expected += std::log(config_.mistaken);
+  if (start && in_place > 0) {
+    never_expected += logOfStart(*start, motion, true);
+  } else if (start) {
+    const Eigen::Isometry3d given = contradiction.predicted.toIsometry().inverse();
+    always_expected += logOfStart(*start, contradiction.expected.toIsometry() * given, true);
+    never_expected += logOfStart(*start, contradiction.found.toIsometry() * given,
+                                 !contradiction.for_expected.empty());
   }
-
   const double decisive = std::log(config_.odds);
   if (carried - expected > decisive || never_expected - always_expected > decisive) {
     return Verdict::kFound;
@@ -95,7 +105,7 @@ double Evidence::logOfMoved(const std::vector<std::size_t>& entries,
                             const Eigen::Isometry3d& motion) const {
   if (entries.empty()) return 0.0;
   std::vector<Eigen::Vector3d> places;
-  double probability = config_.moved;
+  double probability = entries.size() == 1 ? config_.misread : config_.moved;
   for (const std::size_t entry : entries) {
     places.push_back(map_.markers[entry].center());
     const RememberedSighting* const sighting = memory_.inPlace(entry);
@@ -107,14 +117,24 @@ double Evidence::logOfMoved(const std::vector<std::size_t>& entries,
   return std::log(probability) - lengthOfTree(std::move(places), kNearest) / config_.together;
 }
 
-double Evidence::logOfMissed(const std::vector<std::size_t>& entries) const {
+double Evidence::logOfStart(const PosePrior& start, const Eigen::Isometry3d& motion,
+                            bool is_met) const {
+  // How the robot leans is told anew by each image.
+  const PoseVector any_lean =
+      poseVector(Eigen::Vector3d(0.0, 0.0, 1.0), Eigen::Vector3d(1.0, 1.0, 0.0));
+  const PosePrior loose = start.pushed(any_lean);
+  const PoseVector off = loose.errorOf(Pose::fromIsometry(motion * start.pose.toIsometry()));
+  // Markers that were moved lead to a pose that was given by mistake only by chance.
+  const double mistaken = config_.mistaken_start * (is_met ? config_.mistaken : 1.0);
+  return std::max(-0.5 * off.dot(loose.information * off), std::log(mistaken));
+}
+
+double Evidence::logOfMissed(const std::vector<std::size_t>& entries, bool were_seen) const {
   double sum = 0.0;
   for (const std::size_t entry : entries) {
-    if (memory_.wasSeen(entry)) {
-      sum += std::log(config_.missed);
-    } else if (!memory_.wasMissed(entry)) {
-      sum += std::log(1.0 - memory_.seenAtFirst());
-    }
+    if (were_seen && memory_.wasSeen(entry)) sum += std::log(config_.missed);
+    const bool is_new = !memory_.wasSeen(entry) && !memory_.wasMissed(entry);
+    if (!were_seen && is_new) sum += std::log(1.0 - memory_.seenAtFirst());
   }
   // Somebody may stand before several.
   constexpr double kMostMissed = 6.0;

@@ -104,6 +104,7 @@ std::optional<PoseEstimate> FrameTracker::track() {
     solve();
     findOthers();
     decodeAnchors();
+    if (isSurprising()) lookWherePredicted();
     // What was found first may have been moved as one, and has drawn what was found after it.
     if (has_prior_ && isDoubtful()) lookAgain(predicted_.pose);
     if (isDoubtful()) lookAgain(solution_->map_from_base.pose);
@@ -116,6 +117,7 @@ std::optional<PoseEstimate> FrameTracker::track() {
     if (recognizes() && was_vague && found() > before) findOthers();
   }
   Stopwatch step;
+  settleConflicts();
   if (solution_) align();
   result_->timings.solve += step.lap();
   if (solution_) {
@@ -244,6 +246,24 @@ std::size_t FrameTracker::found() const {
                     [](const Sighting& sighting) { return sighting.observation.has_value(); }));
 }
 
+void FrameTracker::lookWherePredicted() {
+  const std::size_t before = found();
+  recognizeAll(predicted_, false);
+  std::vector<std::size_t> largest = undecoded();
+  largest.resize(std::min(largest.size(), kAnchors));
+  decode(largest, kAnySize);
+  if (found() > before) solve();
+}
+
+bool FrameTracker::isSurprising() const {
+  if (!solution_ || !has_prior_) return false;
+  constexpr double kLimit = 9.0;  // chi-square, 3 degrees of freedom, one of 30
+  const PosePrior prior = PosePrior::about(predicted_);
+  const Eigen::Vector3d off = prior.errorOf(solution_->map_from_base.pose).head<3>();
+  const Eigen::Matrix3d covariance = floorCovariance(predicted_);
+  return off.dot(covariance.ldlt().solve(off)) > kLimit;
+}
+
 bool FrameTracker::isDoubtful() const {
   if (!solution_) return false;
   const std::size_t agreeing = sharplyAgreeing(solution_->misfits);
@@ -347,45 +367,104 @@ void FrameTracker::solve() {
   if (solution_ && has_prior_ && observed_.size() >= 2 && solution_->excess > kLargeExcess) {
     const auto alone = solutionOfObserved(farthestPushed());
     if (alone && std::count(alone->used.begin(), alone->used.end(), true) >= 2) {
-      if (isMoved(*alone)) prior_ = afterPush(prior_, alone->map_from_base, poseModel());
+      prior_ = afterPush(prior_, alone->map_from_base, poseModel());
+      is_pushed_ = true;
       solution_ = solutionOfObserved(prior_);
     }
   }
   result_->timings.solve += step.lap();
 }
 
-bool FrameTracker::isMoved(const PoseSolution& alone) {
-  Contradiction contradiction;
-  contradiction.expected = predicted_.pose;
-  contradiction.found = alone.map_from_base.pose;
-  contradiction.has_odometry = frame_.odom_from_base.has_value();
+void FrameTracker::settleConflicts() {
+  if (!solution_ || !has_prior_) return;
+  if (is_pushed_) settleWithPrediction();
+  if (solution_) settleAmongMarkers();
+}
+
+void FrameTracker::settleWithPrediction() {
+  const PosePrior predicted = PosePrior::about(predicted_);
+  std::vector<std::size_t> for_expected;
   std::vector<std::size_t> for_found;
   bool were_all_seen = true;
   for (std::size_t k = 0; k < observed_.size(); ++k) {
-    const MarkerObservation& observation = *sightings_[observed_[k]].observation;
-    const bool is_expected = agreesWithPrior(tools_, camera_, observation, prior_);
-    if (is_expected && !alone.used[k]) {
-      contradiction.for_expected.push_back(observation.map_entry);
-    } else if (!is_expected && alone.used[k]) {
-      contradiction.for_found.push_back(observation.map_entry);
-      for_found.push_back(observed_[k]);
-      were_all_seen = were_all_seen && sightings_[observed_[k]].is_likely;
-    }
+    const Sighting& sighting = sightings_[observed_[k]];
+    const bool is_expected = agreesWithPrior(tools_, camera_, *sighting.observation, predicted);
+    if (is_expected == solution_->used[k]) continue;
+    (is_expected ? for_expected : for_found).push_back(observed_[k]);
+    were_all_seen = were_all_seen && (is_expected || sighting.is_likely);
   }
   // What moved by less than tells markers apart, or moved all that the image before showed, is the
   // robot.
-  const bool is_alone = contradiction.for_expected.empty();
-  if (for_found.empty() || (is_alone && were_all_seen)) return true;
+  if (for_found.empty() || (for_expected.empty() && were_all_seen)) return;
+  const Verdict verdict =
+      weigh(predicted_.pose, solution_->map_from_base.pose, for_found, for_expected);
+  if (verdict == Verdict::kFound) return leaveOut(for_expected);
+  result_->is_open = verdict == Verdict::kOpen;
+  prior_ = predicted;
+  leaveOut(for_found);
+}
+
+void FrameTracker::settleAmongMarkers() {
+  std::vector<MarkerObservation> rest;
+  std::vector<MarkerObservation> all;
+  for (std::size_t k = 0; k < observed_.size(); ++k) {
+    all.push_back(*sightings_[observed_[k]].observation);
+    if (!solution_->used[k]) rest.push_back(all.back());
+  }
+  if (rest.empty()) return;
+  const EstimatorConfig& config = tools_.config.estimation;
+  const auto other = estimatePose(tools_.map, camera_, rest, farthestPushed(), config);
+  if (!other) return;
+  const std::vector<Misfit> misfits = misfitsAt(tools_.map, camera_, all, other->map_from_base.pose,
+                                                other->imaging_error, config.reprojection);
+  std::vector<std::size_t> for_solution;
+  std::vector<std::size_t> for_other;
+  for (std::size_t k = 0; k < observed_.size(); ++k) {
+    const double here = solution_->misfits[k].deviations;
+    const double there = misfits[k].deviations;
+    // One that was not moved may seem in its place by chance.
+    constexpr double kSharp = 1.2;
+    if (here > kSharp && there < std::min(0.5 * here, config.max_misfit)) {
+      for_other.push_back(observed_[k]);
+    } else if (solution_->used[k]) {
+      for_solution.push_back(observed_[k]);
+    }
+  }
+  const Verdict verdict =
+      weigh(solution_->map_from_base.pose, other->map_from_base.pose, for_other, for_solution);
+  result_->is_open = result_->is_open || verdict == Verdict::kOpen;
+  leaveOut(verdict == Verdict::kFound ? for_solution : for_other);
+}
+
+Verdict FrameTracker::weigh(const Pose& expected, const Pose& found,
+                            const std::vector<std::size_t>& for_found,
+                            const std::vector<std::size_t>& for_expected) const {
+  const auto entriesOf = [this](const std::vector<std::size_t>& targets) {
+    std::vector<std::size_t> entries;
+    for (const std::size_t target : targets) {
+      entries.push_back(result_->predicted[target].map_entry);
+    }
+    return entries;
+  };
+  Contradiction contradiction{predicted_.pose,
+                              expected,
+                              found,
+                              entriesOf(for_found),
+                              entriesOf(for_expected),
+                              {},
+                              frame_.odom_from_base.has_value()};
   for (const Sighting& sighting : sightings_) {
     if (sighting.looked_at && !sighting.observation) {
       contradiction.missed.push_back(sighting.looked_at->map_entry);
     }
   }
-  const Verdict verdict = tools_.evidence.weigh(contradiction, tools_.start);
-  if (verdict == Verdict::kFound) return true;
-  result_->is_open = result_->is_open || verdict == Verdict::kOpen;
-  for (const std::size_t target : for_found) sightings_[target].is_elsewhere = true;
-  return false;
+  return tools_.evidence.weigh(contradiction, tools_.start);
+}
+
+void FrameTracker::leaveOut(const std::vector<std::size_t>& targets) {
+  if (targets.empty()) return;
+  for (const std::size_t target : targets) sightings_[target].is_elsewhere = true;
+  solution_ = solutionOfObserved(prior_);
 }
 
 void FrameTracker::align() {

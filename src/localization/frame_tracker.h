@@ -69,6 +69,11 @@ class FrameTracker {
   /// How many are found or hidden by nothing.
   std::size_t expected() const;
   std::size_t found() const;
+  /// Whether the solution is so far off the prediction that other markers may be where that has
+  /// them.
+  bool isSurprising() const;
+  /// Looks for the others there, also with the decoder.
+  void lookWherePredicted();
   /// Whether the solution is off the prediction, or leaves out some that were found, while too few
   /// agree with it sharply for these to be sure to be the ones that hang where the map has them.
   bool isDoubtful() const;
@@ -82,13 +87,18 @@ class FrameTracker {
   /// The prior of a robot that was pushed as far as anybody may.
   PosePrior farthestPushed() const;
   /// Estimates the pose from what was found. Where markers agree that the robot is elsewhere than
-  /// predicted, either they were moved and are left out, or what moved the robot is not in the
-  /// prediction: it counts for less from then on.
+  /// predicted, what moved it is not in the prediction: it counts for less from then on.
   void solve();
   std::optional<PoseSolution> solutionOfObserved(const PosePrior& prior);
-  /// Whether the robot is where markers alone have it, and not where it is predicted. Otherwise
-  /// those are marked that hang elsewhere.
-  bool isMoved(const PoseSolution& alone);
+  /// Where markers lead to another pose than the prediction does, or than others: decides by the
+  /// evidence which of them hang elsewhere than the map says, and solves again without these.
+  void settleConflicts();
+  void settleWithPrediction();
+  void settleAmongMarkers();
+  /// Weighs a pose that these sightings stand for against the expected one.
+  Verdict weigh(const Pose& expected, const Pose& found, const std::vector<std::size_t>& for_found,
+                const std::vector<std::size_t>& for_expected) const;
+  void leaveOut(const std::vector<std::size_t>& targets);
   /// Aligns the solution with the pixels of its markers, but for those that are then off; leaves it
   /// with the corners where others are off without them.
   void align();
@@ -103,8 +113,10 @@ class FrameTracker {
   const MountedCamera& camera_;
   const PoseEstimate& predicted_;
   bool has_prior_;
-  /// What is known of the pose beside what is found.
+  /// What is known of the pose beside what is found, and whether that is less than the prediction
+  /// says, since something moved the robot.
   PosePrior prior_;
+  bool is_pushed_ = false;
   FrameResult* result_;
   std::vector<Sighting> sightings_;
   /// Each once.

@@ -98,7 +98,6 @@ void Localizer::setMap(MarkerMap map) {
   patterns_.add(map);
   map_ = std::move(map);
   index_ = MarkerIndex(map_);
-  memory_.clear();
 }
 
 void Localizer::seek(std::vector<Marker> markers) { patrol_->seek(std::move(markers)); }
@@ -224,6 +223,11 @@ bool Localizer::track(const Frame& frame, const MountedCamera& camera,
   result->predicted = predictMarkers(map_, index_, camera, predicted, config_.visibility);
   result->timings.predict += step.lap();
   const std::optional<PoseEstimate> pose = followMarkers(frame, camera, predicted, result);
+  if (result->is_open) {
+    // Either pose would only seem to be confirmed from then on.
+    result->map_from_base = predicted;
+    return true;
+  }
   // Where most of what is read contradicts, the prediction itself is in doubt.
   if (!pose || contradictions(*result, map_) > result->acceptedMarkers()) return true;
   if (!markersAgree(camera, predicted, pose->pose, *result)) return false;
@@ -325,7 +329,8 @@ bool Localizer::isElsewhere(const Frame& frame, const MountedCamera& camera,
 Verdict Localizer::weigh(const Frame& frame, const Pose& expected, const Pose& found,
                          const std::vector<std::size_t>& for_expected,
                          const FrameResult& result) const {
-  Contradiction contradiction{expected, found, {}, for_expected, {}, !!frame.odom_from_base};
+  Contradiction contradiction{
+      expected, expected, found, {}, for_expected, {}, !!frame.odom_from_base};
   const auto isShown = [&](std::size_t entry) {
     return std::any_of(
         result.detections.begin(), result.detections.end(),
@@ -348,7 +353,7 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
     result->missed = missed;
     const bool is_expected = predicted && agree(*predicted, seen);
     const PoseEstimate pose = is_expected ? seen : modest(seen, *result);
-    decide(pose, frame, predicted, is_expected, result);
+    decide(pose, frame, camera, predicted, is_expected, result);
   };
   if (const auto seen = glance(trackingTools(), frame, camera, result)) {
     return accept(*seen);
@@ -390,7 +395,7 @@ void Localizer::search(const Frame& frame, const MountedCamera& camera,
       if (!is_expected) pose = modest(pose, *result);
     }
     result->missed = missed;
-    decide(pose, frame, predicted, is_expected, result);
+    decide(pose, frame, camera, predicted, is_expected, result);
   } else if (predicted) {
     carryOn(*predicted, is_refuted, result);
   } else {
@@ -414,7 +419,23 @@ std::optional<PoseEstimate> Localizer::confirmAround(const std::vector<MarkerRea
   return result->map_from_base;
 }
 
-void Localizer::decide(const PoseEstimate& pose, const Frame& frame,
+std::vector<std::size_t> Localizer::entriesWherePredicted(const MountedCamera& camera,
+                                                          const PoseEstimate& predicted,
+                                                          const FrameResult& result) {
+  std::vector<std::size_t> entries;
+  const PosePrior prior = PosePrior::about(predicted);
+  const TrackingTools tools = trackingTools();
+  for (const MarkerDetection& detection : result.detections) {
+    if (detection.accepted) continue;
+    for (const std::size_t entry : entriesOf(map_, detection.family, detection.id)) {
+      const MarkerObservation observation{entry, detection.corners, detection.center};
+      if (agreesWithPrior(tools, camera, observation, prior)) entries.push_back(entry);
+    }
+  }
+  return entries;
+}
+
+void Localizer::decide(const PoseEstimate& pose, const Frame& frame, const MountedCamera& camera,
                        const std::optional<PoseEstimate>& predicted, bool is_expected,
                        FrameResult* result) {
   std::vector<std::size_t> entries;
@@ -432,7 +453,8 @@ void Localizer::decide(const PoseEstimate& pose, const Frame& frame,
     result->elsewhere = std::move(entries);
     return withhold(result);
   }
-  const Verdict verdict = weigh(frame, predicted->pose, pose.pose, {}, *result);
+  const Verdict verdict = weigh(frame, predicted->pose, pose.pose,
+                                entriesWherePredicted(camera, *predicted, *result), *result);
   if (verdict == Verdict::kFound) {
     memory_.forgetPlaces();
     return settle(pose, frame, predicted, is_expected, result);
@@ -490,13 +512,13 @@ void Localizer::remember(const MountedCamera& camera, const FrameResult& result)
     if (!detection.map_entry) continue;
     const auto& elsewhere = result.elsewhere;
     if (detection.accepted) {
-      memory_.addSeen(sightingOf(detection));
+      if (!result.is_open) memory_.addSeen(sightingOf(detection));
     } else if (std::find(elsewhere.begin(), elsewhere.end(), *detection.map_entry) !=
                elsewhere.end()) {
       memory_.addElsewhere(sightingOf(detection), !result.is_open);
     }
   }
-  const bool is_told = result.acceptedMarkers() > 0;
+  const bool is_told = result.acceptedMarkers() > 0 && !result.is_open;
   const Eigen::Vector3d viewpoint = camera.mapFromCamera(pose).translation();
   for (const std::size_t entry : result.missed) {
     if (is_told) {

@@ -38,9 +38,10 @@ bool MarkerMemory::isElsewhere(std::size_t entry) const {
   return elsewhere(entry) && records_[entry].is_certain;
 }
 
-bool MarkerMemory::hasSeen() const {
-  return std::any_of(records_.begin(), records_.end(),
-                     [](const Record& record) { return record.in_place.has_value(); });
+std::size_t MarkerMemory::countInPlace() const {
+  return static_cast<std::size_t>(
+      std::count_if(records_.begin(), records_.end(),
+                    [](const Record& record) { return record.in_place.has_value(); }));
 }
 
 const RememberedSighting* MarkerMemory::inPlace(std::size_t entry) const {

@@ -118,9 +118,10 @@ std::optional<PoseSolution> triangulateRobustly(const MarkerMap& map, const Moun
 /// How badly observations fit a pose. One that agrees well counts much more than one that hardly
 /// does: a pose between two that fit well would otherwise win with the markers of both.
 double misfitOf(const std::vector<Misfit>& misfits) {
+  constexpr double kHalf = 0.5;  // standard deviations
   double sum = 0.0;
   for (const Misfit& misfit : misfits) {
-    const double ratio = kSharp / misfit.deviations;
+    const double ratio = kHalf / misfit.deviations;
     sum += 1.0 / (1.0 + ratio * ratio);
   }
   return sum;
@@ -198,7 +199,7 @@ std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera&
     }
   };
   const auto areAllGood = [&] {
-    constexpr double kGood = 2.0 * kSharp;
+    constexpr double kGood = kSharp;
     return best && std::all_of(best->misfits.begin(), best->misfits.end(),
                                [](const Misfit& misfit) { return misfit.deviations <= kGood; });
   };
@@ -222,8 +223,12 @@ std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera&
                                       config.reprojection));
     }
   }
-  const bool is_sure = best && (areAllGood() || isLargeMajority(sharplyAgreeing(best->misfits),
-                                                                observations.size()));
+  // A pose between markers that were moved as one and the others fits all of them a little, and
+  // none as well as corners are known.
+  constexpr double kConflicting = 4.0;  // squared residuals, of those that corners have
+  const bool is_sure =
+      best && best->excess < kConflicting &&
+      (areAllGood() || isLargeMajority(sharplyAgreeing(best->misfits), observations.size()));
   if (prior.knows_place && observations.size() > 2 && !is_sure) {
     keepBetter(refineFromPairs(map, camera, observations, prior, config));
   }
@@ -252,7 +257,9 @@ std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera&
   std::transform(used.begin(), used.end(), more.begin(), more.begin(), std::logical_or<>());
   if (more == used) return solution;
   auto fuller = standingOn(more, solution->map_from_base.pose);
-  return fuller ? fuller : solution;
+  // Which is no agreement where it pulls the pose off the others.
+  const bool is_better = fuller && misfitOf(fuller->misfits) <= misfitOf(solution->misfits);
+  return is_better ? fuller : solution;
 }
 
 }  // namespace

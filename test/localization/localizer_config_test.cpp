@@ -29,6 +29,7 @@ detector: {quad_decimate: 2}
 association: {max_roll: 0.2}
 recognition: {max_margin: 2, false_accept_rate: 1e-3, min_contrast: 5}
 attention: {period: 3, max_pixels: 5000, hidden_way: 0.5, hidden_time: 2}
+evidence: {moved: 1e-3, odds: 1000}
 estimation: {corner_noise: 0.3, blur: 0.7}
 look_around: {step: 0.5}
 relocalization: {min_lead: 20}
@@ -52,6 +53,8 @@ floor: {lean_deviation: 0.02, height_deviation: 0.01, settling_time: 5}
   EXPECT_EQ(config.attention.max_pixels, 5000);
   EXPECT_EQ(config.attention.hidden_way, 0.5);
   EXPECT_EQ(config.attention.hidden_time, 2.0);
+  EXPECT_EQ(config.evidence.moved, 1e-3);
+  EXPECT_EQ(config.evidence.odds, 1000.0);
   EXPECT_EQ(config.estimation.reprojection.corner_noise, 0.3);
   EXPECT_EQ(config.estimation.blur, 0.7);
   EXPECT_EQ(config.look_around.step, 0.5);
@@ -81,6 +84,8 @@ TEST(LocalizerConfigTest, RefusesWhatIsWrongAndNamesIt) {
       {"recognition: {false_accept_rate: 0.5}", {"recognition.false_accept_rate", "'0.5'"}},
       {"recognition: {min_contrast: 0}", {"recognition.min_contrast", "> 0", "'0'"}},
       {"recognition: {period: 0.25}", {"recognition.period", "attention/period"}},
+      {"evidence: {moved: 1.5}", {"evidence.moved", "'1.5'"}},
+      {"evidence: {odds: 0.5}", {"evidence.odds", "'0.5'"}},
       {"attention: {period: soon}", {"attention.period", "'soon'"}},
       {"attention: {max_pixels: 0}", {"attention.max_pixels", "'0'"}},
       {"recognition: {threshold: 0.5}", {"recognition.threshold", "unknown key"}},

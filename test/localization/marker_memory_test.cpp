@@ -15,6 +15,14 @@ namespace {
 
 const Eigen::Vector3d kHere(1.0, 2.0, 1.1);
 
+RememberedSighting seenAt(std::size_t entry, double stamp) {
+  const Eigen::Vector2d anywhere(0.0, 0.0);
+  return {stamp,
+          {entry, {anywhere, anywhere, anywhere, anywhere}, anywhere},
+          {test::sphericalCamera(), test::lookingDown()},
+          {}};
+}
+
 TEST(MarkerMemoryTest, OneThatWasMissedTwiceIsHiddenForAWhileAndAWay) {
   AttentionConfig config;
   config.hidden_time = 1.0;
@@ -29,20 +37,54 @@ TEST(MarkerMemoryTest, OneThatWasMissedTwiceIsHiddenForAWhileAndAWay) {
   EXPECT_TRUE(memory.isHidden(7, kHere + Eigen::Vector3d(0.2, 0.0, 0.0), 0.2));
   EXPECT_FALSE(memory.isHidden(7, kHere + Eigen::Vector3d(0.2, 0.2, 0.0), 0.2));
   EXPECT_FALSE(memory.isHidden(6, kHere, 0.2)) << "another one";
-  memory.addSeen(7, 0.3);
+  memory.addSeen(seenAt(7, 0.3));
   EXPECT_FALSE(memory.isHidden(7, kHere, 0.4));
 }
 
 TEST(MarkerMemoryTest, TellsWhatWasSeenTheLastTime) {
   MarkerMemory memory({});
   EXPECT_FALSE(memory.wasSeen(3));
-  memory.addSeen(3, 1.0);
+  memory.addSeen(seenAt(3, 1.0));
   EXPECT_TRUE(memory.wasSeen(3));
   EXPECT_TRUE(memory.wasSeenSince(3, 1.0));
   EXPECT_FALSE(memory.wasSeenSince(3, 1.1));
   memory.addMissed(3, kHere, 1.1);
   EXPECT_FALSE(memory.wasSeen(3));
+  EXPECT_TRUE(memory.wasMissed(3));
   EXPECT_TRUE(memory.wasSeenSince(3, 1.0));
+}
+
+TEST(MarkerMemoryTest, KnowsWhereMarkersWereSeen) {
+  MarkerMemory memory({});
+  EXPECT_FALSE(memory.inPlace(2));
+  memory.addSeen(seenAt(2, 1.0));
+  ASSERT_TRUE(memory.inPlace(2));
+  EXPECT_EQ(memory.inPlace(2)->stamp, 1.0);
+  memory.addElsewhere(seenAt(2, 2.0), false);
+  ASSERT_TRUE(memory.elsewhere(2));
+  EXPECT_FALSE(memory.isElsewhere(2)) << "that is open";
+  memory.addElsewhere(seenAt(2, 3.0), true);
+  EXPECT_TRUE(memory.isElsewhere(2));
+  memory.addSeen(seenAt(2, 4.0));
+  EXPECT_FALSE(memory.isElsewhere(2)) << "back in its place";
+  EXPECT_EQ(memory.countInPlace(), 1U);
+  memory.forgetPlaces();
+  EXPECT_EQ(memory.countInPlace(), 0U);
+}
+
+TEST(MarkerMemoryTest, LearnsHowManyMarkersAreSeenAtFirstSight) {
+  MarkerMemory memory({});
+  EXPECT_EQ(memory.seenAtFirst(), 0.5);
+  for (std::size_t entry = 0; entry < 30; ++entry) {
+    if (entry % 3 == 0) {
+      memory.addSeen(seenAt(entry, 1.0));
+    } else {
+      memory.addMissed(entry, kHere, 1.0);
+    }
+  }
+  EXPECT_NEAR(memory.seenAtFirst(), 1.0 / 3.0, 0.02);
+  for (int i = 0; i < 20; ++i) memory.addMissed(0, kHere, 2.0 + i);
+  EXPECT_NEAR(memory.seenAtFirst(), 1.0 / 3.0, 0.02) << "another look is none at first sight";
 }
 
 /// A robot that stands in a room whose walls hide some of the map's markers.

@@ -139,6 +139,19 @@ TEST(Parameters, ManualHasTheDefaults) {
   EXPECT_EQ(attention.hidden_way, attention_default.hidden_way);
   EXPECT_EQ(attention.hidden_time, attention_default.hidden_time);
 
+  const EvidenceConfig& evidence = manual.localizer.evidence;
+  const EvidenceConfig& evidence_default = defaults.localizer.evidence;
+  EXPECT_EQ(evidence.carried, evidence_default.carried);
+  EXPECT_EQ(evidence.carried_without_odometry, evidence_default.carried_without_odometry);
+  EXPECT_EQ(evidence.misread, evidence_default.misread);
+  EXPECT_EQ(evidence.moved, evidence_default.moved);
+  EXPECT_EQ(evidence.moved_per_second, evidence_default.moved_per_second);
+  EXPECT_EQ(evidence.together, evidence_default.together);
+  EXPECT_EQ(evidence.mistaken_start, evidence_default.mistaken_start);
+  EXPECT_EQ(evidence.mistaken, evidence_default.mistaken);
+  EXPECT_EQ(evidence.missed, evidence_default.missed);
+  EXPECT_EQ(evidence.odds, evidence_default.odds);
+
   const LookAroundConfig& look_around = manual.localizer.look_around;
   const LookAroundConfig& look_around_default = defaults.localizer.look_around;
   EXPECT_EQ(look_around.glance, look_around_default.glance);

@@ -107,9 +107,13 @@ class Localizer {
   /// were seen where only that has them.
   Verdict weigh(const Frame& frame, const Pose& expected, const Pose& found,
                 const std::vector<std::size_t>& for_expected, const FrameResult& result) const;
+  /// Those of the map's markers that a search read where only the predicted pose has them.
+  std::vector<std::size_t> entriesWherePredicted(const MountedCamera& camera,
+                                                 const PoseEstimate& predicted,
+                                                 const FrameResult& result);
   /// Takes a pose that a search found, unless what it stands on was moved more likely than the
   /// robot.
-  void decide(const PoseEstimate& pose, const Frame& frame,
+  void decide(const PoseEstimate& pose, const Frame& frame, const MountedCamera& camera,
               const std::optional<PoseEstimate>& predicted, bool is_expected, FrameResult* result);
   /// Leaves the frame without a pose, since two are possible.
   void withhold(FrameResult* result);

@@ -79,8 +79,8 @@ class MarkerMemory {
 
   /// Whether the marker hangs elsewhere for certain.
   bool isElsewhere(std::size_t entry) const;
-  /// Whether any was seen in its place.
-  bool hasSeen() const;
+  /// How many were seen in their places.
+  std::size_t countInPlace() const;
 
   /// Entries from here on were never looked for.
   std::size_t size() const { return records_.size(); }
