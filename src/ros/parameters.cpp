@@ -46,9 +46,10 @@ LocalizerParameters readParameters(const YamlReader& reader) {
                     "initial_pose", "image_transport", "queue_size", "transform_timeout",
                     "transform_tolerance", "transform_period", "restart_time_jump", "path_min_step",
                     "path_max_poses", "robot_radius", "visibility", "view", "detector",
-                    "association", "recognition", "estimation", "look_around", "relocalization",
-                    "motion", "floor", "pose_model", "image_time_offset", "row_readout_time",
-                    "exposure_time", "threads", "estimator", "mapping", "mapper",
+                    "association", "recognition", "estimation", "look_around", "attention",
+                    "evidence", "relocalization", "motion", "floor", "pose_model",
+                    "image_time_offset", "row_readout_time", "exposure_time", "threads",
+                    "estimator", "mapping", "mapper",
                     // Read by nodelet in the same namespace.
                     "num_worker_threads"});
   LocalizerParameters parameters;
