@@ -6,7 +6,6 @@
 //   outlier_study [BAG CAMERA MAP]     a bag of render_sequence; the shipped one by default
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -20,6 +19,7 @@
 #include "omnitag/localization/localizer.h"
 #include "program.h"
 #include "recorded_sequence.h"
+#include "wrong_pose.h"
 
 namespace omnitag {
 namespace {
@@ -48,15 +48,6 @@ struct Tally {
   int good = 0;
   int good_accepted = 0;
 };
-
-/// Wrong is what the covariance does not account for and a robot would notice.
-bool isWrong(const PoseEstimate& estimate, const Eigen::Vector2d& offset) {
-  constexpr double kDeviations = 5.0;
-  constexpr double kNoticeable = 0.02;  // m
-  const Eigen::Matrix2d covariance = estimate.covariance.topLeftCorner<2, 2>();
-  return offset.norm() > kNoticeable &&
-         offset.dot(covariance.inverse() * offset) > kDeviations * kDeviations;
-}
 
 /// A motion of a marker in the map, about its own centre.
 struct Motion {
