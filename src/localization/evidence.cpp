@@ -54,13 +54,32 @@ Verdict Evidence::weigh(const Contradiction& contradiction,
                         const std::optional<PosePrior>& start) const {
   const Eigen::Isometry3d motion =
       contradiction.found.toIsometry() * contradiction.expected.toIsometry().inverse();
+  const double since_then = leadSinceThen(contradiction, motion);
+  const double all_along = leadAllAlong(contradiction, motion, start);
+  const double decisive = std::log(config_.odds);
+  if (std::min(since_then, all_along) < -decisive) return Verdict::kFound;
+  if (std::min(since_then, all_along) > decisive) return Verdict::kExpected;
+  return Verdict::kOpen;
+}
+
+double Evidence::leadSinceThen(const Contradiction& contradiction,
+                               const Eigen::Isometry3d& motion) const {
   // What was known to hang elsewhere before says nothing new of the robot's last way.
   std::vector<std::size_t> news;
-  std::vector<std::size_t> all_moved = contradiction.for_found;
-  std::vector<std::size_t> all_in_place = contradiction.for_expected;
   for (const std::size_t entry : contradiction.for_found) {
     if (!memory_.isElsewhere(entry)) news.push_back(entry);
   }
+  const double carried =
+      contradiction.has_odometry ? config_.carried : config_.carried_without_odometry;
+  return logOfMoved(news, motion) + logOfMissed(contradiction.missed, true) +
+         logOfMissed(contradiction.missed, false) - std::log(carried) -
+         logOfMoved(contradiction.for_expected, motion);
+}
+
+double Evidence::leadAllAlong(const Contradiction& contradiction, const Eigen::Isometry3d& motion,
+                              const std::optional<PosePrior>& start) const {
+  std::vector<std::size_t> for_found = contradiction.for_found;
+  std::vector<std::size_t> for_expected = contradiction.for_expected;
   for (std::size_t entry = 0; entry < memory_.size(); ++entry) {
     const auto isIn = [entry](const std::vector<std::size_t>& entries) {
       return std::find(entries.begin(), entries.end(), entry) != entries.end();
@@ -68,37 +87,23 @@ Verdict Evidence::weigh(const Contradiction& contradiction,
     if (isIn(contradiction.for_found) || isIn(contradiction.for_expected)) continue;
     const RememberedSighting* const elsewhere = memory_.elsewhere(entry);
     const RememberedSighting* const in_place = memory_.inPlace(entry);
-    if (elsewhere && !contradicts(*elsewhere, motion)) all_moved.push_back(entry);
-    if (in_place && contradicts(*in_place, motion)) all_in_place.push_back(entry);
+    if (elsewhere && !contradicts(*elsewhere, motion)) for_found.push_back(entry);
+    if (in_place && contradicts(*in_place, motion)) for_expected.push_back(entry);
   }
-
-  const double never_seen = logOfMissed(contradiction.missed, false);
-  const double expected =
-      logOfMoved(news, motion) + never_seen + logOfMissed(contradiction.missed, true);
-  const double carried =
-      std::log(contradiction.has_odometry ? config_.carried : config_.carried_without_odometry) +
-      logOfMoved(contradiction.for_expected, motion);
-  double always_expected = logOfMoved(all_moved, motion) + never_seen;
-  double never_expected = logOfMoved(all_in_place, motion);
+  double lead = logOfMoved(for_found, motion) + logOfMissed(contradiction.missed, false) -
+                logOfMoved(for_expected, motion);
   constexpr std::size_t kSeveral = 3;
   const std::size_t in_place = memory_.countInPlace();
-  if (in_place >= kSeveral) never_expected += std::log(config_.mistaken);
+  if (in_place >= kSeveral) lead -= std::log(config_.mistaken);
   if (start && in_place > 0) {
-    never_expected += logOfStart(*start, motion, true);
+    lead -= logOfStart(*start, motion, true);
   } else if (start) {
     const Eigen::Isometry3d given = contradiction.predicted.toIsometry().inverse();
-    always_expected += logOfStart(*start, contradiction.expected.toIsometry() * given, true);
-    never_expected += logOfStart(*start, contradiction.found.toIsometry() * given,
-                                 !contradiction.for_expected.empty());
+    const bool is_met = !contradiction.for_expected.empty();
+    lead += logOfStart(*start, contradiction.expected.toIsometry() * given, true) -
+            logOfStart(*start, contradiction.found.toIsometry() * given, is_met);
   }
-  const double decisive = std::log(config_.odds);
-  if (carried - expected > decisive || never_expected - always_expected > decisive) {
-    return Verdict::kFound;
-  }
-  if (expected - carried > decisive && always_expected - never_expected > decisive) {
-    return Verdict::kExpected;
-  }
-  return Verdict::kOpen;
+  return lead;
 }
 
 double Evidence::logOfMoved(const std::vector<std::size_t>& entries,

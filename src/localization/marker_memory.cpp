@@ -35,7 +35,7 @@ void MarkerMemory::addElsewhere(const RememberedSighting& sighting, bool is_cert
 }
 
 bool MarkerMemory::isElsewhere(std::size_t entry) const {
-  return elsewhere(entry) && records_[entry].is_certain;
+  return elsewhere(entry) != nullptr && records_[entry].is_certain;
 }
 
 std::size_t MarkerMemory::countInPlace() const {

@@ -82,6 +82,11 @@ class Evidence {
   Verdict weigh(const Contradiction& contradiction, const std::optional<PosePrior>& start) const;
 
  private:
+  /// Natural logarithm of how many times likelier the expected pose is than that the robot was
+  /// carried since the image before, and than that it never was where it is expected.
+  double leadSinceThen(const Contradiction& contradiction, const Eigen::Isometry3d& motion) const;
+  double leadAllAlong(const Contradiction& contradiction, const Eigen::Isometry3d& motion,
+                      const std::optional<PosePrior>& start) const;
   /// Natural logarithm of the probability that these markers hang elsewhere, all by the motion that
   /// takes the expected pose to the found one.
   double logOfMoved(const std::vector<std::size_t>& entries, const Eigen::Isometry3d& motion) const;

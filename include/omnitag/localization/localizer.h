@@ -147,12 +147,8 @@ class Localizer {
   BlurFilter blur_;
   LastingDisagreement disagreement_;
   ImageLag image_lag_;
-  /// Whether markers told the pose of the image before.
-  bool was_tracked_ = false;
   /// The frame's image as decoders read it.
   ReadableImage readable_;
-  /// Since markers told a pose.
-  int lost_frames_ = 0;
   /// How the robot stands, as far as is known without a prediction.
   PosePrior standing_;
   /// A pose that was set and waits for the next frame.
@@ -161,7 +157,6 @@ class Localizer {
     std::optional<Pose> odom_from_base;
   };
   std::optional<GivenPose> given_pose_;
-  bool has_pose_ = false;
   std::optional<double> last_stamp_;
   /// Stamp of the last image whose markers told a pose.
   double seen_stamp_ = std::numeric_limits<double>::infinity();
@@ -169,6 +164,11 @@ class Localizer {
   double next_doubt_ = -std::numeric_limits<double>::infinity();
   /// By family and id: when it was last seen how far a marker hangs from its place.
   std::map<std::pair<std::string, int>, double> measured_;
+  /// Since markers told a pose.
+  int lost_frames_ = 0;
+  /// Whether markers told the pose of the image before.
+  bool was_tracked_ = false;
+  bool has_pose_ = false;
 };
 
 }  // namespace omnitag
