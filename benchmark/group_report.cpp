@@ -71,18 +71,23 @@ void showFrame(const Trial& trial, Case what, std::size_t number, const JudgedFr
 
 }  // namespace
 
-bool hasWrong(const std::vector<JudgedFrame>& drive) {
-  return std::any_of(drive.begin(), drive.end(), isWrong);
+std::size_t firstFrame(Case what) { return what == Case::kCarriedOff ? kCarriedAt : 0; }
+
+bool hasWrong(Case what, const std::vector<JudgedFrame>& drive) {
+  return std::any_of(drive.begin() + static_cast<std::ptrdiff_t>(firstFrame(what)), drive.end(),
+                     isWrong);
 }
 
 void showWrong(unsigned room, const Trial& trial, Case what, bool has_odometry,
                const std::vector<JudgedFrame>& drive) {
-  if (!hasWrong(drive)) return;
-  std::printf("room %u, %s, %s: %zu of %zu markers by %.0f mm and %.1f degrees:", room,
-              toString(what), nameOf(has_odometry), trial.group.entries.size(),
-              trial.room.markers.markers.size(), 1e3 * trial.group.shift,
-              degrees(trial.group.turn));
-  for (std::size_t i = 0; i < drive.size(); ++i) {
+  if (!hasWrong(what, drive)) return;
+  std::printf("room %u, %s, %s: ", room, toString(what), nameOf(has_odometry));
+  if (what == Case::kMoved) {
+    std::printf("%zu by %.0f mm and %.1f degrees of ", trial.group.entries.size(),
+                1e3 * trial.group.shift, degrees(trial.group.turn));
+  }
+  std::printf("%zu markers:", trial.room.markers.markers.size());
+  for (std::size_t i = firstFrame(what); i < drive.size(); ++i) {
     if (!isWrong(drive[i])) continue;
     std::printf(" %zu (%.0f mm, %.1f, %d:%d%s)", i, 1e3 * drive[i].distance, drive[i].deviations,
                 drive[i].right_in_view, drive[i].moved_in_view,

@@ -1,14 +1,18 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "group_trial.h"
 
 namespace omnitag {
 
-/// Whether a pose of a drive is wrong though a marker that hangs where the map says had been in
-/// view.
-bool hasWrong(const std::vector<JudgedFrame>& drive);
+/// The first frame that counts: of one that is carried off, the first after that.
+std::size_t firstFrame(Case what);
+
+/// Whether a pose of a drive is wrong, from its first frame that counts on, though a marker that
+/// hangs where the map says had been in view.
+bool hasWrong(Case what, const std::vector<JudgedFrame>& drive);
 
 /// Prints a line with the wrong poses of a drive, where it has some: for each the frame, how far it
 /// is off, in mm and standard deviations, and how many markers are in view that hang where the map

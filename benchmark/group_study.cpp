@@ -76,12 +76,11 @@ struct Tally {
     if (frame.isOutvoted()) ++wrong_outvoted;
   }
 
-  /// The frames of one drive from the first on.
-  void add(const std::vector<JudgedFrame>& drive, std::size_t first) {
+  void add(Case what, const std::vector<JudgedFrame>& drive) {
     ++rooms;
-    for (std::size_t i = first; i < drive.size(); ++i) add(drive[i]);
-    rooms_with_wrong += hasWrong(drive) ? 1 : 0;
-    const auto begin = drive.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto begin = drive.begin() + static_cast<std::ptrdiff_t>(firstFrame(what));
+    std::for_each(begin, drive.end(), [this](const JudgedFrame& frame) { add(frame); });
+    rooms_with_wrong += hasWrong(what, drive) ? 1 : 0;
     const auto found = std::find_if(begin, drive.end(), [](const JudgedFrame& frame) {
       return frame.has_pose && !frame.is_wrong;
     });
@@ -104,11 +103,11 @@ struct Tallies {
   void add(const std::vector<JudgedFrame>& drive, const Trial& trial, Case what,
            bool has_odometry) {
     const std::size_t row = has_odometry ? 0 : 1;
-    if (what == Case::kUnmoved) unmoved.at(row).add(drive, 0);
-    if (what == Case::kCarriedOff) carried_off.at(row).add(drive, kCarriedAt);
+    if (what == Case::kUnmoved) unmoved.at(row).add(what, drive);
+    if (what == Case::kCarriedOff) carried_off.at(row).add(what, drive);
     if (what != Case::kMoved) return;
-    moved.at(row).at(classOf(trial.group.shift)).add(drive, 0);
-    moved.at(row).at(kAllShifts).add(drive, 0);
+    moved.at(row).at(classOf(trial.group.shift)).add(what, drive);
+    moved.at(row).at(kAllShifts).add(what, drive);
   }
 };
 

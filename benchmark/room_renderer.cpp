@@ -5,9 +5,10 @@
 #include <limits>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
-#include <optional>
+#include <utility>
 
 #include "omnitag/common/angle.h"
+#include "omnitag/common/grid_index.h"
 
 namespace omnitag {
 namespace {
@@ -55,22 +56,11 @@ float backgroundAlong(const Ray& ray, const std::vector<Wall>& walls) {
   return kWall + texture(met, place * walls[met].length(), height);
 }
 
-/// Grey level of a marker along a line of sight in the marker's frame, and where that meets it.
-struct Hit {
-  float grey;
-  Eigen::Vector3d in_marker;
-};
-
-std::optional<Hit> hitAlong(const Ray& ray, const TagPattern& pattern, double module) {
-  if (ray.origin.z() <= 0.0 || ray.direction.z() >= 0.0) return std::nullopt;
-  const Eigen::Vector3d hit = ray.origin - ray.origin.z() / ray.direction.z() * ray.direction;
-  const double half = 0.5 * pattern.width();
-  const double column = half + hit.x() / module;
-  const double row = half - hit.y() / module;
-  const int width = pattern.width();
-  if (column < 0.0 || row < 0.0 || column >= width || row >= width) return std::nullopt;
-  return Hit{pattern.isWhite(static_cast<int>(column), static_cast<int>(row)) ? kWhite : kBlack,
-             hit};
+/// Of four values at the corners of a square, the one at a place in it.
+Eigen::Vector2d between(const Eigen::Vector2d& a, const Eigen::Vector2d& b,
+                        const Eigen::Vector2d& c, const Eigen::Vector2d& d, double right,
+                        double down) {
+  return (1.0 - down) * ((1.0 - right) * a + right * b) + down * ((1.0 - right) * c + right * d);
 }
 
 }  // namespace
@@ -82,6 +72,9 @@ RoomRenderer::RoomRenderer(const MountedCamera& camera, int samples_per_axis)
     for (int u = 0; u < size.width; ++u) {
       if (const auto ray = camera.rayInBase({u, v})) sights_.push_back({u, v, *ray});
     }
+  }
+  for (int v = 0; v <= size.height; ++v) {
+    for (int u = 0; u <= size.width; ++u) corners_.push_back(camera.rayInBase({u - 0.5, v - 0.5}));
   }
 }
 
@@ -104,33 +97,75 @@ cv::Mat RoomRenderer::render(const MarkerMap& markers, const TagPatterns& patter
 void RoomRenderer::drawMarker(const Marker& marker, const TagPattern& pattern,
                               const std::vector<Wall>& walls,
                               const Eigen::Isometry3d& map_from_base, cv::Mat* image) const {
-  const double module = marker.size / pattern.widthBetweenCorners();
-  const Eigen::Isometry3d marker_from_base = marker.map_from_marker.inverse() * map_from_base;
-  const cv::Rect box = boxAround(marker, module * pattern.width(), map_from_base);
-  const double step = 1.0 / samples_per_axis_;
-  const auto share = static_cast<float>(step * step);
-  const auto greyAt = [&](const Eigen::Vector2d& pixel) -> std::optional<float> {
-    const auto ray = camera_.tabulatedRayInBase(pixel);
-    if (!ray) return std::nullopt;
-    const auto hit = hitAlong(marker_from_base * *ray, pattern, module);
-    if (!hit) return std::nullopt;
-    const Eigen::Vector3d origin = map_from_base * ray->origin;
-    const Eigen::Vector3d seen = marker.map_from_marker * hit->in_marker;
-    if (isHidden(origin.head<2>(), seen.head<2>(), walls)) return std::nullopt;
-    return hit->grey;
+  const double width = marker.size / pattern.widthBetweenCorners() * pattern.width();
+  const cv::Rect box = boxAround(marker, width, map_from_base);
+  const auto hitsOfRow = [&](int row) {
+    std::vector<Hit> hits;
+    for (int column = box.x; column <= box.x + box.width; ++column) {
+      hits.push_back(hitOf(column, row, marker, pattern, walls, map_from_base));
+    }
+    return hits;
   };
+  std::vector<Hit> upper = hitsOfRow(box.y);
   for (int v = box.y; v < box.y + box.height; ++v) {
-    for (int u = box.x; u < box.x + box.width; ++u) {
-      float& pixel = image->at<float>(v, u);
-      const float background = pixel;
-      for (int i = 0; i < samples_per_axis_ * samples_per_axis_; ++i) {
-        const Eigen::Vector2d offset(i % samples_per_axis_, i / samples_per_axis_);  // NOLINT
-        const Eigen::Vector2d sample =
-            Eigen::Vector2d(u - 0.5, v - 0.5) + step * (offset + Eigen::Vector2d::Constant(0.5));
-        if (const auto seen = greyAt(sample)) pixel += share * (*seen - background);
+    std::vector<Hit> lower = hitsOfRow(v + 1);
+    for (std::size_t i = 0; i + 1 < upper.size(); ++i) {
+      float& pixel = image->at<float>(v, box.x + static_cast<int>(i));
+      pixel = greyBetween({upper[i], upper[i + 1], lower[i], lower[i + 1]}, pattern, walls, pixel);
+    }
+    upper = std::move(lower);
+  }
+}
+
+RoomRenderer::Hit RoomRenderer::hitOf(int column, int row, const Marker& marker,
+                                      const TagPattern& pattern, const std::vector<Wall>& walls,
+                                      const Eigen::Isometry3d& map_from_base) const {
+  const int columns = camera_.model().imageSize().width + 1;
+  const std::optional<Ray>& in_base = corners_[gridIndex(column, row, columns)];
+  if (!in_base) return {};
+  const Ray in_map = map_from_base * *in_base;
+  const Ray ray = marker.map_from_marker.inverse() * in_map;
+  if (ray.origin.z() <= 0.0 || ray.direction.z() >= 0.0) return {};
+  const double distance = -ray.origin.z() / ray.direction.z();
+  const Eigen::Vector3d place = ray.origin + distance * ray.direction;
+  const double modules_per_metre = pattern.widthBetweenCorners() / marker.size;
+  Hit hit;
+  hit.is_there = true;
+  hit.eye = in_map.origin.head<2>();
+  hit.place = (in_map.origin + distance * in_map.direction).head<2>();
+  hit.is_hidden = isHidden(hit.eye, hit.place, walls);
+  hit.module = Eigen::Vector2d::Constant(0.5 * pattern.width()) +
+               modules_per_metre * Eigen::Vector2d(place.x(), -place.y());
+  return hit;
+}
+
+float RoomRenderer::greyBetween(const std::array<Hit, 4>& hits, const TagPattern& pattern,
+                                const std::vector<Wall>& walls, float background) const {
+  const auto isHit = [](const Hit& hit) { return hit.is_there; };
+  const auto isBehind = [](const Hit& hit) { return hit.is_hidden; };
+  if (!std::all_of(hits.begin(), hits.end(), isHit)) return background;
+  if (std::all_of(hits.begin(), hits.end(), isBehind)) return background;
+  const bool is_partly_hidden = std::any_of(hits.begin(), hits.end(), isBehind);
+  const auto& [a, b, c, d] = hits;
+  const double step = 1.0 / samples_per_axis_;
+  float sum = 0.0F;
+  for (int i = 0; i < samples_per_axis_; ++i) {
+    const double down = (i + 0.5) * step;
+    for (int k = 0; k < samples_per_axis_; ++k) {
+      const double right = (k + 0.5) * step;
+      const Eigen::Vector2d module = between(a.module, b.module, c.module, d.module, right, down);
+      if (module.minCoeff() < 0.0 || module.maxCoeff() >= pattern.width()) continue;
+      if (is_partly_hidden &&
+          isHidden(between(a.eye, b.eye, c.eye, d.eye, right, down),
+                   between(a.place, b.place, c.place, d.place, right, down), walls)) {
+        continue;
       }
+      const bool is_white =
+          pattern.isWhite(static_cast<int>(module.x()), static_cast<int>(module.y()));
+      sum += (is_white ? kWhite : kBlack) - background;
     }
   }
+  return background + sum * static_cast<float>(step * step);
 }
 
 cv::Rect RoomRenderer::boxAround(const Marker& marker, double width,
