@@ -287,7 +287,7 @@ void FrameTracker::lookAgain(const Pose& pose) {
   const std::size_t found_before = found();
   const PoseEstimate belief{pose};
   // Of the largest margin: farther around, another look takes too long.
-  constexpr double kShareAround = 1.0 / 3.0;
+  constexpr double kShareAround = 0.5;
   constexpr std::size_t kWorthAThread = 2;
   forEachIndex(sightings_.size(), tools_.config.threads, kWorthAThread, [&](std::size_t i) {
     auto predicted = predictMarker(tools_.map, result_->predicted[i].map_entry, camera_, belief,

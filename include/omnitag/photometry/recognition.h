@@ -16,7 +16,7 @@ namespace omnitag {
 struct RecognitionConfig {
   /// Lengths of a module, as wide as the lens's blur makes it: a marker that may be farther from
   /// its predicted place is looked for with the decoder.
-  double max_margin = 15.0;
+  double max_margin = 9.0;
   /// How often, at most, something else may be taken for the marker that is predicted there.
   double false_accept_rate = 1e-5;
   /// Grey levels between black and white, the least that counts.
