@@ -11,8 +11,8 @@
 namespace omnitag {
 namespace {
 
-/// What becomes of a robot in a room of ten markers, entries 0 to 9 around its walls, that are taken
-/// for seen in their places or elsewhere.
+/// What becomes of a robot in a room of ten markers, entries 0 to 9 around its walls, that are
+/// taken for seen in their places or elsewhere.
 class EvidenceTest : public testing::Test {
  protected:
   EvidenceTest() { memory_.startFrame(100.0); }
@@ -73,8 +73,7 @@ TEST_F(EvidenceTest, ThoseThatAreMissedSpeakForARobotThatWasCarried) {
 }
 
 TEST_F(EvidenceTest, APoseThatWasGivenByMistakeIsReplaced) {
-  start_ = PosePrior::about(
-      floorEstimate(here_, Eigen::Vector3d(0.01, 0.01, 0.0076).asDiagonal()));
+  start_ = PosePrior::about(floorEstimate(here_, Eigen::Vector3d(0.01, 0.01, 0.0076).asDiagonal()));
   EXPECT_EQ(weigh({0, 2, 3, 5, 7}, {}), Verdict::kFound);
   EXPECT_NE(weigh({0, 1}, {4, 5, 7, 8}), Verdict::kFound) << "which others confirm";
 }
