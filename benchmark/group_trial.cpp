@@ -10,6 +10,7 @@
 #include "omnitag/localization/localizer.h"
 #include "omnitag/marker/marker_prediction.h"
 #include "room_route.h"
+#include "wrong_pose.h"
 
 namespace omnitag {
 namespace {
@@ -43,8 +44,6 @@ void setOdometry(const std::vector<Pose>& odometry, std::vector<TrialFrame>* fra
 }
 
 JudgedFrame judge(FrameResult result, const Pose& truth) {
-  constexpr double kDeviations = 5.0;
-  constexpr double kNoticeable = 0.02;  // m
   JudgedFrame judged;
   judged.truth = truth;
   judged.has_pose = result.map_from_base.has_value();
@@ -54,7 +53,7 @@ JudgedFrame judge(FrameResult result, const Pose& truth) {
     const Eigen::Matrix2d covariance = estimate.covariance.topLeftCorner<2, 2>();
     judged.distance = error.norm();
     judged.deviations = std::sqrt(error.dot(covariance.inverse() * error));
-    judged.is_wrong = judged.distance > kNoticeable && judged.deviations > kDeviations;
+    judged.is_wrong = isWrong(estimate, error);
   }
   judged.result = std::move(result);
   return judged;

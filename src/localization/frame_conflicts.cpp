@@ -55,8 +55,8 @@ void FrameTracker::settleAmongMarkers() {
     const double here = solution_->misfits[k].deviations;
     const double there = misfits[k].deviations;
     // One that was not moved may seem in its place by chance.
-    constexpr double kSharp = 1.2;
-    if (here > kSharp && there < std::min(0.5 * here, config.max_misfit)) {
+    const bool is_sharp_here = sharplyAgreeing({solution_->misfits[k]}) > 0;
+    if (!is_sharp_here && there < std::min(0.5 * here, config.max_misfit)) {
       for_other.push_back(observed_[k]);
     } else if (solution_->used[k]) {
       for_solution.push_back(observed_[k]);

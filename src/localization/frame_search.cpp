@@ -123,6 +123,22 @@ bool isInPlace(const MarkerReading& reading, const TrackingTools& tools,
   });
 }
 
+std::vector<std::size_t> acceptedEntries(const FrameResult& result) {
+  std::vector<std::size_t> entries;
+  for (const MarkerDetection& detection : result.detections) {
+    if (detection.accepted) entries.push_back(*detection.map_entry);
+  }
+  return entries;
+}
+
+void rejectAccepted(const char* reason, FrameResult* result) {
+  for (MarkerDetection& detection : result->detections) {
+    if (!detection.accepted) continue;
+    detection.accepted = false;
+    detection.reason = reason;
+  }
+}
+
 int contradictions(const FrameResult& result, const MarkerMap& map) {
   return static_cast<int>(std::count_if(
       result.detections.begin(), result.detections.end(), [&map](const MarkerDetection& d) {

@@ -30,6 +30,12 @@ const char* whyUnknown(const LocalizerConfig& config);
 bool isInPlace(const MarkerReading& reading, const TrackingTools& tools,
                const MountedCamera& camera, const Pose& map_from_base);
 
+/// The entries that the frame's pose stands on.
+std::vector<std::size_t> acceptedEntries(const FrameResult& result);
+
+/// Rejects what was accepted.
+void rejectAccepted(const char* reason, FrameResult* result);
+
 /// How many detections are of the map's markers and yet not accepted.
 int contradictions(const FrameResult& result, const MarkerMap& map);
 

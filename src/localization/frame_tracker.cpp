@@ -255,8 +255,7 @@ void FrameTracker::lookWherePredicted() {
 bool FrameTracker::isSurprising() const {
   if (!solution_ || !has_prior_) return false;
   constexpr double kLimit = 9.0;  // chi-square, 3 degrees of freedom, one of 30
-  const PosePrior prior = PosePrior::about(predicted_);
-  const Eigen::Vector3d off = prior.errorOf(solution_->map_from_base.pose).head<3>();
+  const Eigen::Vector3d off = difference(solution_->map_from_base.pose, predicted_.pose).head<3>();
   const Eigen::Matrix3d covariance = floorCovariance(predicted_);
   return off.dot(covariance.ldlt().solve(off)) > kLimit;
 }

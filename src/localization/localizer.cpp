@@ -181,10 +181,7 @@ std::optional<PoseEstimate> Localizer::predict(const Frame& frame) {
 }
 
 void Localizer::learnBlur(const Frame& frame, const MountedCamera& camera, FrameResult* result) {
-  std::vector<std::size_t> entries;
-  for (const MarkerDetection& detection : result->detections) {
-    if (detection.accepted) entries.push_back(*detection.map_entry);
-  }
+  const std::vector<std::size_t> entries = acceptedEntries(*result);
   if (!result->map_from_base || entries.empty()) return;
   MountedCamera blurred = camera;
   constexpr int kRounds = 3;
@@ -417,11 +414,7 @@ void Localizer::settle(const PoseEstimate& pose, const Frame& frame,
 }
 
 void Localizer::carryOn(const PoseEstimate& predicted, bool is_refuted, FrameResult* result) const {
-  for (MarkerDetection& detection : result->detections) {
-    if (!detection.accepted) continue;
-    detection.accepted = false;
-    detection.reason = "contradicts the predicted pose";
-  }
+  rejectAccepted("contradicts the predicted pose", result);
   if (is_refuted || contradictions(*result, map_) > 0) {
     result->remark = "the markers that were read contradict the predicted pose";
     return;

@@ -4,7 +4,6 @@
 
 #include "frame_search.h"
 #include "omnitag/localization/localizer.h"
-#include "patrol.h"
 
 namespace omnitag {
 
@@ -12,15 +11,12 @@ Verdict Localizer::weigh(const Frame& frame, const Pose& expected, const Pose& f
                          const std::vector<std::size_t>& for_expected,
                          const FrameResult& result) const {
   Contradiction contradiction{
-      expected, expected, found, {}, for_expected, {}, !!frame.odom_from_base};
+      expected, expected, found, acceptedEntries(result), for_expected, {}, !!frame.odom_from_base};
   const auto isShown = [&](std::size_t entry) {
     return std::any_of(
         result.detections.begin(), result.detections.end(),
         [entry](const MarkerDetection& detection) { return detection.map_entry == entry; });
   };
-  for (const MarkerDetection& detection : result.detections) {
-    if (detection.accepted) contradiction.for_found.push_back(*detection.map_entry);
-  }
   for (const std::size_t entry : result.missed) {
     if (!isShown(entry)) contradiction.missed.push_back(entry);
   }
@@ -46,10 +42,7 @@ std::vector<std::size_t> Localizer::entriesWherePredicted(const MountedCamera& c
 void Localizer::decide(const PoseEstimate& pose, const Frame& frame, const MountedCamera& camera,
                        const std::optional<PoseEstimate>& predicted, bool is_expected,
                        FrameResult* result) {
-  std::vector<std::size_t> entries;
-  for (const MarkerDetection& detection : result->detections) {
-    if (detection.accepted) entries.push_back(*detection.map_entry);
-  }
+  std::vector<std::size_t> entries = acceptedEntries(*result);
   const bool is_group = entries.size() >= 2;
   if (is_expected || !is_group) return settle(pose, frame, predicted, is_expected, result);
   if (!predicted) {
@@ -71,11 +64,7 @@ void Localizer::decide(const PoseEstimate& pose, const Frame& frame, const Mount
   result->is_open = verdict == Verdict::kOpen;
   result->map_from_base = predicted;
   result->mode = Mode::kDeadReckoning;
-  for (MarkerDetection& detection : result->detections) {
-    if (!detection.accepted) continue;
-    detection.accepted = false;
-    detection.reason = kElsewhere;
-  }
+  rejectAccepted(kElsewhere, result);
 }
 
 void Localizer::remember(const MountedCamera& camera, const FrameResult& result) {
@@ -116,11 +105,7 @@ void Localizer::withhold(FrameResult* result) {
                    " hang elsewhere than the map says, or the robot is elsewhere than expected";
   result->mode = Mode::kSearching;
   result->map_from_base.reset();
-  for (MarkerDetection& detection : result->detections) {
-    if (!detection.accepted) continue;
-    detection.accepted = false;
-    detection.reason = "others contradict it";
-  }
+  rejectAccepted("others contradict it", result);
 }
 
 }  // namespace omnitag
