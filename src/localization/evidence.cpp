@@ -34,7 +34,8 @@ double lengthOfTree(std::vector<Eigen::Vector3d> points, double shortest) {
 
 EvidenceConfig readEvidenceConfig(const YamlReader& reader) {
   reader.allowOnly({"carried", "carried_without_odometry", "misread", "moved", "moved_per_second",
-                    "together", "missed", "mistaken_start", "mistaken", "odds"});
+                    "together", "missed", "mistaken_start", "mistaken", "odds", "open_deviation",
+                    "in_place"});
   constexpr Interval kProbability{1e-30, 1.0};
   EvidenceConfig config;
   reader.read("carried", &config.carried, kProbability);
@@ -46,104 +47,75 @@ EvidenceConfig readEvidenceConfig(const YamlReader& reader) {
   reader.read("mistaken_start", &config.mistaken_start, kProbability);
   reader.read("mistaken", &config.mistaken, kProbability);
   reader.read("missed", &config.missed, kProbability);
+  reader.read("in_place", &config.in_place, kPositive);
   reader.read("odds", &config.odds, {1.0, 1e30});
+  reader.read("open_deviation", &config.open_deviation, kNonNegative);
   return config;
 }
 
-Verdict Evidence::weigh(const Contradiction& contradiction,
-                        const std::optional<PosePrior>& start) const {
-  const Eigen::Isometry3d motion =
-      contradiction.found.toIsometry() * contradiction.expected.toIsometry().inverse();
-  const double since_then = leadSinceThen(contradiction, motion);
-  const double all_along = leadAllAlong(contradiction, motion, start);
-  const double decisive = std::log(config_.odds);
-  if (std::min(since_then, all_along) < -decisive) return Verdict::kFound;
-  if (std::min(since_then, all_along) > decisive) return Verdict::kExpected;
-  return Verdict::kOpen;
+double Evidence::logOfPlaces(const MarkerMemory& memory) const {
+  double sum = 0.0;
+  for (const DisplacedGroup& group : memory.displacedGroups()) sum += logOfMoved(group, memory);
+  return sum;
 }
 
-double Evidence::leadSinceThen(const Contradiction& contradiction,
-                               const Eigen::Isometry3d& motion) const {
-  // What was known to hang elsewhere before says nothing new of the robot's last way.
-  std::vector<std::size_t> news;
-  for (const std::size_t entry : contradiction.for_found) {
-    if (!memory_.isElsewhere(entry)) news.push_back(entry);
-  }
-  const double carried =
-      contradiction.has_odometry ? config_.carried : config_.carried_without_odometry;
-  return logOfMoved(news, motion) + logOfMissed(contradiction.missed, true) +
-         logOfMissed(contradiction.missed, false) - std::log(carried) -
-         logOfMoved(contradiction.for_expected, motion);
-}
-
-double Evidence::leadAllAlong(const Contradiction& contradiction, const Eigen::Isometry3d& motion,
-                              const std::optional<PosePrior>& start) const {
-  std::vector<std::size_t> for_found = contradiction.for_found;
-  std::vector<std::size_t> for_expected = contradiction.for_expected;
-  for (std::size_t entry = 0; entry < memory_.size(); ++entry) {
-    const auto isIn = [entry](const std::vector<std::size_t>& entries) {
-      return std::find(entries.begin(), entries.end(), entry) != entries.end();
-    };
-    if (isIn(contradiction.for_found) || isIn(contradiction.for_expected)) continue;
-    const RememberedSighting* const elsewhere = memory_.elsewhere(entry);
-    const RememberedSighting* const in_place = memory_.inPlace(entry);
-    if (elsewhere && !contradicts(*elsewhere, motion)) for_found.push_back(entry);
-    if (in_place && contradicts(*in_place, motion)) for_expected.push_back(entry);
-  }
-  double lead = logOfMoved(for_found, motion) + logOfMissed(contradiction.missed, false) -
-                logOfMoved(for_expected, motion);
-  constexpr std::size_t kSeveral = 3;
-  const std::size_t in_place = memory_.countInPlace();
-  if (in_place >= kSeveral) lead -= std::log(config_.mistaken);
-  if (start && in_place > 0) {
-    lead -= logOfStart(*start, motion, true);
-  } else if (start) {
-    const Eigen::Isometry3d given = contradiction.predicted.toIsometry().inverse();
-    const bool is_met = !contradiction.for_expected.empty();
-    lead += logOfStart(*start, contradiction.expected.toIsometry() * given, true) -
-            logOfStart(*start, contradiction.found.toIsometry() * given, is_met);
-  }
-  return lead;
-}
-
-double Evidence::logOfMoved(const std::vector<std::size_t>& entries,
-                            const Eigen::Isometry3d& motion) const {
-  if (entries.empty()) return 0.0;
+double Evidence::logOfMoved(const DisplacedGroup& group, const MarkerMemory& memory) const {
   std::vector<Eigen::Vector3d> places;
-  double probability = entries.size() == 1 ? config_.misread : config_.moved;
-  for (const std::size_t entry : entries) {
+  places.reserve(group.entries.size());
+  double probability = group.entries.size() == 1 ? config_.misread : config_.moved;
+  for (const std::size_t entry : group.entries) {
     places.push_back(map_.markers[entry].center());
-    const RememberedSighting* const sighting = memory_.inPlace(entry);
-    if (!sighting || !contradicts(*sighting, motion)) continue;
-    const double age = memory_.stamp() - sighting->stamp;
-    probability = std::min(probability, config_.moved_per_second * std::max(age, 0.1));
+    // One that is misread may have been in its place a moment ago, and be so still.
+    const RememberedSighting* const in_place = memory.inPlace(entry);
+    if (!in_place || !group.motion || group.entries.size() == 1) continue;
+    if (!contradicts(*in_place, *group.motion)) continue;
+    constexpr double kShortest = 0.1;  // s
+    const double time = std::max(memory.elsewhereSince(entry) - in_place->stamp, kShortest);
+    probability = std::min(probability, config_.moved_per_second * time);
   }
   constexpr double kNearest = 0.7;  // m: of two on one board, one may hang there alone
   return std::log(probability) - lengthOfTree(std::move(places), kNearest) / config_.together;
 }
 
-double Evidence::logOfStart(const PosePrior& start, const Eigen::Isometry3d& motion,
-                            bool is_met) const {
+double Evidence::logOfMissed(const std::vector<std::size_t>& entries,
+                             const MarkerMemory& memory) const {
+  double sum = 0.0;
+  for (const std::size_t entry : entries) {
+    if (memory.wasSeen(entry)) {
+      sum += std::log(config_.missed);
+    } else if (!memory.wasMissed(entry)) {
+      sum += std::log(1.0 - memory.seenAtFirst());
+    }
+  }
+  // Somebody may stand before several.
+  constexpr double kMostMissed = 6.0;
+  return std::max(sum, kMostMissed * std::log(config_.missed));
+}
+
+double deviationsOfStart(const PosePrior& start, const Eigen::Isometry3d& motion) {
   // How the robot leans is told anew by each image.
   const PoseVector any_lean =
       poseVector(Eigen::Vector3d(0.0, 0.0, 1.0), Eigen::Vector3d(1.0, 1.0, 0.0));
   const PosePrior loose = start.pushed(any_lean);
   const PoseVector off = loose.errorOf(Pose::fromIsometry(motion * start.pose.toIsometry()));
-  // Markers that were moved lead to a pose that was given by mistake only by chance.
-  const double mistaken = config_.mistaken_start * (is_met ? config_.mistaken : 1.0);
-  return std::max(-0.5 * off.dot(loose.information * off), std::log(mistaken));
+  return std::sqrt(off.dot(loose.information * off));
 }
 
-double Evidence::logOfMissed(const std::vector<std::size_t>& entries, bool were_seen) const {
-  double sum = 0.0;
-  for (const std::size_t entry : entries) {
-    if (were_seen && memory_.wasSeen(entry)) sum += std::log(config_.missed);
-    const bool is_new = !memory_.wasSeen(entry) && !memory_.wasMissed(entry);
-    if (!were_seen && is_new) sum += std::log(1.0 - memory_.seenAtFirst());
-  }
-  // Somebody may stand before several.
-  constexpr double kMostMissed = 6.0;
-  return std::max(sum, kMostMissed * std::log(config_.missed));
+double Evidence::logOfStart(const PosePrior& start, const Eigen::Isometry3d& motion,
+                            bool is_met) const {
+  const double deviations = deviationsOfStart(start, motion);
+  const double mistaken = config_.mistaken_start * (is_met ? config_.mistaken : 1.0);
+  return std::max(-0.5 * deviations * deviations, std::log(mistaken));
+}
+
+double Evidence::logOfCarried(bool has_odometry) const {
+  return std::log(has_odometry ? config_.carried : config_.carried_without_odometry);
+}
+
+MarkerMemory::Contradicts Evidence::contradiction() const {
+  return [this](const RememberedSighting& sighting, const Eigen::Isometry3d& motion) {
+    return contradicts(sighting, motion);
+  };
 }
 
 bool Evidence::contradicts(const RememberedSighting& sighting,
@@ -152,7 +124,7 @@ bool Evidence::contradicts(const RememberedSighting& sighting,
   const Misfit misfit = misfitsAt(map_, sighting.camera, {sighting.observation}, moved,
                                   ImagingError::Zero(), reprojection_)
                             .front();
-  return misfit.deviations > max_misfit_;
+  return misfit.deviations > config_.in_place;
 }
 
 }  // namespace omnitag

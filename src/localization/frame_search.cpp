@@ -140,9 +140,15 @@ void rejectAccepted(const char* reason, FrameResult* result) {
 }
 
 int contradictions(const FrameResult& result, const MarkerMap& map) {
+  const auto isKnown = [&result](const MarkerDetection& detection) {
+    const auto& elsewhere = result.elsewhere;
+    return detection.map_entry &&
+           std::find(elsewhere.begin(), elsewhere.end(), *detection.map_entry) != elsewhere.end();
+  };
   return static_cast<int>(std::count_if(
-      result.detections.begin(), result.detections.end(), [&map](const MarkerDetection& d) {
-        return !d.accepted && !entriesOf(map, d.family, d.id).empty();
+      result.detections.begin(), result.detections.end(), [&](const MarkerDetection& detection) {
+        return !detection.accepted && !isKnown(detection) &&
+               !entriesOf(map, detection.family, detection.id).empty();
       }));
 }
 

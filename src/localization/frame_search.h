@@ -36,7 +36,8 @@ std::vector<std::size_t> acceptedEntries(const FrameResult& result);
 /// Rejects what was accepted.
 void rejectAccepted(const char* reason, FrameResult* result);
 
-/// How many detections are of the map's markers and yet not accepted.
+/// How many detections are of the map's markers and yet not accepted, though it is not known that
+/// they hang elsewhere.
 int contradictions(const FrameResult& result, const MarkerMap& map);
 
 /// Sets how far the markers are from where the frame's pose has them; NaN without one.

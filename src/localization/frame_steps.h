@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "omnitag/camera/mounted_camera.h"
-#include "omnitag/localization/evidence.h"
 #include "omnitag/localization/frame_result.h"
 #include "omnitag/localization/localizer_config.h"
 #include "omnitag/localization/marker_memory.h"
@@ -34,9 +33,6 @@ struct TrackingTools {
   /// What is known of a pose without a prediction.
   const PosePrior& standing;
   const MarkerMemory& memory;
-  const Evidence& evidence;
-  /// The prior that the poses go back to; none where markers told the first.
-  const std::optional<PosePrior>& start;
   /// LastingDisagreement's.
   double lasting_excess;
   /// The frame's image for decoders.

@@ -36,10 +36,6 @@ PosePrior vague(const Pose& pose, const PosePrior& standing) {
   return prior;
 }
 
-/// How many of a PoseVector's numbers change where something moves the robot: on a floor it stays
-/// on it.
-int numbersOfPush(PoseModel model) { return model == PoseModel::kFloor ? 3 : 6; }
-
 /// Whether a marker is looked for where it was before, and nearly as far around: farther around,
 /// the pattern must be met the better.
 bool isSameLook(const PredictedMarker& before, const PredictedMarker& now) {
@@ -49,32 +45,6 @@ bool isSameLook(const PredictedMarker& before, const PredictedMarker& now) {
          now.tangential_margin > kNearly * before.tangential_margin &&
          now.radial_margin > kNearly * before.radial_margin;
 }
-
-/// By so much (m and rad) along and about each of the axes.
-PoseVector anyPush(double way, double turn, PoseModel model) {
-  PoseVector push = poseVector(Eigen::Vector3d::Constant(way), Eigen::Vector3d::Constant(turn));
-  push.tail(push.size() - numbersOfPush(model)).setZero();
-  return push;
-}
-
-/// What remains of a prior once markers told the pose without it: less where they contradict, since
-/// the robot was then moved by as much as it seems, or some times that.
-PosePrior afterPush(const PosePrior& prior, const PoseEstimate& alone, PoseModel model) {
-  // Chi-square with 3 or 6 degrees of freedom that one of ten thousand is beyond.
-  const double limit = model == PoseModel::kFloor ? 21.1 : 27.9;
-  constexpr double kTimes = 3.0;
-  const int count = numbersOfPush(model);
-  PoseVector apart = prior.errorOf(alone.pose);
-  apart.tail(apart.size() - count).setZero();
-  const PoseMatrix covariance = prior.covariance() + alone.covariance;
-  const auto moved = apart.head(count);
-  if (moved.dot(covariance.topLeftCorner(count, count).ldlt().solve(moved)) <= limit) return prior;
-  return prior.pushed(
-      anyPush(kTimes * translationPart(apart).norm(), kTimes * rotationPart(apart).norm(), model));
-}
-
-/// m and rad: nobody pushes a robot as far between two images.
-constexpr double kFarthestPush = 0.3;
 
 /// m, of a pose from which markers may be farther off in the image than they are looked for.
 constexpr double kVague = 0.01;
@@ -125,6 +95,24 @@ std::optional<PoseEstimate> FrameTracker::track() {
   reportMissed();
   if (frame_.wants_views) addViews();
   return solution_ ? std::optional(solution_->map_from_base) : std::nullopt;
+}
+
+void FrameTracker::takeSeen(const std::vector<MarkerObservation>& seen) {
+  for (std::size_t i = 0; i < sightings_.size(); ++i) {
+    const auto found =
+        std::find_if(seen.begin(), seen.end(), [&](const MarkerObservation& observation) {
+          return observation.map_entry == result_->predicted[i].map_entry;
+        });
+    if (found != seen.end()) sightings_[i].observation = *found;
+  }
+}
+
+std::vector<MarkerObservation> FrameTracker::seen() const {
+  std::vector<MarkerObservation> seen;
+  for (const Sighting& sighting : sightings_) {
+    if (sighting.observation) seen.push_back(*sighting.observation);
+  }
+  return seen;
 }
 
 void FrameTracker::remember() {
@@ -333,10 +321,6 @@ void FrameTracker::decode(const std::vector<std::size_t>& targets, double max_pi
   }
 }
 
-PosePrior FrameTracker::farthestPushed() const {
-  return prior_.pushed(anyPush(kFarthestPush, kFarthestPush, poseModel()));
-}
-
 std::optional<PoseSolution> FrameTracker::solutionOfObserved(const PosePrior& prior) {
   std::vector<MarkerObservation> observations;
   observed_.clear();
@@ -350,72 +334,19 @@ std::optional<PoseSolution> FrameTracker::solutionOfObserved(const PosePrior& pr
 
 void FrameTracker::solve() {
   Stopwatch step;
-  if (has_prior_) {
-    for (Sighting& sighting : sightings_) {
-      if (!sighting.observation) continue;
-      sighting.is_elsewhere = tools_.memory.isElsewhere(sighting.observation->map_entry) &&
-                              !agreesWithPrior(tools_, camera_, *sighting.observation, prior_);
-    }
-  }
+  if (has_prior_) leaveOutKnown();
   solution_ = solutionOfObserved(prior_);
   // Markers and prior that contradict each other leave large residuals.
   constexpr double kLargeExcess = 2.0;
   if (solution_ && has_prior_ && observed_.size() >= 2 && solution_->excess > kLargeExcess) {
     const auto alone = solutionOfObserved(farthestPushed());
     if (alone && std::count(alone->used.begin(), alone->used.end(), true) >= 2) {
-      prior_ = afterPush(prior_, alone->map_from_base, poseModel());
+      prior_ = afterPush(alone->map_from_base);
       is_pushed_ = true;
       solution_ = solutionOfObserved(prior_);
     }
   }
   result_->timings.solve += step.lap();
-}
-
-void FrameTracker::align() {
-  std::vector<MarkerObservation> observations;
-  observations.reserve(observed_.size());
-  for (const std::size_t i : observed_) observations.push_back(*sightings_[i].observation);
-  std::vector<bool> used = solution_->used;
-  const auto all = static_cast<std::size_t>(std::count(used.begin(), used.end(), true));
-  // One that is then off is left out, once.
-  constexpr int kRounds = 2;
-  for (int round = 0; round < kRounds; ++round) {
-    std::vector<std::size_t> entries;
-    for (std::size_t k = 0; k < observations.size(); ++k) {
-      if (used[k]) entries.push_back(observations[k].map_entry);
-    }
-    if (!isLargeMajority(entries.size(), all)) break;
-    auto aligned = alignWithPixels(tools_, frame_.image, camera_, entries,
-                                   solution_->map_from_base.pose, prior_);
-    if (aligned && has_prior_ && entries.size() >= 2 && aligned->surprise > 1.0) {
-      // Pixels show what corners are too coarse for.
-      const Pose& start = aligned->map_from_base.pose;
-      const auto alone =
-          alignWithPixels(tools_, frame_.image, camera_, entries, start, farthestPushed());
-      if (alone) {
-        prior_ = afterPush(prior_, alone->map_from_base, poseModel());
-        aligned = alignWithPixels(tools_, frame_.image, camera_, entries, alone->map_from_base.pose,
-                                  prior_);
-      }
-    }
-    if (!aligned) break;
-    std::vector<Misfit> misfits =
-        misfitsAt(tools_.map, camera_, observations, aligned->map_from_base.pose,
-                  aligned->imaging_error, tools_.config.estimation.reprojection);
-    std::size_t left = 0;
-    for (std::size_t k = 0; k < misfits.size(); ++k) {
-      used[k] = used[k] && misfits[k].deviations <= tools_.config.estimation.max_misfit;
-      if (used[k]) ++left;
-    }
-    if (left == entries.size()) {
-      result_->blur_equations = aligned->blur;
-      result_->disagreement = aligned->disagreement;
-      *solution_ = {aligned->map_from_base, aligned->imaging_error, std::move(misfits),
-                    std::move(used), aligned->excess};
-      return;
-    }
-  }
-  solution_->map_from_base = standingOnCorners(solution_->map_from_base, all, tools_.config);
 }
 
 void FrameTracker::report() {

@@ -22,8 +22,18 @@ class FrameTracker {
   FrameTracker(const TrackingTools& tools, const Frame& frame, const MountedCamera& camera,
                const PoseEstimate& predicted, bool has_prior, FrameResult* result);
 
+  /// Takes markers that were already found in the image, from other poses: they are not looked for
+  /// again.
+  void takeSeen(const std::vector<MarkerObservation>& seen);
+
   /// The pose; nothing where no marker agrees with any.
   std::optional<PoseEstimate> track();
+
+  /// All that was found, wherever it hangs.
+  std::vector<MarkerObservation> seen() const;
+
+  /// Other poses, to which markers lead that this one does not explain.
+  const std::vector<PoseEstimate>& alternatives() const { return alternatives_; }
 
  private:
   /// What became of a predicted marker.
@@ -86,22 +96,41 @@ class FrameTracker {
   PoseModel poseModel() const { return tools_.config.motion.pose_model; }
   /// The prior of a robot that was pushed as far as anybody may.
   PosePrior farthestPushed() const;
+  /// What remains of the prior once markers told the pose without it: less where they contradict,
+  /// since the robot was then moved by as much as it seems, or some times that.
+  PosePrior afterPush(const PoseEstimate& alone) const;
   /// Estimates the pose from what was found. Where markers agree that the robot is elsewhere than
   /// predicted, what moved it is not in the prediction: it counts for less from then on.
   void solve();
   std::optional<PoseSolution> solutionOfObserved(const PosePrior& prior);
-  /// Where markers lead to another pose than the prediction does, or than others: decides by the
-  /// evidence which of them hang elsewhere than the map says, and solves again without these.
+  /// Where markers lead to another pose than the prediction does, or than others do: keeps to the
+  /// prediction or the others, and notes the pose.
   void settleConflicts();
   void settleWithPrediction();
   void settleAmongMarkers();
-  /// Weighs a pose that these sightings stand for against the expected one.
-  Verdict weigh(const Pose& expected, const Pose& found, const std::vector<std::size_t>& for_found,
-                const std::vector<std::size_t>& for_expected) const;
+  /// Leaves out those that hung elsewhere in the images before, unless they are in their places as
+  /// the others have it, or, without others, the prediction.
+  void leaveOutKnown();
+  /// Whether a marker hangs elsewhere as a solution has it: beside its place, or rather where a
+  /// group does that was moved. `was_known`: whether it did so before.
+  bool isDisplaced(const MarkerObservation& observation, const PoseSolution& solution,
+                   const std::vector<Eigen::Isometry3d>& motions, bool was_known) const;
+  /// Whether one that did so before is in its place as the prior has it, and not where a group is.
+  bool mayBeInPlace(const MarkerObservation& observation,
+                    const std::vector<Eigen::Isometry3d>& motions) const;
+  /// Standard deviations (Misfit) by which a marker is off at most that hangs in its place.
+  double mostInPlace() const;
   void leaveOut(const std::vector<std::size_t>& targets);
   /// Aligns the solution with the pixels of its markers, but for those that are then off; leaves it
   /// with the corners where others are off without them.
   void align();
+  std::vector<std::size_t> usedEntries() const;
+  std::optional<PhotometricFit> alignedWith(const std::vector<std::size_t>& entries);
+  /// Where the pixels of markers disagree about the pose by more than chance: goes on with those
+  /// that agree, and notes the pose of the others. `prior`: before these pushed it.
+  bool leaveOutDisagreeing(const PhotometricFit& fit, const PosePrior& prior);
+  /// Takes an aligned pose, unless corners are off it.
+  bool take(const PhotometricFit& fit);
   void report();
   void reportMissed();
   void addViews();
@@ -122,6 +151,7 @@ class FrameTracker {
   /// Each once.
   std::vector<Stranger> strangers_;
   std::optional<PoseSolution> solution_;
+  std::vector<PoseEstimate> alternatives_;
   /// Indices of the sightings that the solution is based on, in the order of its residuals.
   std::vector<std::size_t> observed_;
 };

@@ -1,6 +1,7 @@
 #include "omnitag/localization/marker_memory.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace omnitag {
 
@@ -28,20 +29,104 @@ void MarkerMemory::addSeen(const RememberedSighting& sighting) {
   record.elsewhere.reset();
 }
 
-void MarkerMemory::addElsewhere(const RememberedSighting& sighting, bool is_certain) {
+void MarkerMemory::addElsewhere(const RememberedSighting& sighting, std::size_t group) {
   Record& record = of(sighting.observation.map_entry);
+  if (!record.elsewhere) record.elsewhere_since = sighting.stamp;
   record.elsewhere = sighting;
-  record.is_certain = is_certain;
+  record.group = group;
 }
 
-bool MarkerMemory::isElsewhere(std::size_t entry) const {
-  return elsewhere(entry) != nullptr && records_[entry].is_certain;
+bool MarkerMemory::hasElsewhere() const {
+  return std::any_of(records_.begin(), records_.end(),
+                     [](const Record& record) { return record.elsewhere.has_value(); });
 }
 
 std::size_t MarkerMemory::countInPlace() const {
-  return static_cast<std::size_t>(
-      std::count_if(records_.begin(), records_.end(),
-                    [](const Record& record) { return record.in_place.has_value(); }));
+  return static_cast<std::size_t>(std::count_if(
+      records_.begin(), records_.end(),
+      [](const Record& record) { return record.in_place.has_value() && !record.elsewhere; }));
+}
+
+void MarkerMemory::addGroup(const std::vector<RememberedSighting>& sightings,
+                            const Eigen::Isometry3d& motion) {
+  std::optional<std::size_t> group;
+  for (const RememberedSighting& sighting : sightings) {
+    const std::size_t entry = sighting.observation.map_entry;
+    if (!isElsewhere(entry)) continue;
+    // The one that has a motion is more than one marker alone.
+    const std::size_t before = records_[entry].group;
+    if (!group || (groups_[before] && !groups_[*group])) group = before;
+  }
+  if (!group) group = newGroup(motion);
+  groups_[*group] = motion;
+  for (const RememberedSighting& sighting : sightings) addElsewhere(sighting, *group);
+}
+
+void MarkerMemory::addElsewhere(const RememberedSighting& sighting,
+                                const Contradicts& contradicts) {
+  const std::size_t entry = sighting.observation.map_entry;
+  if (isElsewhere(entry)) return addElsewhere(sighting, records_[entry].group);
+  for (const DisplacedGroup& group : displacedGroups()) {
+    if (!group.motion || contradicts(sighting, *group.motion)) continue;
+    return addElsewhere(sighting, records_[group.entries.front()].group);
+  }
+  addElsewhere(sighting, newGroup(std::nullopt));
+}
+
+std::size_t MarkerMemory::newGroup(const std::optional<Eigen::Isometry3d>& motion) {
+  for (std::size_t group = 0; group < groups_.size(); ++group) {
+    const bool is_used = std::any_of(records_.begin(), records_.end(), [&](const Record& record) {
+      return record.elsewhere && record.group == group;
+    });
+    if (is_used) continue;
+    groups_[group] = motion;
+    return group;
+  }
+  groups_.push_back(motion);
+  return groups_.size() - 1;
+}
+
+std::vector<DisplacedGroup> MarkerMemory::displacedGroups() const {
+  std::vector<DisplacedGroup> groups(groups_.size());
+  for (std::size_t group = 0; group < groups_.size(); ++group) {
+    groups[group].motion = groups_[group];
+  }
+  for (std::size_t entry = 0; entry < records_.size(); ++entry) {
+    if (records_[entry].elsewhere) groups[records_[entry].group].entries.push_back(entry);
+  }
+  groups.erase(std::remove_if(groups.begin(), groups.end(),
+                              [](const DisplacedGroup& group) { return group.entries.empty(); }),
+               groups.end());
+  return groups;
+}
+
+void MarkerMemory::moveBy(const Eigen::Isometry3d& motion, const Contradicts& contradicts) {
+  const auto move = [&motion](RememberedSighting* sighting) {
+    sighting->map_from_base = Pose::fromIsometry(motion * sighting->map_from_base.toIsometry());
+  };
+  for (std::optional<Eigen::Isometry3d>& group : groups_) {
+    if (group) group = *group * motion.inverse();
+  }
+  groups_.emplace_back(motion.inverse());
+  const std::size_t of_motion = groups_.size() - 1;
+  for (Record& record : records_) {
+    if (record.elsewhere) {
+      const bool is_in_place = !contradicts(*record.elsewhere, motion);
+      move(&*record.elsewhere);
+      if (is_in_place) {
+        record.in_place = std::exchange(record.elsewhere, std::nullopt);
+      } else {
+        record.in_place.reset();
+      }
+    } else if (record.in_place) {
+      const bool is_elsewhere = contradicts(*record.in_place, motion);
+      move(&*record.in_place);
+      if (!is_elsewhere) continue;
+      record.elsewhere_since = record.in_place->stamp;
+      record.elsewhere = std::exchange(record.in_place, std::nullopt);
+      record.group = of_motion;
+    }
+  }
 }
 
 const RememberedSighting* MarkerMemory::inPlace(std::size_t entry) const {
@@ -54,7 +139,13 @@ const RememberedSighting* MarkerMemory::elsewhere(std::size_t entry) const {
   return is_known ? &*records_[entry].elsewhere : nullptr;
 }
 
+void MarkerMemory::clear() {
+  records_.clear();
+  groups_.clear();
+}
+
 void MarkerMemory::forgetPlaces() {
+  groups_.clear();
   for (Record& record : records_) {
     record.in_place.reset();
     record.elsewhere.reset();

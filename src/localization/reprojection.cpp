@@ -47,6 +47,25 @@ Rows whitened(const Rows& rows, double noise, double shape_deviation) {
   return white;
 }
 
+/// A projection so whitened.
+struct Whitened {
+  CornerResiduals residuals;
+  CornerJacobian by_frame;
+
+  Whitened(const Projection& projection, double noise, double shape_deviation)
+      : residuals(whitened(projection.residuals, noise, shape_deviation)),
+        by_frame(whitened(projection.by_frame, noise, shape_deviation)) {}
+
+  FrameEquations equations() const {
+    FrameEquations marker;
+    // Eigen would take these for large matrices.
+    marker.information = by_frame.transpose().lazyProduct(by_frame);
+    marker.gradient = by_frame.transpose().lazyProduct(residuals);
+    marker.by_chance = marker.information;
+    return marker;
+  }
+};
+
 /// r^T (1 + J M J^T)^-1 r of white residuals, by the matrix inversion lemma.
 double chiSquare(double squares, const PoseVector& gradient, const PoseMatrix& information,
                  const PoseMatrix& misplacement) {
@@ -93,6 +112,25 @@ class Problem {
       addMarker(i, project(camera, isometry, i), state.pose, &linear);
     }
     return linear;
+  }
+
+  /// Of each marker, by what poor corners are off; nothing for one that the pose hides.
+  std::vector<std::optional<FrameEquations>> equations(const State& state) const {
+    const MountedCamera camera = camera_.withError(state.error);
+    const Eigen::Isometry3d isometry = state.pose.toIsometry();
+    std::vector<std::optional<FrameEquations>> equations;
+    equations.reserve(observations_.size());
+    for (std::size_t i = 0; i < observations_.size(); ++i) {
+      const auto projection = project(camera, isometry, i);
+      equations.emplace_back();
+      if (!projection) continue;
+      const Whitened white(*projection, config_.poor_corner_noise,
+                           observations_[i].shape_deviation);
+      const auto misplaced = misplacement(i, state.pose, projection->by_frame);
+      equations.back() =
+          misplaced ? withMisplacement(white.equations(), *misplaced) : white.equations();
+    }
+    return equations;
   }
 
   FrameEquations withPriors(const Linearization& linear, const State& state) const {
@@ -159,15 +197,9 @@ class Problem {
       linear->cost += 0.5 * width * std::log1p(kHiddenChiSquare / width);
       return;
     }
-    const double shape = observations_[index].shape_deviation;
-    const CornerResiduals white = whitened(projection->residuals, config_.corner_noise, shape);
-    const CornerJacobian by_frame = whitened(projection->by_frame, config_.corner_noise, shape);
-    FrameEquations marker;
-    // Eigen would take these for large matrices.
-    marker.information = by_frame.transpose().lazyProduct(by_frame);
-    marker.gradient = by_frame.transpose().lazyProduct(white);
-    marker.by_chance = marker.information;
-    double chi_square = white.squaredNorm();
+    const Whitened white(*projection, config_.corner_noise, observations_[index].shape_deviation);
+    FrameEquations marker = white.equations();
+    double chi_square = white.residuals.squaredNorm();
     if (const auto misplaced = misplacement(index, pose, projection->by_frame)) {
       chi_square = chiSquare(chi_square, marker.gradient.head<6>(),
                              marker.information.topLeftCorner<6, 6>(), *misplaced);
@@ -282,6 +314,13 @@ std::vector<Misfit> misfitsAt(const MarkerMap& map, const MountedCamera& camera,
                               const Pose& map_from_base, const ImagingError& error,
                               const ReprojectionConfig& config) {
   return Problem(map, camera, observations, PosePrior{}, config).misfits({map_from_base, error});
+}
+
+std::vector<std::optional<FrameEquations>> equationsAt(
+    const MarkerMap& map, const MountedCamera& camera,
+    const std::vector<MarkerObservation>& observations, const Pose& map_from_base,
+    const ImagingError& error, const ReprojectionConfig& config) {
+  return Problem(map, camera, observations, PosePrior{}, config).equations({map_from_base, error});
 }
 
 }  // namespace omnitag

@@ -223,6 +223,10 @@ PhotometricFit fitAfter(const FinalStep& step, const PosePrior& prior, const Ali
   fit.excess = lasting_excess * fit.surprise;
   fit.map_from_base =
       estimateOf(sum, prior, moved(alignment.pose, step.change.head<6>()), fit.excess);
+  for (std::optional<FrameEquations>& marker : markers) {
+    if (marker) marker->gradient -= marker->information * step.change;
+  }
+  fit.markers = std::move(markers);
   return fit;
 }
 

@@ -60,11 +60,13 @@ TEST(MarkerMemoryTest, KnowsWhereMarkersWereSeen) {
   memory.addSeen(seenAt(2, 1.0));
   ASSERT_TRUE(memory.inPlace(2));
   EXPECT_EQ(memory.inPlace(2)->stamp, 1.0);
-  memory.addElsewhere(seenAt(2, 2.0), false);
-  ASSERT_TRUE(memory.elsewhere(2));
-  EXPECT_FALSE(memory.isElsewhere(2)) << "that is open";
-  memory.addElsewhere(seenAt(2, 3.0), true);
+  const auto never = [](const RememberedSighting&, const Eigen::Isometry3d&) { return false; };
+  memory.addElsewhere(seenAt(2, 2.0), never);
+  EXPECT_EQ(memory.countInPlace(), 0U);
+  memory.addElsewhere(seenAt(2, 3.0), never);
   EXPECT_TRUE(memory.isElsewhere(2));
+  EXPECT_EQ(memory.elsewhere(2)->stamp, 3.0);
+  EXPECT_EQ(memory.elsewhereSince(2), 2.0);
   memory.addSeen(seenAt(2, 4.0));
   EXPECT_FALSE(memory.isElsewhere(2)) << "back in its place";
   EXPECT_EQ(memory.countInPlace(), 1U);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <cmath>
 #include <optional>
@@ -97,6 +98,13 @@ inline MarkerReading withNoise(MarkerReading reading, double noise, std::mt19937
 
 inline double positionError(const Pose& a, const Pose& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
+}
+
+/// By how many standard deviations a position on the floor is off.
+inline double deviations(const PoseEstimate& estimate, const Pose& truth) {
+  const Eigen::Vector2d off = difference(estimate.pose, truth).head<2>();
+  const Eigen::Matrix2d covariance = estimate.covariance.topLeftCorner<2, 2>();
+  return std::sqrt(off.dot(covariance.ldlt().solve(off)));
 }
 
 }  // namespace omnitag::test

@@ -12,11 +12,11 @@
 
 #include "omnitag/camera/mounted_camera.h"
 #include "omnitag/common/pose.h"
+#include "omnitag/localization/evidence.h"
 #include "omnitag/localization/frame_result.h"
+#include "omnitag/localization/hypothesis.h"
 #include "omnitag/localization/image_lag.h"
 #include "omnitag/localization/localizer_config.h"
-#include "omnitag/localization/marker_memory.h"
-#include "omnitag/localization/motion_model.h"
 #include "omnitag/marker/glance_reader.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/marker/marker_reader.h"
@@ -25,6 +25,7 @@
 
 namespace omnitag {
 
+struct Account;
 class Patrol;
 struct TrackingTools;
 
@@ -69,23 +70,31 @@ class Localizer {
 
  private:
   void check(const Frame& frame) const;
-  std::optional<PoseEstimate> predict(const Frame& frame);
+  /// Carries all hypotheses on to the frame, and forgets those that are not worth having then.
+  std::vector<PoseEstimate> predict(const Frame& frame);
   /// The camera while it takes the frame's image. After predict().
   MountedCamera cameraOf(const Frame& frame, bool has_prediction) const;
-  /// Looks where the prediction has markers; leaves the result without a pose where none agrees.
-  /// Whether what was found there leaves the prediction possible.
-  bool track(const Frame& frame, const MountedCamera& camera, const PoseEstimate& predicted,
-             FrameResult* result);
-  /// The pose of the markers that are found about where the prediction has them, and the blur with
-  /// which they are found best.
-  std::optional<PoseEstimate> followMarkers(const Frame& frame, const MountedCamera& camera,
-                                            const PoseEstimate& predicted, FrameResult* result);
+
+  /// What the frame gives for a hypothesis, and for others that it leads to.
+  std::vector<Account> track(const Frame& frame, const MountedCamera& camera,
+                             const Hypothesis& hypothesis, const PoseEstimate& predicted,
+                             bool is_likeliest, std::vector<MarkerObservation>* seen);
+  /// The pose of the markers that are found about where the prediction has them, the blur with
+  /// which they are found best, and other poses that they may stand for.
+  std::optional<PoseEstimate> followMarkers(const TrackingTools& tools, const Frame& frame,
+                                            const MountedCamera& camera,
+                                            const PoseEstimate& predicted, bool learns,
+                                            FrameResult* result,
+                                            std::vector<MarkerObservation>* seen,
+                                            std::vector<PoseEstimate>* alternatives);
+  /// What the frame gives for a robot that is at another pose than its account has it.
+  std::vector<Account> alternativesAt(const PoseEstimate& pose, const Frame& frame,
+                                      const MountedCamera& camera, const Hypothesis& before,
+                                      const Account& account,
+                                      const std::vector<MarkerObservation>& seen);
   /// A pose less certain by what the images' lag makes of the robot's motion, if they seem to lag.
-  PoseEstimate withLag(const Frame& frame, const PoseEstimate& predicted, const PoseEstimate& pose);
-  /// Of an image in which the robot was found.
-  void learnBlur(const Frame& frame, const MountedCamera& camera, FrameResult* result);
-  /// Pixels, standard deviation of the blur that decoders are to read without.
-  double blurToRead();
+  PoseEstimate withLag(const Frame& frame, const PoseEstimate& predicted, const PoseEstimate& pose,
+                       bool learns);
   /// Whether the accepted markers alone, without the prediction, lead to where it has the robot. A
   /// prediction that is too sure of itself may hold a pose against all of them.
   bool markersAgree(const MountedCamera& camera, const PoseEstimate& predicted,
@@ -93,40 +102,33 @@ class Localizer {
   /// Whether a look all around, now and then where only a marker or two are found and one is missed
   /// that the frame before showed, finds the robot elsewhere. What it reads is not lost to
   /// exploring.
-  bool isElsewhere(const Frame& frame, const MountedCamera& camera, const PoseEstimate& tracked,
-                   FrameResult* result);
-  /// Looks all around, and decides between what it finds and the prediction.
-  void search(const Frame& frame, const MountedCamera& camera,
-              const std::optional<PoseEstimate>& predicted, bool is_refuted, FrameResult* result);
+  bool isElsewhere(const TrackingTools& tools, const Frame& frame, const MountedCamera& camera,
+                   const Hypothesis& hypothesis, const PoseEstimate& tracked, FrameResult* result);
+
+  /// Searches for a robot that is lost, or seems not to be where the account has it: what that
+  /// gives, for the account and for where the robot is found.
+  std::vector<Account> lookFor(const Frame& frame, const MountedCamera& camera, Account account,
+                               const std::optional<PoseEstimate>& predicted, bool is_refuted);
+  /// Looks all around; nothing where that tells no pose that the prediction must give way to.
+  std::optional<PoseEstimate> search(const TrackingTools& tools, const Frame& frame,
+                                     const MountedCamera& camera,
+                                     const std::optional<PoseEstimate>& predicted,
+                                     FrameResult* result);
   /// A pose that no reading of a look around tells by itself, but with others that are recognized
   /// from there; these are then in the result.
-  std::optional<PoseEstimate> confirmAround(const std::vector<MarkerReading>& readings,
+  std::optional<PoseEstimate> confirmAround(const TrackingTools& tools,
+                                            const std::vector<MarkerReading>& readings,
                                             const Frame& frame, const MountedCamera& camera,
                                             FrameResult* result);
-  /// Whether a pose that a search found replaces the expected one. `for_expected`: entries that
-  /// were seen where only that has them.
-  Verdict weigh(const Frame& frame, const Pose& expected, const Pose& found,
-                const std::vector<std::size_t>& for_expected, const FrameResult& result) const;
-  /// Those of the map's markers that a search read where only the predicted pose has them.
-  std::vector<std::size_t> entriesWherePredicted(const MountedCamera& camera,
-                                                 const PoseEstimate& predicted,
-                                                 const FrameResult& result);
-  /// Takes a pose that a search found, unless what it stands on was moved more likely than the
-  /// robot.
-  void decide(const PoseEstimate& pose, const Frame& frame, const MountedCamera& camera,
-              const std::optional<PoseEstimate>& predicted, bool is_expected, FrameResult* result);
-  /// Leaves the frame without a pose, since two are possible.
-  void withhold(FrameResult* result);
-  /// Takes a pose that was found without the prediction, or agrees with it.
-  void settle(const PoseEstimate& pose, const Frame& frame,
-              const std::optional<PoseEstimate>& predicted, bool is_expected, FrameResult* result);
-  /// Without a marker that agrees: the prediction, unless what was read contradicts it.
-  void carryOn(const PoseEstimate& predicted, bool is_refuted, FrameResult* result) const;
-  TrackingTools trackingTools();
-  /// Keeps which markers the frame showed and which not.
-  void remember(const MountedCamera& camera, const FrameResult& result);
   /// Fills in what the frame's pose says about its detections.
   void measure(const MountedCamera& camera, FrameResult* result);
+  /// Learns from the image of a robot whose pose is settled.
+  void learnFrom(const Frame& frame, const MountedCamera& camera, bool was_searched,
+                 FrameResult* result);
+  void learnBlur(const Frame& frame, const MountedCamera& camera, FrameResult* result);
+  /// Pixels, standard deviation of the blur that decoders are to read without.
+  double blurToRead();
+  TrackingTools trackingTools(const Hypothesis& hypothesis);
   /// Whether it is time to see how far a marker hangs from its place; if so, it is then done.
   bool isDue(const MarkerDetection& rejected, double stamp);
 
@@ -137,12 +139,11 @@ class Localizer {
   MarkerReader reader_;
   GlanceReader glance_reader_;
   TagPatterns patterns_;
-  MotionModel motion_;
-  MarkerMemory memory_;
   Evidence evidence_;
-  /// What was known of the first of the poses that this one goes back to; none where markers told
-  /// it.
-  std::optional<PosePrior> start_;
+  /// The likeliest first. There is always one: of a robot that is lost, what was last known of the
+  /// world and of how it stands.
+  std::vector<Hypothesis> hypotheses_;
+  bool is_lost_ = true;
   std::unique_ptr<Patrol> patrol_;
   BlurFilter blur_;
   LastingDisagreement disagreement_;
@@ -158,8 +159,6 @@ class Localizer {
   };
   std::optional<GivenPose> given_pose_;
   std::optional<double> last_stamp_;
-  /// Stamp of the last image whose markers told a pose.
-  double seen_stamp_ = std::numeric_limits<double>::infinity();
   /// Stamp from which a pose that stands on few markers is doubted next.
   double next_doubt_ = -std::numeric_limits<double>::infinity();
   /// By family and id: when it was last seen how far a marker hangs from its place.
@@ -168,7 +167,6 @@ class Localizer {
   int lost_frames_ = 0;
   /// Whether markers told the pose of the image before.
   bool was_tracked_ = false;
-  bool has_pose_ = false;
 };
 
 }  // namespace omnitag

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -39,21 +41,22 @@ struct RememberedSighting {
   Pose map_from_base;
 };
 
-/// Which markers of the map the images before showed, and which they did not though a pose had them
-/// in view.
+/// Markers that hang elsewhere than the map says, all by the same motion.
+struct DisplacedGroup {
+  std::vector<std::size_t> entries;
+  /// Takes the poses to those from which they would hang in their places; none where it is not
+  /// known.
+  std::optional<Eigen::Isometry3d> motion;
+};
+
+/// Which markers of the map the images before showed, in their places or elsewhere, and which they
+/// did not though a pose had them in view: as one hypothesis of the robot's poses has it.
 class MarkerMemory {
  public:
   explicit MarkerMemory(const AttentionConfig& config) : config_(config) {}
 
-  /// Of the frame at a stamp (s); before anything is added of it.
-  void startFrame(double stamp) { stamp_ = stamp; }
-  double stamp() const { return stamp_; }
-
   /// A marker in its place, as the pose of its frame has it.
   void addSeen(const RememberedSighting& sighting);
-  /// One that hangs elsewhere than the map says, if the pose of its frame is right; `is_certain`:
-  /// whether it is.
-  void addElsewhere(const RememberedSighting& sighting, bool is_certain);
   /// `viewpoint`: the camera's place in the map.
   void addMissed(std::size_t entry, const Eigen::Vector3d& viewpoint, double stamp);
   /// One that was missed where no marker tells that the pose is right.
@@ -76,16 +79,28 @@ class MarkerMemory {
   /// When a marker was last seen in its place, and since then elsewhere; null where it was not.
   const RememberedSighting* inPlace(std::size_t entry) const;
   const RememberedSighting* elsewhere(std::size_t entry) const;
-
-  /// Whether the marker hangs elsewhere for certain.
-  bool isElsewhere(std::size_t entry) const;
-  /// How many were seen in their places.
+  /// s: the stamp at which it then was first seen elsewhere.
+  double elsewhereSince(std::size_t entry) const { return records_[entry].elsewhere_since; }
+  bool isElsewhere(std::size_t entry) const { return elsewhere(entry) != nullptr; }
+  /// Whether any marker does.
+  bool hasElsewhere() const;
+  /// How many were seen in their places, and not elsewhere since.
   std::size_t countInPlace() const;
 
-  /// Entries from here on were never looked for.
-  std::size_t size() const { return records_.size(); }
+  /// Whether a marker, as it was seen, was not where a pose would have it that is moved in the map.
+  using Contradicts = std::function<bool(const RememberedSighting&, const Eigen::Isometry3d&)>;
 
-  void clear() { records_.clear(); }
+  /// Markers that were seen elsewhere in one image, all of which would hang in their places if the
+  /// hypothesis' pose were moved in the map: as one group, that of before if there is one.
+  void addGroup(const std::vector<RememberedSighting>& sightings, const Eigen::Isometry3d& motion);
+  /// One of which only that is known: of a group by whose motion it may hang there, or alone.
+  void addElsewhere(const RememberedSighting& sighting, const Contradicts& contradicts);
+  std::vector<DisplacedGroup> displacedGroups() const;
+  /// Takes all poses so far for wrong by a motion in the map: what was seen in its place may have
+  /// been elsewhere then, and the other way round.
+  void moveBy(const Eigen::Isometry3d& motion, const Contradicts& contradicts);
+
+  void clear();
   /// Forgets where markers were seen, which a pose told that was wrong, but not which are hidden.
   void forgetPlaces();
 
@@ -99,17 +114,22 @@ class MarkerMemory {
     int misses = 0;
     std::optional<RememberedSighting> in_place;
     std::optional<RememberedSighting> elsewhere;
-    bool is_certain = false;
+    /// Since when, and of which group.
+    double elsewhere_since = 0.0;
+    std::size_t group = 0;
   };
   Record& of(std::size_t entry);
+  void addElsewhere(const RememberedSighting& sighting, std::size_t group);
+  std::size_t newGroup(const std::optional<Eigen::Isometry3d>& motion);
   void addFirst(const Record& record, bool is_seen);
 
   AttentionConfig config_;
-  double stamp_ = 0.0;
   double first_looks_ = 0.0;
   double first_seen_ = 0.0;
   /// By map entry; as many as were looked for.
   std::vector<Record> records_;
+  /// Of each group: takes the poses to those from which its markers hang in their places.
+  std::vector<std::optional<Eigen::Isometry3d>> groups_;
 };
 
 }  // namespace omnitag

@@ -7,6 +7,7 @@
 #include "omnitag/common/pose.h"
 #include "omnitag/localization/observation.h"
 #include "omnitag/marker/marker_map.h"
+#include "omnitag/measurement/frame_equations.h"
 #include "omnitag/measurement/pose_prior.h"
 
 namespace omnitag {
@@ -68,5 +69,12 @@ std::vector<Misfit> misfitsAt(const MarkerMap& map, const MountedCamera& camera,
                               const std::vector<MarkerObservation>& observations,
                               const Pose& map_from_base, const ImagingError& error,
                               const ReprojectionConfig& config);
+
+/// What the corners of each observation say about the frame's unknowns, linearised at a pose and an
+/// error of the camera, as exact as poor corners are; nothing for a marker that the pose hides.
+std::vector<std::optional<FrameEquations>> equationsAt(
+    const MarkerMap& map, const MountedCamera& camera,
+    const std::vector<MarkerObservation>& observations, const Pose& map_from_base,
+    const ImagingError& error, const ReprojectionConfig& config);
 
 }  // namespace omnitag

@@ -9,6 +9,7 @@
 #include "omnitag/common/pose.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/marker/tag_pattern.h"
+#include "omnitag/measurement/frame_equations.h"
 #include "omnitag/measurement/pose_prior.h"
 #include "omnitag/photometry/blur_equations.h"
 #include "omnitag/photometry/disagreement.h"
@@ -47,6 +48,9 @@ struct PhotometricFit {
   Disagreement disagreement;
   double surprise = 1.0;
   double excess = 1.0;
+  /// What each marker says at this pose and error, with what it errs by; nothing for one that is
+  /// not seen.
+  std::vector<std::optional<FrameEquations>> markers;
   /// For each marker how much it counts: less than 1 where it disagrees with the others.
   std::vector<double> weights;
 };

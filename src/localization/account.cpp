@@ -1,0 +1,103 @@
+#include "account.h"
+
+#include <cmath>
+#include <utility>
+
+#include "frame_search.h"
+#include "omnitag/common/angle.h"
+#include "omnitag/common/format.h"
+
+namespace omnitag {
+std::string howFarOff(const Pose& found, const Pose& expected) {
+  const PoseVector off = difference(found, expected);
+  return format("found %.2f m and %.1f degrees off where it was expected", off.head<2>().norm(),
+                degrees(std::abs(off[2])));
+}
+
+FrameResult emptyResult(const Frame& frame, const LocalizerConfig& config) {
+  FrameResult result;
+  result.stamp = frame.stamp;
+  result.is_on_floor = config.motion.isOnFloor();
+  return result;
+}
+
+std::vector<Hypothesis> childrenAt(const Pose& pose, const Frame& frame,
+                                   const MountedCamera& camera, const Hypothesis& before,
+                                   const Account& account, const Evidence& evidence) {
+  const Pose& expected = account.result.map_from_base->pose;
+  const Eigen::Isometry3d motion = pose.toIsometry() * expected.toIsometry().inverse();
+  Hypothesis carried = before.carried(evidence, frame.odom_from_base.has_value());
+  Hypothesis elsewhere = before.elsewhere(motion, evidence);
+  elsewhere.start_error = motion * account.hypothesis.start_error;
+  std::vector<Hypothesis> children{std::move(carried), std::move(elsewhere)};
+  std::vector<RememberedSighting> group;
+  for (const MarkerDetection& detection : account.result.detections) {
+    if (!detection.accepted) continue;
+    group.push_back(sightingOf(detection, account.result, camera, pose));
+    if (!evidence.contradicts(group.back(), Eigen::Isometry3d::Identity())) group.pop_back();
+  }
+  if (group.empty()) return children;
+  for (Hypothesis& child : children) child.memory.addGroup(group, motion.inverse());
+  return children;
+}
+
+std::vector<Account> accountsOf(std::vector<Hypothesis> children, const PoseEstimate& pose,
+                                FrameResult result, const Frame& frame) {
+  result.map_from_base = pose;
+  std::vector<Account> accounts;
+  for (Hypothesis& child : children) {
+    child.motion.reset(pose, frame.stamp, frame.odom_from_base);
+    child.seen_stamp = frame.stamp;
+    accounts.push_back({std::move(child), result});
+  }
+  return accounts;
+}
+
+RememberedSighting sightingOf(const MarkerDetection& detection, const FrameResult& result,
+                              const MountedCamera& camera, const Pose& map_from_base) {
+  return {result.stamp,
+          {*detection.map_entry, detection.corners, detection.center},
+          camera.withError(result.imaging_error),
+          map_from_base};
+}
+
+Account stayingAt(const PoseEstimate& predicted, const FrameResult& found, Account account) {
+  const std::vector<std::size_t> missed = std::move(account.result.missed);
+  account.result = found;
+  account.result.missed = missed;
+  account.result.elsewhere = acceptedEntries(found);
+  account.result.map_from_base = predicted;
+  account.result.mode = Mode::kDeadReckoning;
+  rejectAccepted(kElsewhere, &account.result);
+  return account;
+}
+
+void carryOn(const PoseEstimate& predicted, bool is_refuted, const MarkerMap& map,
+             FrameResult* result) {
+  rejectAccepted("contradicts the predicted pose", result);
+  if (is_refuted || contradictions(*result, map) > 0) {
+    result->remark = "the markers that were read contradict the predicted pose";
+    return;
+  }
+  result->mode = Mode::kDeadReckoning;
+  result->map_from_base = predicted;
+}
+
+std::string eitherOr(const std::vector<std::size_t>& elsewhere, const MarkerMap& map) {
+  std::string names;
+  for (const std::size_t entry : elsewhere) {
+    names += (names.empty() ? "" : ", ") + std::to_string(map.markers[entry].id);
+  }
+  return "either markers " + names +
+         " hang elsewhere than the map says, or the robot is elsewhere than expected";
+}
+
+void withhold(const MarkerMap& map, FrameResult* result) {
+  result->is_open = true;
+  result->remark = eitherOr(result->elsewhere, map);
+  result->mode = Mode::kSearching;
+  result->map_from_base.reset();
+  rejectAccepted("others contradict it", result);
+}
+
+}  // namespace omnitag

@@ -1,0 +1,207 @@
+#include "belief.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "frame_search.h"
+#include "frame_steps.h"
+
+namespace omnitag {
+namespace {
+
+/// Kept at most: each costs as much as tracking does.
+constexpr std::size_t kMostHypotheses = 3;
+
+bool contains(const std::vector<std::size_t>& entries, std::size_t entry) {
+  return std::find(entries.begin(), entries.end(), entry) != entries.end();
+}
+
+const MarkerDetection* detectionOf(std::size_t entry, const FrameResult& result) {
+  const auto found = std::find_if(
+      result.detections.begin(), result.detections.end(),
+      [entry](const MarkerDetection& detection) { return detection.map_entry == entry; });
+  return found == result.detections.end() ? nullptr : &*found;
+}
+
+/// Takes a marker that another pose has in its place for one that this pose has elsewhere, unless
+/// it is in its place here, too.
+void addElsewhere(const MarkerDetection& seen, FrameResult* result) {
+  const std::size_t entry = *seen.map_entry;
+  const MarkerDetection* const here = detectionOf(entry, *result);
+  if (here && here->accepted) return;
+  if (!here) {
+    result->detections.push_back(seen);
+    result->detections.back().accepted = false;
+    result->detections.back().reason = kElsewhere;
+  }
+  auto& missed = result->missed;
+  missed.erase(std::remove(missed.begin(), missed.end(), entry), missed.end());
+  if (!contains(result->elsewhere, entry)) result->elsewhere.push_back(entry);
+}
+
+void exchangeSightings(std::vector<Account>* accounts) {
+  std::vector<std::vector<MarkerDetection>> accepted;
+  for (const Account& account : *accounts) {
+    accepted.emplace_back();
+    std::copy_if(account.result.detections.begin(), account.result.detections.end(),
+                 std::back_inserter(accepted.back()),
+                 [](const MarkerDetection& detection) { return detection.accepted; });
+  }
+  for (std::size_t i = 0; i < accounts->size(); ++i) {
+    for (std::size_t j = 0; j < accounts->size(); ++j) {
+      if (i == j) continue;
+      for (const MarkerDetection& seen : accepted[j]) addElsewhere(seen, &(*accounts)[i].result);
+    }
+  }
+}
+
+/// Keeps which markers hang elsewhere: as one group those that another account has in their places.
+void rememberElsewhere(const MountedCamera& camera, const Evidence& evidence,
+                       const std::vector<Account>& accounts, Account* account) {
+  const FrameResult& result = account->result;
+  const Pose& pose = result.map_from_base->pose;
+  std::vector<RememberedSighting> rest;
+  for (const MarkerDetection& detection : result.detections) {
+    if (detection.accepted || !detection.map_entry) continue;
+    if (!contains(result.elsewhere, *detection.map_entry)) continue;
+    rest.push_back(sightingOf(detection, result, camera, pose));
+  }
+  for (const Account& other : accounts) {
+    if (&other == account || !other.result.map_from_base) continue;
+    const auto isThere = [&other](const RememberedSighting& sighting) {
+      const MarkerDetection* const seen = detectionOf(sighting.observation.map_entry, other.result);
+      return seen && seen->accepted;
+    };
+    const auto group = std::stable_partition(rest.begin(), rest.end(), isThere);
+    if (group == rest.begin()) continue;
+    account->hypothesis.memory.addGroup(
+        {rest.begin(), group},
+        other.result.map_from_base->pose.toIsometry() * pose.toIsometry().inverse());
+    rest.erase(rest.begin(), group);
+  }
+  for (const RememberedSighting& sighting : rest) {
+    account->hypothesis.memory.addElsewhere(sighting, evidence.contradiction());
+  }
+}
+
+/// Keeps which markers the frame showed and which not.
+void remember(const MountedCamera& camera, const Evidence& evidence,
+              const std::vector<Account>& accounts, Account* account) {
+  const FrameResult& result = account->result;
+  MarkerMemory& memory = account->hypothesis.memory;
+  if (!result.map_from_base) return;
+  const Pose& pose = result.map_from_base->pose;
+  for (const MarkerDetection& detection : result.detections) {
+    if (detection.accepted) memory.addSeen(sightingOf(detection, result, camera, pose));
+  }
+  rememberElsewhere(camera, evidence, accounts, account);
+  const bool is_told = result.acceptedMarkers() > 0;
+  const Eigen::Vector3d viewpoint = camera.mapFromCamera(pose).translation();
+  for (const std::size_t entry : result.missed) {
+    if (is_told) {
+      memory.addMissed(entry, viewpoint, result.stamp);
+    } else {
+      memory.addLost(entry);
+    }
+  }
+}
+
+bool haveSamePose(const Account& a, const Account& b) {
+  if (!a.result.map_from_base || !b.result.map_from_base) return false;
+  // m and rad: two that are so near each other are tracked by the same markers.
+  constexpr double kNear = 1e-3;
+  const PoseVector apart = difference(a.result.map_from_base->pose, b.result.map_from_base->pose);
+  return apart.head<3>().cwiseAbs().maxCoeff() < kNear;
+}
+
+/// A pose that may as well be another one with a probability.
+PoseEstimate covering(const PoseEstimate& pose, const PoseEstimate& other, double probability) {
+  // What the other pose stands on may be a little off as well, seen from where two poses contend.
+  constexpr double kAside = 0.15;
+  const PoseVector apart = difference(other.pose, pose.pose);
+  const PoseVector aside =
+      kAside * poseVector(Eigen::Vector3d::Constant(translationPart(apart).norm()),
+                          Eigen::Vector3d::Constant(rotationPart(apart).norm()));
+  PoseEstimate wider = pose;
+  wider.covariance += probability * (apart * apart.transpose() + other.covariance);
+  wider.covariance.diagonal() += probability * aside.cwiseAbs2();
+  return wider;
+}
+
+}  // namespace
+
+std::vector<Account> judged(std::vector<Account> accounts, const MountedCamera& camera,
+                            const Evidence& evidence) {
+  exchangeSightings(&accounts);
+  for (Account& account : accounts) {
+    const double missed = account.is_of_search ? 0.0
+                                               : evidence.logOfMissed(account.result.missed,
+                                                                      account.hypothesis.memory);
+    remember(camera, evidence, accounts, &account);
+    account.log_probability = account.hypothesis.logProbability(evidence) + missed;
+      fprintf(stderr, "  %.2f: %s acc %d elsewhere", account.result.stamp,
+      fprintf(
+          stderr,
+          " places %.1f missed %.1f (%zu) carried %.1f start %.1f total %.1f pose %.3f %.3f groups",
+          evidence.logOfPlaces(account.hypothesis.memory), missed, account.result.missed.size(),
+          account.hypothesis.log_of_carried,
+          account.hypothesis.start
+              ? evidence.logOfStart(*account.hypothesis.start, account.hypothesis.start_error,
+                                    account.hypothesis.memory.hasElsewhere())
+              : 0.0,
+          account.log_probability,
+          account.result.map_from_base ? account.result.map_from_base->pose.x : 0,
+      for (auto& g : account.hypothesis.memory.displacedGroups()) {
+      fprintf(stderr, " [");
+      for (auto e : g.entries) fprintf(stderr, " %zu", e);
+      fprintf(stderr, "]");
+  }
+  std::stable_sort(accounts.begin(), accounts.end(), [](const Account& a, const Account& b) {
+      return a.log_probability > b.log_probability;
+  });
+  std::vector<Account> kept;
+  const double least = accounts.front().log_probability - std::log(evidence.config().odds);
+  for (Account& account : accounts) {
+      if (account.log_probability < least || kept.size() == kMostHypotheses) break;
+      const bool is_double =
+          std::any_of(kept.begin(), kept.end(),
+                      [&account](const Account& other) { return haveSamePose(account, other); });
+      if (!is_double) kept.push_back(std::move(account));
+  }
+  return kept;
+  }
+
+  FrameResult reported(const std::vector<Account>& accounts, const MarkerMap& map,
+                       const EvidenceConfig& config) {
+    const Account& best = accounts.front();
+    FrameResult result = best.result;
+    if (accounts.size() == 1) return result;
+    result.is_open = true;
+    for (auto other = accounts.begin() + 1; other != accounts.end(); ++other) {
+      const std::vector<std::size_t> accepted = acceptedEntries(other->result);
+      std::copy_if(accepted.begin(), accepted.end(), std::back_inserter(result.elsewhere),
+                   [&result](std::size_t entry) {
+                     return !contains(result.elsewhere, entry) &&
+                            !contains(acceptedEntries(result), entry);
+                   });
+    }
+    if (result.elsewhere.empty()) result.elsewhere = acceptedEntries(result);
+    result.remark = eitherOr(result.elsewhere, map);
+    if (!result.map_from_base) return result;
+    // No pose is to be farther from the truth than this many of its deviations.
+    constexpr double kDeviations = 4.0;
+    for (auto other = accounts.begin() + 1; other != accounts.end(); ++other) {
+      if (!other->result.map_from_base) continue;
+      const double probability =
+          1.0 / (1.0 + std::exp(best.log_probability - other->log_probability));
+      result.map_from_base = covering(*result.map_from_base, *other->result.map_from_base,
+                                      std::max(probability, 1.0 / (kDeviations * kDeviations)));
+    }
+    if (positionDeviation(*result.map_from_base) <= config.open_deviation) return result;
+    withhold(map, &result);
+    return result;
+  }
+
+}  // namespace omnitag

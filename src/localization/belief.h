@@ -1,0 +1,24 @@
+#pragma once
+
+#include <vector>
+
+#include "account.h"
+#include "omnitag/camera/mounted_camera.h"
+#include "omnitag/localization/evidence.h"
+#include "omnitag/localization/frame_result.h"
+#include "omnitag/marker/marker_map.h"
+
+namespace omnitag {
+
+/// Judges the accounts of a frame by what all of them saw: lets each remember it, and keeps those
+/// that are nearly as likely as the likeliest one, which comes first; of those with the same pose
+/// the likelier one.
+std::vector<Account> judged(std::vector<Account> accounts, const MountedCamera& camera,
+                            const Evidence& evidence);
+
+/// What the robot is told of the accounts that were kept: the likeliest, with a covariance that
+/// covers the others, or without a pose where these are too far off.
+FrameResult reported(const std::vector<Account>& accounts, const MarkerMap& map,
+                     const EvidenceConfig& config);
+
+}  // namespace omnitag

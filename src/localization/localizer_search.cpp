@@ -1,0 +1,167 @@
+#include <algorithm>
+#include <utility>
+
+#include "account.h"
+#include "frame_search.h"
+#include "frame_steps.h"
+#include "glance_search.h"
+#include "omnitag/common/stopwatch.h"
+#include "omnitag/localization/localizer.h"
+#include "omnitag/localization/relocalization.h"
+#include "pose_confirmation.h"
+
+namespace omnitag {
+namespace {
+
+/// Two markers without a prediction have no third to contradict them where something shades or
+/// covers one of them: a pose to start from is to be modest.
+PoseEstimate modest(const PoseEstimate& pose, const FrameResult& result) {
+  constexpr int kFew = 2;
+  constexpr double kDoubt = 2.0;
+  const double rise = result.acceptedMarkers() <= kFew ? kDoubt : 1.0;
+  return {pose.pose, rise * rise * pose.covariance, rise * rise * pose.shared};
+}
+
+/// Those of the map's markers that were read but where only the predicted pose has them.
+std::vector<std::size_t> entriesWherePredicted(const TrackingTools& tools,
+                                               const MountedCamera& camera,
+                                               const PoseEstimate& predicted,
+                                               const FrameResult& result) {
+  std::vector<std::size_t> entries;
+  const PosePrior prior = PosePrior::about(predicted);
+  for (const MarkerDetection& detection : result.detections) {
+    if (detection.accepted) continue;
+    for (const std::size_t entry : entriesOf(tools.map, detection.family, detection.id)) {
+      const MarkerObservation observation{entry, detection.corners, detection.center};
+      if (agreesWithPrior(tools, camera, observation, prior)) entries.push_back(entry);
+    }
+  }
+  return entries;
+}
+
+/// The account of a robot that was lost, or is where it was expected after all.
+Account foundAt(const PoseEstimate& pose, FrameResult found, bool is_expected, const Frame& frame,
+                Account account) {
+  account.is_of_search = true;
+  account.is_lost = false;
+  account.result = std::move(found);
+  account.result.map_from_base = pose;
+  account.result.mode = is_expected ? Mode::kTracking : Mode::kFound;
+  Hypothesis& hypothesis = account.hypothesis;
+  hypothesis.seen_stamp = frame.stamp;
+  if (is_expected) {
+    hypothesis.motion.correct(pose);
+  } else {
+    hypothesis.motion.reset(pose, frame.stamp, frame.odom_from_base);
+    hypothesis.restart(std::nullopt);
+  }
+  return account;
+}
+
+}  // namespace
+
+std::vector<Account> Localizer::lookFor(const Frame& frame, const MountedCamera& camera,
+                                        Account account,
+                                        const std::optional<PoseEstimate>& predicted,
+                                        bool is_refuted) {
+  const Hypothesis before = account.hypothesis;
+  const TrackingTools tools = trackingTools(before);
+  FrameResult result = account.result;
+  const std::optional<PoseEstimate> pose = search(tools, frame, camera, predicted, &result);
+  if (!pose) {
+    if (predicted) carryOn(*predicted, is_refuted, map_, &result);
+    setResiduals(tools, camera, &result);
+    account.result = std::move(result);
+    account.is_lost = !predicted;
+    return {std::move(account)};
+  }
+  const bool is_expected = predicted && agree(*predicted, *pose);
+  std::vector<std::size_t> entries = acceptedEntries(result);
+  if (!is_expected && predicted) {
+    account = stayingAt(*predicted, result, std::move(account));
+    for (const std::size_t entry : entriesWherePredicted(tools, camera, *predicted, result)) {
+      result.elsewhere.push_back(entry);
+    }
+    result.remark = howFarOff(pose->pose, predicted->pose);
+    result.mode = Mode::kFound;
+    std::vector<Account> accounts =
+        accountsOf(childrenAt(pose->pose, frame, camera, before, account, evidence_), *pose,
+                   std::move(result), frame);
+    for (Account& child : accounts) child.is_of_search = true;
+    accounts.push_back(std::move(account));
+    return accounts;
+  }
+  // Where nothing else is in view, the robot may as well be elsewhere.
+  const bool is_moved =
+      !predicted && std::all_of(entries.begin(), entries.end(), [&before](std::size_t entry) {
+        return before.memory.isElsewhere(entry);
+      });
+  if (is_moved) {
+    result.elsewhere = std::move(entries);
+    withhold(map_, &result);
+    account.result = std::move(result);
+    account.is_lost = true;
+    return {std::move(account)};
+  }
+  return {foundAt(*pose, std::move(result), is_expected, frame, std::move(account))};
+}
+
+std::optional<PoseEstimate> Localizer::search(const TrackingTools& tools, const Frame& frame,
+                                              const MountedCamera& camera,
+                                              const std::optional<PoseEstimate>& predicted,
+                                              FrameResult* result) {
+  const auto toldBy = [&](const PoseEstimate& seen) {
+    return predicted && agree(*predicted, seen) ? seen : modest(seen, *result);
+  };
+  if (const auto seen = glance(tools, frame, camera, result)) return toldBy(*seen);
+  const std::vector<MarkerReading> readings = lookAround(tools, camera, result);
+  Stopwatch step;
+  const Relocalization found =
+      relocalize(map_, camera, readings, standing_, config_.estimation, config_.relocalization);
+  result->timings.solve += step.lap();
+  if (!found.map_from_base && config_.estimation.kind == EstimatorKind::kPhotometric) {
+    if (const auto seen = confirmAround(tools, readings, frame, camera, result)) {
+      return toldBy(*seen);
+    }
+  }
+  const std::vector<std::size_t> explaining = addDetections(tools, readings, found, result);
+  if (!found.map_from_base) {
+    if (!predicted) result->remark = found.reason;
+    return std::nullopt;
+  }
+  const bool is_expected = predicted && agree(*predicted, *found.map_from_base);
+  const bool is_sure = is_expected || explaining.size() >= 2;
+  // A single marker may hang elsewhere than the map says, which its pixels cannot tell.
+  if (!is_sure) return found.map_from_base;
+  step.lap();
+  PoseEstimate pose = *found.map_from_base;
+  const PosePrior prior = is_expected ? PosePrior::about(*predicted) : standing_;
+  const auto aligned = alignWithPixels(tools, frame.image, camera, explaining, pose.pose, prior);
+  // Where the two contradict each other, something covers a marker or the map is not exact enough
+  // to align pixels with: corners bear more.
+  const bool fits = aligned && agree(aligned->map_from_base, pose);
+  pose = fits ? aligned->map_from_base : standingOnCorners(pose, explaining.size(), config_);
+  result->imaging_error = fits ? aligned->imaging_error : found.imaging_error;
+  result->timings.solve += step.lap();
+  pose = withUndecoded(tools, frame, camera, pose, explaining, prior, result);
+  result->map_from_base = pose;
+  setResiduals(tools, camera, result);
+  return is_expected ? pose : modest(pose, *result);
+}
+
+std::optional<PoseEstimate> Localizer::confirmAround(const TrackingTools& tools,
+                                                     const std::vector<MarkerReading>& readings,
+                                                     const Frame& frame,
+                                                     const MountedCamera& camera,
+                                                     FrameResult* result) {
+  const auto areTwo = [](const FrameResult& seen) { return seen.acceptedMarkers() >= 2; };
+  auto seen = confirm({readings, result->views, result->view_images}, areTwo, tools, frame, camera,
+                      &result->timings);
+  if (!seen) return std::nullopt;
+  seen->explored = std::move(result->explored);
+  seen->timings = result->timings;
+  *result = std::move(*seen);
+  return result->map_from_base;
+}
+
+}  // namespace omnitag

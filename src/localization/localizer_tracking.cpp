@@ -1,0 +1,215 @@
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <utility>
+
+#include "belief.h"
+#include "frame_search.h"
+#include "frame_steps.h"
+#include "frame_tracker.h"
+#include "omnitag/common/stopwatch.h"
+#include "omnitag/localization/localizer.h"
+#include "omnitag/localization/relocalization.h"
+#include "omnitag/localization/reprojection.h"
+
+namespace omnitag {
+namespace {
+
+/// Standard deviations by which the pose of the markers alone may be off the prediction: robots
+/// accelerate and slip more than the motion model says, but not that much.
+constexpr double kMaxDeviations = 6.0;
+
+/// Markers that may be nearly where they were though the robot was carried toward them or away.
+constexpr int kFew = 2;
+
+/// m and rad, standard deviation by which a robot that sways seems to move, whatever its odometry
+/// says.
+constexpr double kSway = 2e-3;
+
+/// s until a pose that stands on few markers is doubted again, which costs a look all around.
+constexpr double kDoubtPeriod = 0.25;
+
+/// Other poses that a frame's markers may stand for, at most.
+constexpr std::size_t kMostAlternatives = 2;
+
+/// A pose that markers lead to as a prediction by which these same markers are found: it is not to
+/// count as much as they do.
+PoseEstimate predictionFrom(const PoseEstimate& alternative) {
+  constexpr double kDoubt = 3.0;
+  constexpr double kLeast = 1e-3;  // m and rad
+  PoseEstimate prediction = alternative;
+  prediction.covariance *= kDoubt * kDoubt;
+  prediction.covariance.diagonal().array() += kLeast * kLeast;
+  return prediction;
+}
+
+/// Whether markers lead so far from a pose that was given that they may rather hang elsewhere.
+bool isFarFromStart(const Account& account, const Hypothesis& before) {
+  constexpr double kFar = 2.8;  // standard deviations
+  const Hypothesis& hypothesis = account.hypothesis;
+  return hypothesis.start && before.memory.countInPlace() == 0 &&
+         deviationsOfStart(*hypothesis.start, hypothesis.start_error) > kFar;
+}
+
+}  // namespace
+
+std::vector<Account> Localizer::track(const Frame& frame, const MountedCamera& camera,
+                                      const Hypothesis& before, const PoseEstimate& predicted,
+                                      bool is_likeliest, std::vector<MarkerObservation>* seen) {
+  Account account{before, emptyResult(frame, config_)};
+  Hypothesis& hypothesis = account.hypothesis;
+  FrameResult& result = account.result;
+  const TrackingTools tools = trackingTools(before);
+  Stopwatch step;
+  result.predicted = predictMarkers(map_, index_, camera, predicted, config_.visibility);
+  result.timings.predict += step.lap();
+  std::vector<PoseEstimate> others;
+  const std::optional<PoseEstimate> pose =
+      followMarkers(tools, frame, camera, predicted, is_likeliest, &result, seen, &others);
+  const auto lookForIt = [&](bool is_refuted) -> std::vector<Account> {
+    if (is_likeliest) return lookFor(frame, camera, std::move(account), predicted, is_refuted);
+    carryOn(predicted, is_refuted, map_, &result);
+    return {std::move(account)};
+  };
+  // Where most of what is read contradicts, the prediction itself is in doubt.
+  if (!pose || contradictions(result, map_) > result.acceptedMarkers()) return lookForIt(false);
+  if (!markersAgree(camera, predicted, pose->pose, result)) return lookForIt(true);
+  if (isElsewhere(tools, frame, camera, before, *pose, &result)) return lookForIt(true);
+  const PoseEstimate corrected = withLag(frame, predicted, *pose, is_likeliest);
+  if (hypothesis.memory.countInPlace() == 0) {
+    hypothesis.start_error = corrected.pose.toIsometry() * predicted.pose.toIsometry().inverse() *
+                             hypothesis.start_error;
+  }
+  hypothesis.motion.correct(corrected);
+  hypothesis.seen_stamp = frame.stamp;
+  result.mode = Mode::kTracking;
+  result.map_from_base = corrected;
+
+  std::vector<Account> accounts;
+  others.resize(std::min(others.size(), kMostAlternatives));
+  for (const PoseEstimate& other : others) {
+    for (Account& child : alternativesAt(other, frame, camera, before, account, *seen)) {
+      accounts.push_back(std::move(child));
+    }
+  }
+  if (isFarFromStart(account, before))
+    accounts.push_back(stayingAt(predicted, result, {before, {}}));
+  accounts.insert(accounts.begin(), std::move(account));
+  return accounts;
+}
+
+std::vector<Account> Localizer::alternativesAt(const PoseEstimate& pose, const Frame& frame,
+                                               const MountedCamera& camera,
+                                               const Hypothesis& before, const Account& account,
+                                               const std::vector<MarkerObservation>& seen) {
+  const MountedCamera blurred = camera.withBlur(account.result.blur);
+  const PoseEstimate about = predictionFrom(pose);
+  std::vector<Hypothesis> children =
+      childrenAt(pose.pose, frame, camera, before, account, evidence_);
+  FrameResult result = emptyResult(frame, config_);
+  result.predicted = predictMarkers(map_, index_, blurred, about, config_.visibility);
+  const TrackingTools tools = trackingTools(children.back());
+  FrameTracker tracker(tools, frame, blurred, about, true, &result);
+  tracker.takeSeen(seen);
+  const auto seen_from = tracker.track();
+  if (getenv("DBG"))
+    fprintf(stderr, "   child at %.3f %.3f dev %.3f: %d acc %d\n", pose.pose.x, pose.pose.y,
+  if (!seen_from || result.acceptedMarkers() == 0) return {};
+  result.blur = account.result.blur;
+  result.mode = Mode::kTracking;
+  result.remark = howFarOff(seen_from->pose, account.result.map_from_base->pose);
+  return accountsOf(std::move(children), *seen_from, std::move(result), frame);
+}
+
+std::optional<PoseEstimate> Localizer::followMarkers(const TrackingTools& tools, const Frame& frame,
+                                                     const MountedCamera& camera,
+                                                     const PoseEstimate& predicted, bool learns,
+                                                     FrameResult* result,
+                                                     std::vector<MarkerObservation>* seen,
+                                                     std::vector<PoseEstimate>* alternatives) {
+  const FrameResult before = *result;
+  MountedCamera blurred = camera;
+  std::optional<PoseEstimate> pose;
+  // Markers that are blurred otherwise than expected are looked for again.
+  constexpr int kRounds = 4;
+  for (int round = 0; round < kRounds; ++round) {
+    FrameTracker tracker(tools, frame, blurred, predicted, true, result);
+    if (!learns) tracker.takeSeen(*seen);
+    pose = tracker.track();
+    *seen = tracker.seen();
+    *alternatives = tracker.alternatives();
+    if (!result->blur_equations) break;
+    const ImageBlur blur = blur_.after(*result->blur_equations, blurred.blur());
+    if (areAlike(blur, blurred.blur(), camera_->rimPixels())) break;
+    if (round == kRounds - 1) break;
+    const Timings timings = result->timings;
+    *result = before;
+    result->timings = timings;
+    blurred = camera.withBlur(blur);
+  }
+  if (result->blur_equations && learns) blur_.take(*result->blur_equations, blurred.blur());
+  result->blur = learns ? blur_.blur() : blurred.blur();
+  return pose;
+}
+
+PoseEstimate Localizer::withLag(const Frame& frame, const PoseEstimate& predicted,
+                                const PoseEstimate& pose, bool learns) {
+  PoseEstimate lagging = pose;
+  if (!frame.velocity || !frame.odom_from_base) return lagging;
+  const double innovation = difference(pose.pose, predicted.pose)[2];
+  if (learns) image_lag_.add(innovation, *frame.velocity, was_tracked_);
+  if (const std::optional<double> lag = image_lag_.lag()) {
+    const PoseMatrix covariance = covarianceOfLag(*lag, *frame.velocity);
+    lagging.covariance += covariance;
+    lagging.shared += covariance;
+  }
+  return lagging;
+}
+
+bool Localizer::markersAgree(const MountedCamera& camera, const PoseEstimate& predicted,
+                             const Pose& solution, const FrameResult& result) const {
+  std::vector<MarkerObservation> observations;
+  double worst = 0.0;
+  for (const MarkerDetection& detection : result.detections) {
+    if (!detection.accepted) continue;
+    observations.push_back({*detection.map_entry, detection.corners, detection.center});
+    worst = std::max(worst, detection.deviations);
+  }
+  // One or two that the robot was carried toward or away from are nearly where they were.
+  if (result.acceptedMarkers() <= kFew && worst > config_.relocalization.max_misfit_of_one) {
+    return false;
+  }
+  if (observations.size() == 1) return true;
+  const ReprojectionConfig& reprojection = config_.estimation.reprojection;
+  const auto fit = refineFromAfar(map_, camera, observations, solution, standing_, reprojection);
+  if (!fit) return true;
+  const PoseVector apart = difference(fit->map_from_base.pose, predicted.pose);
+  const PoseMatrix covariance =
+      predicted.covariance + fit->map_from_base.covariance + kSway * kSway * PoseMatrix::Identity();
+  return apart.dot(covariance.ldlt().solve(apart)) <= kMaxDeviations * kMaxDeviations;
+}
+
+bool Localizer::isElsewhere(const TrackingTools& tools, const Frame& frame,
+                            const MountedCamera& camera, const Hypothesis& hypothesis,
+                            const PoseEstimate& tracked, FrameResult* result) {
+  const auto lost =
+      std::count_if(result->missed.begin(), result->missed.end(), [&hypothesis](std::size_t entry) {
+        return hypothesis.memory.wasSeenSince(entry, hypothesis.seen_stamp);
+      });
+  const bool is_weak = result->acceptedMarkers() <= kFew && lost > 0;
+  if (!is_weak || frame.stamp < next_doubt_) return false;
+  next_doubt_ = frame.stamp + kDoubtPeriod;
+  FrameResult around;
+  around.timings = result->timings;
+  const std::vector<MarkerReading> readings = lookAround(tools, camera, &around);
+  Stopwatch step;
+  const Relocalization found =
+      relocalize(map_, camera, readings, standing_, config_.estimation, config_.relocalization);
+  result->timings = around.timings;
+  result->timings.solve += step.lap();
+  result->explored = std::move(around.explored);
+  const auto explained = std::count_if(found.entries.begin(), found.entries.end(),
+                                       [](const auto& entry) { return entry.has_value(); });
+  return found.map_from_base && explained >= 2 && !agree(*found.map_from_base, tracked);
+}
+
+}  // namespace omnitag

@@ -1,0 +1,181 @@
+#include "../../src/localization/belief.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "../support/sample_cameras.h"
+#include "../support/sample_markers.h"
+
+namespace omnitag {
+namespace {
+
+using Entries = std::vector<std::size_t>;
+
+/// What is believed of a robot in a room of ten markers, entries 0 to 9 around its walls, where
+/// some are seen as from one pose and others as from another.
+class BeliefTest : public testing::Test {
+ protected:
+  enum class Outcome { kStays, kMoved, kOpen };
+
+  BeliefTest() : before_{MotionModel(MotionModelConfig{}), MarkerMemory(AttentionConfig{})} {
+    before_.motion.reset({here_}, 99.9, std::nullopt);
+  }
+
+  /// As an image some seconds ago showed these in their places.
+  void sawInPlace(const Entries& entries, double age = 0.1) {
+    FrameResult result;
+    result.stamp = kNow - age;
+    for (const std::size_t entry : entries) {
+      before_.memory.addSeen(sightingOf(detection(entry, here_), result, camera_, here_));
+    }
+  }
+
+  MarkerDetection detection(std::size_t entry, const Pose& seen_from) const {
+    const Marker& marker = map_.markers[entry];
+    const auto reading = test::exactReading(marker, camera_, seen_from);
+    if (!reading) throw InputError("the marker is out of sight");
+    MarkerDetection detection;
+    detection.family = marker.family;
+    detection.id = marker.id;
+    detection.map_entry = entry;
+    detection.corners = reading->corners;
+    detection.center = reading->center;
+    detection.accepted = true;
+    return detection;
+  }
+
+  /// A frame that shows these as from a pose, at which the robot then is.
+  FrameResult result(const Entries& entries, const Pose& pose, const Entries& missed = {}) const {
+    FrameResult result;
+    result.stamp = kNow;
+    result.mode = Mode::kTracking;
+    result.map_from_base = PoseEstimate{pose, 1e-6 * PoseMatrix::Identity()};
+    for (const std::size_t entry : entries) result.detections.push_back(detection(entry, pose));
+    result.missed = missed;
+    return result;
+  }
+
+  /// What remains where the robot is expected here, and `for_there` are seen as from there.
+  std::vector<Account> accounts(const Entries& for_there, const Entries& for_here,
+                                bool has_odometry = true, const Entries& missed = {}) {
+    Frame frame;
+    frame.stamp = kNow;
+    if (has_odometry) frame.odom_from_base = Pose{};
+    const Account stays{before_, result(for_here, here_, missed)};
+    std::vector<Account> accounts =
+        accountsOf(childrenAt(there_, frame, camera_, before_, stays, evidence_), {there_},
+                   result(for_there, there_), frame);
+    accounts.push_back(stays);
+    return judged(std::move(accounts), camera_, evidence_);
+  }
+
+  Outcome outcome(const Entries& for_there, const Entries& for_here, bool has_odometry = true,
+                  const Entries& missed = {}) {
+    const std::vector<Account> kept = accounts(for_there, for_here, has_odometry, missed);
+    if (kept.size() > 1) return Outcome::kOpen;
+    const Pose& pose = kept.front().result.map_from_base->pose;
+    return std::abs(pose.x - here_.x) < 0.01 ? Outcome::kStays : Outcome::kMoved;
+  }
+
+  static constexpr double kNow = 100.0;
+  const Pose here_{0.3, -0.2, 0.4};
+  /// Half a metre away.
+  const Pose there_{0.7, 0.1, 0.35};
+  MarkerMap map_{"map", test::roomMarkers()};
+  MountedCamera camera_{test::sphericalCamera(), test::lookingDown()};
+  ReprojectionConfig reprojection_;
+  Evidence evidence_{EvidenceConfig{}, map_, reprojection_};
+  Hypothesis before_;
+};
+
+TEST_F(BeliefTest, AGroupThatComesIntoViewWhileOthersStayWasMoved) {
+  sawInPlace({3, 4, 5, 6, 7, 8});
+  EXPECT_EQ(outcome({0, 1}, {3, 4, 5, 6}), Outcome::kStays);
+  EXPECT_EQ(outcome({0, 1}, {3, 4, 5, 6}, false), Outcome::kStays);
+}
+
+TEST_F(BeliefTest, OdometryHoldsThePoseAgainstAGroupInViewAlone) {
+  sawInPlace({3, 4, 5, 6, 7, 8});
+  EXPECT_EQ(outcome({0, 1}, {}), Outcome::kStays);
+  EXPECT_EQ(outcome({0, 1}, {}, false), Outcome::kOpen) << "a robot without may have turned off";
+}
+
+TEST_F(BeliefTest, MarkersThatWereInPlaceAMomentAgoDoNotMoveTogether) {
+  sawInPlace({0, 1, 2, 3, 4, 5});
+  for (const bool has_odometry : {true, false}) {
+    EXPECT_EQ(outcome({0, 1, 2, 3}, {}, has_odometry), Outcome::kMoved);
+    EXPECT_EQ(outcome({0, 1}, {}, has_odometry), Outcome::kMoved);
+  }
+  EXPECT_EQ(outcome({0}, {1, 2, 3, 4}), Outcome::kStays) << "one alone may";
+}
+
+TEST_F(BeliefTest, ThoseThatAreMissedSpeakForARobotThatWasCarried) {
+  sawInPlace({3, 4, 5, 6, 7, 8});
+  EXPECT_EQ(outcome({0, 1}, {}, true, {3, 4, 5, 6, 7, 8}), Outcome::kMoved);
+}
+
+TEST_F(BeliefTest, APoseThatWasGivenByMistakeIsReplaced) {
+  before_.restart(
+      PosePrior::about(floorEstimate(here_, Eigen::Vector3d(0.01, 0.01, 0.0076).asDiagonal())));
+  EXPECT_EQ(outcome({0, 2, 3, 5, 7}, {}), Outcome::kMoved);
+  EXPECT_NE(outcome({0, 1}, {4, 5, 7, 8}), Outcome::kMoved) << "which others confirm";
+}
+
+TEST_F(BeliefTest, BetweenTwoGroupsThatAreSeenFirstNothingIsCertain) {
+  // Within what a given pose leaves open.
+  before_.restart(
+      PosePrior::about(floorEstimate(here_, Eigen::Vector3d(1.0, 1.0, 0.5).asDiagonal())));
+  EXPECT_EQ(outcome({0, 1, 2}, {5, 6, 7}), Outcome::kOpen);
+  EXPECT_EQ(outcome({5, 6, 7}, {0, 1, 2}), Outcome::kOpen);
+}
+
+TEST_F(BeliefTest, OneThatIsMisreadIsOutvoted) {
+  before_.restart(
+      PosePrior::about(floorEstimate(here_, Eigen::Vector3d(1.0, 1.0, 0.5).asDiagonal())));
+  EXPECT_EQ(outcome({0}, {2, 3, 5, 7, 8}), Outcome::kStays);
+  EXPECT_EQ(outcome({2, 3, 5, 7, 8}, {0}), Outcome::kMoved);
+}
+
+TEST_F(BeliefTest, ARobotThatWasAlwaysElsewhereTakesItsMarkersWithIt) {
+  // Two of a shelf were seen first, as if they were in their places; then the others are.
+  before_.restart(
+      PosePrior::about(floorEstimate(here_, Eigen::Vector3d(1.0, 1.0, 0.5).asDiagonal())));
+  sawInPlace({0, 1}, 2.0);
+  const std::vector<Account> kept = accounts({3, 4, 5, 6, 7, 8}, {});
+  ASSERT_EQ(kept.size(), 1U);
+  const std::vector<DisplacedGroup> groups = kept.front().hypothesis.memory.displacedGroups();
+  ASSERT_EQ(groups.size(), 1U);
+  EXPECT_EQ(groups.front().entries, (Entries{0, 1}));
+  ASSERT_TRUE(groups.front().motion);
+  // By which they hang in their places again as from where the robot seemed to be.
+  const Pose back = Pose::fromIsometry(*groups.front().motion * there_.toIsometry());
+  EXPECT_LT(difference(back, here_).norm(), 1e-9);
+}
+
+TEST_F(BeliefTest, AnOpenPoseCoversTheOther) {
+  before_.restart(
+      PosePrior::about(floorEstimate(here_, Eigen::Vector3d(1.0, 1.0, 0.5).asDiagonal())));
+  const std::vector<Account> kept = accounts({0, 1, 2}, {5, 6, 7});
+  ASSERT_EQ(kept.size(), 2U);
+  EvidenceConfig config;
+  EXPECT_FALSE(reported(kept, map_, config).map_from_base) << "half a metre is too much";
+  config.open_deviation = 1.0;
+  const FrameResult result = reported(kept, map_, config);
+  ASSERT_TRUE(result.map_from_base);
+  EXPECT_TRUE(result.is_open);
+  for (const Account& account : kept) {
+    const Eigen::Vector2d off =
+        difference(account.result.map_from_base->pose, result.map_from_base->pose).head<2>();
+    const Eigen::Matrix2d covariance = result.map_from_base->covariance.topLeftCorner<2, 2>();
+    EXPECT_LT(off.dot(covariance.ldlt().solve(off)), 4.2 * 4.2);
+  }
+}
+
+}  // namespace
+}  // namespace omnitag
