@@ -141,67 +141,51 @@ std::vector<Account> judged(std::vector<Account> accounts, const MountedCamera& 
                                                                       account.hypothesis.memory);
     remember(camera, evidence, accounts, &account);
     account.log_probability = account.hypothesis.logProbability(evidence) + missed;
-      fprintf(stderr, "  %.2f: %s acc %d elsewhere", account.result.stamp,
-      fprintf(
-          stderr,
-          " places %.1f missed %.1f (%zu) carried %.1f start %.1f total %.1f pose %.3f %.3f groups",
-          evidence.logOfPlaces(account.hypothesis.memory), missed, account.result.missed.size(),
-          account.hypothesis.log_of_carried,
-          account.hypothesis.start
-              ? evidence.logOfStart(*account.hypothesis.start, account.hypothesis.start_error,
-                                    account.hypothesis.memory.hasElsewhere())
-              : 0.0,
-          account.log_probability,
-          account.result.map_from_base ? account.result.map_from_base->pose.x : 0,
-      for (auto& g : account.hypothesis.memory.displacedGroups()) {
-      fprintf(stderr, " [");
-      for (auto e : g.entries) fprintf(stderr, " %zu", e);
-      fprintf(stderr, "]");
   }
   std::stable_sort(accounts.begin(), accounts.end(), [](const Account& a, const Account& b) {
-      return a.log_probability > b.log_probability;
+    return a.log_probability > b.log_probability;
   });
   std::vector<Account> kept;
   const double least = accounts.front().log_probability - std::log(evidence.config().odds);
   for (Account& account : accounts) {
-      if (account.log_probability < least || kept.size() == kMostHypotheses) break;
-      const bool is_double =
-          std::any_of(kept.begin(), kept.end(),
-                      [&account](const Account& other) { return haveSamePose(account, other); });
-      if (!is_double) kept.push_back(std::move(account));
+    if (account.log_probability < least || kept.size() == kMostHypotheses) break;
+    const bool is_double = std::any_of(kept.begin(), kept.end(), [&account](const Account& other) {
+      return haveSamePose(account, other);
+    });
+    if (!is_double) kept.push_back(std::move(account));
   }
   return kept;
-  }
+}
 
-  FrameResult reported(const std::vector<Account>& accounts, const MarkerMap& map,
-                       const EvidenceConfig& config) {
-    const Account& best = accounts.front();
-    FrameResult result = best.result;
-    if (accounts.size() == 1) return result;
-    result.is_open = true;
-    for (auto other = accounts.begin() + 1; other != accounts.end(); ++other) {
-      const std::vector<std::size_t> accepted = acceptedEntries(other->result);
-      std::copy_if(accepted.begin(), accepted.end(), std::back_inserter(result.elsewhere),
-                   [&result](std::size_t entry) {
-                     return !contains(result.elsewhere, entry) &&
-                            !contains(acceptedEntries(result), entry);
-                   });
-    }
-    if (result.elsewhere.empty()) result.elsewhere = acceptedEntries(result);
-    result.remark = eitherOr(result.elsewhere, map);
-    if (!result.map_from_base) return result;
-    // No pose is to be farther from the truth than this many of its deviations.
-    constexpr double kDeviations = 4.0;
-    for (auto other = accounts.begin() + 1; other != accounts.end(); ++other) {
-      if (!other->result.map_from_base) continue;
-      const double probability =
-          1.0 / (1.0 + std::exp(best.log_probability - other->log_probability));
-      result.map_from_base = covering(*result.map_from_base, *other->result.map_from_base,
-                                      std::max(probability, 1.0 / (kDeviations * kDeviations)));
-    }
-    if (positionDeviation(*result.map_from_base) <= config.open_deviation) return result;
-    withhold(map, &result);
-    return result;
+FrameResult reported(const std::vector<Account>& accounts, const MarkerMap& map,
+                     const EvidenceConfig& config) {
+  const Account& best = accounts.front();
+  FrameResult result = best.result;
+  if (accounts.size() == 1) return result;
+  result.is_open = true;
+  for (auto other = accounts.begin() + 1; other != accounts.end(); ++other) {
+    const std::vector<std::size_t> accepted = acceptedEntries(other->result);
+    std::copy_if(accepted.begin(), accepted.end(), std::back_inserter(result.elsewhere),
+                 [&result](std::size_t entry) {
+                   return !contains(result.elsewhere, entry) &&
+                          !contains(acceptedEntries(result), entry);
+                 });
   }
+  if (result.elsewhere.empty()) result.elsewhere = acceptedEntries(result);
+  result.remark = eitherOr(result.elsewhere, map);
+  if (!result.map_from_base) return result;
+  // No pose is to be farther from the truth than this many of its deviations.
+  constexpr double kDeviations = 4.0;
+  for (auto other = accounts.begin() + 1; other != accounts.end(); ++other) {
+    if (!other->result.map_from_base) continue;
+    const double probability =
+        1.0 / (1.0 + std::exp(best.log_probability - other->log_probability));
+    result.map_from_base = covering(*result.map_from_base, *other->result.map_from_base,
+                                    std::max(probability, 1.0 / (kDeviations * kDeviations)));
+  }
+  if (positionDeviation(*result.map_from_base) <= config.open_deviation) return result;
+  withhold(map, &result);
+  return result;
+}
 
 }  // namespace omnitag

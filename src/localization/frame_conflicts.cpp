@@ -33,110 +33,100 @@ void FrameTracker::settleWithPrediction() {
   // What moved by less than tells markers apart, or moved all that the image before showed, is the
   // robot.
   if (for_found.empty() || (!are_any_expected && were_all_seen)) return;
-  if (getenv("DBG")) {
-    fprintf(stderr, "   pushed: found");
-    for (auto k : for_found) fprintf(stderr, " %zu", result_->predicted[k].map_entry);
-    fprintf(stderr, " dev %.4f off %.4f %.4f\n", positionDeviation(predicted_),
-            solution_->map_from_base.pose.x - predicted_.pose.x,
-            solution_->map_from_base.pose.y - predicted_.pose.y);
-    alternatives_.push_back(solution_->map_from_base);
-    prior_ = predicted;
-    leaveOut(for_found);
+  alternatives_.push_back(solution_->map_from_base);
+  prior_ = predicted;
+  leaveOut(for_found);
+}
+
+void FrameTracker::settleAmongMarkers() {
+  const auto count = observed_.size();
+  const bool are_all_used =
+      std::find(solution_->used.begin(), solution_->used.end(), false) == solution_->used.end();
+  if (are_all_used && sharplyAgreeing(solution_->misfits) == count) return;
+  const EstimatorConfig& config = tools_.config.estimation;
+  std::vector<MarkerObservation> all;
+  for (const std::size_t i : observed_) all.push_back(*sightings_[i].observation);
+  const Pose& pose = solution_->map_from_base.pose;
+  const ImagingError& error = solution_->imaging_error;
+  const std::vector<bool> agree =
+      consensusOf(equationsAt(tools_.map, camera_, all, pose, error, config.reprojection), prior_,
+                  pose, error, tools_.lasting_excess);
+  std::vector<MarkerObservation> rest;
+  std::vector<std::size_t> disagreeing;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (agree[k]) continue;
+    rest.push_back(all[k]);
+    disagreeing.push_back(observed_[k]);
   }
+  if (rest.empty()) return;
+  const auto other = estimatePose(tools_.map, camera_, rest, farthestPushed(), config);
+  if (other) alternatives_.push_back(other->map_from_base);
+  leaveOut(disagreeing);
+}
 
-  void FrameTracker::settleAmongMarkers() {
-    const auto count = observed_.size();
-    const bool are_all_used =
-        std::find(solution_->used.begin(), solution_->used.end(), false) == solution_->used.end();
-    if (are_all_used && sharplyAgreeing(solution_->misfits) == count) return;
-    const EstimatorConfig& config = tools_.config.estimation;
-    std::vector<MarkerObservation> all;
-    for (const std::size_t i : observed_) all.push_back(*sightings_[i].observation);
-    const Pose& pose = solution_->map_from_base.pose;
-    const ImagingError& error = solution_->imaging_error;
-    const std::vector<bool> agree =
-        consensusOf(equationsAt(tools_.map, camera_, all, pose, error, config.reprojection), prior_,
-                    pose, error, tools_.lasting_excess);
-    std::vector<MarkerObservation> rest;
-    std::vector<std::size_t> disagreeing;
-    for (std::size_t k = 0; k < count; ++k) {
-      if (agree[k]) continue;
-      rest.push_back(all[k]);
-      disagreeing.push_back(observed_[k]);
-    }
-    if (rest.empty()) return;
-    if (getenv("DBG")) {
-      fprintf(stderr, "   rest");
-      for (auto& r : rest) fprintf(stderr, " %zu", r.map_entry);
-      fprintf(stderr, "\n");
-      const auto other = estimatePose(tools_.map, camera_, rest, farthestPushed(), config);
-      if (other) alternatives_.push_back(other->map_from_base);
-      leaveOut(disagreeing);
-    }
+void FrameTracker::leaveOutKnown() {
+  std::vector<Sighting*> seen;
+  bool are_known = false;
+  bool are_others = false;
+  for (Sighting& sighting : sightings_) {
+    if (!sighting.observation) continue;
+    seen.push_back(&sighting);
+    sighting.is_elsewhere = tools_.memory.isElsewhere(sighting.observation->map_entry);
+    are_known = are_known || sighting.is_elsewhere;
+    are_others = are_others || !sighting.is_elsewhere;
+  }
+  std::vector<Eigen::Isometry3d> motions;
+  for (const DisplacedGroup& group : tools_.memory.displacedGroups()) {
+    if (group.motion) motions.push_back(*group.motion);
+  }
+  if (!are_known && motions.empty()) return;
+  const auto others = are_others ? solutionOfObserved(prior_) : std::nullopt;
+  for (Sighting* const sighting : seen) {
+    const bool was_known = sighting->is_elsewhere;
+    sighting->is_elsewhere = others
+                                 ? isDisplaced(*sighting->observation, *others, motions, was_known)
+                                 : was_known && !mayBeInPlace(*sighting->observation, motions);
+  }
+}
 
-    void FrameTracker::leaveOutKnown() {
-      std::vector<Sighting*> seen;
-      bool are_known = false;
-      bool are_others = false;
-      for (Sighting& sighting : sightings_) {
-        if (!sighting.observation) continue;
-        seen.push_back(&sighting);
-        sighting.is_elsewhere = tools_.memory.isElsewhere(sighting.observation->map_entry);
-        are_known = are_known || sighting.is_elsewhere;
-        are_others = are_others || !sighting.is_elsewhere;
-      }
-      std::vector<Eigen::Isometry3d> motions;
-      for (const DisplacedGroup& group : tools_.memory.displacedGroups()) {
-        if (group.motion) motions.push_back(*group.motion);
-      }
-      if (!are_known && motions.empty()) return;
-      const auto others = are_others ? solutionOfObserved(prior_) : std::nullopt;
-      for (Sighting* const sighting : seen) {
-        const bool was_known = sighting->is_elsewhere;
-        sighting->is_elsewhere =
-            others ? isDisplaced(*sighting->observation, *others, motions, was_known)
-                   : was_known && !mayBeInPlace(*sighting->observation, motions);
-      }
-    }
+bool FrameTracker::isDisplaced(const MarkerObservation& observation, const PoseSolution& solution,
+                               const std::vector<Eigen::Isometry3d>& motions,
+                               bool was_known) const {
+  const Pose& pose = solution.map_from_base.pose;
+  const auto deviationsAt = [&](const Pose& place) {
+    return misfitsAt(tools_.map, camera_, {observation}, place, solution.imaging_error,
+                     tools_.config.estimation.reprojection)
+        .front()
+        .deviations;
+  };
+  const double in_place = deviationsAt(pose);
+  if (was_known && in_place > mostInPlace()) return true;
+  // One that newly comes into view with its group is to be much nearer to where that hangs.
+  const double limit = was_known ? in_place : 0.5 * in_place;
+  return std::any_of(motions.begin(), motions.end(), [&](const Eigen::Isometry3d& motion) {
+    return deviationsAt(Pose::fromIsometry(motion * pose.toIsometry())) <
+           std::min(limit, mostInPlace());
+  });
+}
 
-    bool FrameTracker::isDisplaced(
-        const MarkerObservation& observation, const PoseSolution& solution,
-        const std::vector<Eigen::Isometry3d>& motions, bool was_known) const {
-      const Pose& pose = solution.map_from_base.pose;
-      const auto deviationsAt = [&](const Pose& place) {
-        return misfitsAt(tools_.map, camera_, {observation}, place, solution.imaging_error,
-                         tools_.config.estimation.reprojection)
-            .front()
-            .deviations;
-      };
-      const double in_place = deviationsAt(pose);
-      if (was_known && in_place > mostInPlace()) return true;
-      // One that newly comes into view with its group is to be much nearer to where that hangs.
-      const double limit = was_known ? in_place : 0.5 * in_place;
-      return std::any_of(motions.begin(), motions.end(), [&](const Eigen::Isometry3d& motion) {
-        return deviationsAt(Pose::fromIsometry(motion * pose.toIsometry())) <
-               std::min(limit, mostInPlace());
-      });
-    }
+bool FrameTracker::mayBeInPlace(const MarkerObservation& observation,
+                                const std::vector<Eigen::Isometry3d>& motions) const {
+  if (!agreesWithPrior(tools_, camera_, observation, prior_)) return false;
+  return std::none_of(motions.begin(), motions.end(), [&](const Eigen::Isometry3d& motion) {
+    PosePrior there = prior_;
+    there.pose = Pose::fromIsometry(motion * prior_.pose.toIsometry());
+    return agreesWithPrior(tools_, camera_, observation, there);
+  });
+}
 
-    bool FrameTracker::mayBeInPlace(const MarkerObservation& observation,
-                                    const std::vector<Eigen::Isometry3d>& motions) const {
-      if (!agreesWithPrior(tools_, camera_, observation, prior_)) return false;
-      return std::none_of(motions.begin(), motions.end(), [&](const Eigen::Isometry3d& motion) {
-        PosePrior there = prior_;
-        there.pose = Pose::fromIsometry(motion * prior_.pose.toIsometry());
-        return agreesWithPrior(tools_, camera_, observation, there);
-      });
-    }
+double FrameTracker::mostInPlace() const {
+  return tools_.config.evidence.in_place * std::sqrt(tools_.lasting_excess);
+}
 
-    double FrameTracker::mostInPlace() const {
-      return tools_.config.evidence.in_place * std::sqrt(tools_.lasting_excess);
-    }
+void FrameTracker::leaveOut(const std::vector<std::size_t>& targets) {
+  if (targets.empty()) return;
+  for (const std::size_t target : targets) sightings_[target].is_elsewhere = true;
+  solution_ = solutionOfObserved(prior_);
+}
 
-    void FrameTracker::leaveOut(const std::vector<std::size_t>& targets) {
-      if (targets.empty()) return;
-      for (const std::size_t target : targets) sightings_[target].is_elsewhere = true;
-      solution_ = solutionOfObserved(prior_);
-    }
-
-  }  // namespace omnitag
+}  // namespace omnitag

@@ -111,8 +111,6 @@ std::vector<Account> Localizer::alternativesAt(const PoseEstimate& pose, const F
   FrameTracker tracker(tools, frame, blurred, about, true, &result);
   tracker.takeSeen(seen);
   const auto seen_from = tracker.track();
-  if (getenv("DBG"))
-    fprintf(stderr, "   child at %.3f %.3f dev %.3f: %d acc %d\n", pose.pose.x, pose.pose.y,
   if (!seen_from || result.acceptedMarkers() == 0) return {};
   result.blur = account.result.blur;
   result.mode = Mode::kTracking;
