@@ -19,8 +19,6 @@ struct Account {
   FrameResult result;
   /// Whether the pose is that of a search, which does not tell what else should have been seen.
   bool is_of_search = false;
-  /// Whether the hypothesis has no pose.
-  bool is_lost = false;
   double log_probability = 0.0;
 };
 

@@ -86,11 +86,27 @@ void rememberElsewhere(const MountedCamera& camera, const Evidence& evidence,
   }
 }
 
+/// The same of a hypothesis that has no pose: what others have in its place is moved.
+void rememberOfOthers(const MountedCamera& camera, const std::vector<Account>& accounts,
+                      MarkerMemory* memory) {
+  for (const Account& other : accounts) {
+    if (!other.result.map_from_base) continue;
+    std::vector<RememberedSighting> group;
+    for (const MarkerDetection& detection : other.result.detections) {
+      if (!detection.accepted) continue;
+      group.push_back(
+          sightingOf(detection, other.result, camera, other.result.map_from_base->pose));
+    }
+    if (!group.empty()) memory->addGroup(group, std::nullopt);
+  }
+}
+
 /// Keeps which markers the frame showed and which not.
 void remember(const MountedCamera& camera, const Evidence& evidence,
               const std::vector<Account>& accounts, Account* account) {
   const FrameResult& result = account->result;
   MarkerMemory& memory = account->hypothesis.memory;
+  if (account->hypothesis.is_lost) return rememberOfOthers(camera, accounts, &memory);
   if (!result.map_from_base) return;
   const Pose& pose = result.map_from_base->pose;
   for (const MarkerDetection& detection : result.detections) {
@@ -175,8 +191,12 @@ FrameResult reported(const std::vector<Account>& accounts, const MarkerMap& map,
   result.remark = eitherOr(result.elsewhere, map);
   if (!result.map_from_base) return result;
   // No pose is to be farther from the truth than this many of its deviations.
-  constexpr double kDeviations = 4.0;
+  constexpr double kDeviations = 3.0;
   for (auto other = accounts.begin() + 1; other != accounts.end(); ++other) {
+    if (other->hypothesis.is_lost) {
+      withhold(map, &result);
+      return result;
+    }
     if (!other->result.map_from_base) continue;
     const double probability =
         1.0 / (1.0 + std::exp(best.log_probability - other->log_probability));

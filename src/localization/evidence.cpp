@@ -67,7 +67,10 @@ double Evidence::logOfMoved(const DisplacedGroup& group, const MarkerMemory& mem
     places.push_back(map_.markers[entry].center());
     // One that is misread may have been in its place a moment ago, and be so still.
     const RememberedSighting* const in_place = memory.inPlace(entry);
-    if (!in_place || !group.motion || group.entries.size() == 1) continue;
+    // Seen once, it may have been taken for in its place by chance.
+    constexpr int kSurely = 3;
+    if (!in_place || memory.timesInPlace(entry) < kSurely) continue;
+    if (!group.motion || group.entries.size() == 1) continue;
     if (!contradicts(*in_place, *group.motion)) continue;
     constexpr double kShortest = 0.1;  // s
     const double time = std::max(memory.elsewhereSince(entry) - in_place->stamp, kShortest);

@@ -57,7 +57,7 @@ void FrameTracker::align() {
     const PosePrior before = prior_;
     const std::optional<PhotometricFit> fit = alignedWith(entries);
     if (!fit) break;
-    if (leaveOutDisagreeing(*fit, before)) continue;
+    if (leaveOutDisagreeing(*fit, before) || leaveOutFar(*fit)) continue;
     if (take(*fit)) return;
   }
   if (!solution_) return;
@@ -108,12 +108,33 @@ bool FrameTracker::leaveOutDisagreeing(const PhotometricFit& fit, const PosePrio
   return true;
 }
 
-bool FrameTracker::take(const PhotometricFit& fit) {
+std::vector<Misfit> FrameTracker::misfitsOfObserved(const PhotometricFit& fit) const {
   std::vector<MarkerObservation> observations;
   observations.reserve(observed_.size());
   for (const std::size_t i : observed_) observations.push_back(*sightings_[i].observation);
-  std::vector<Misfit> misfits = misfitsAt(tools_.map, camera_, observations, fit.map_from_base.pose,
-                                          fit.imaging_error, tools_.config.estimation.reprojection);
+  return misfitsAt(tools_.map, camera_, observations, fit.map_from_base.pose, fit.imaging_error,
+                   tools_.config.estimation.reprojection);
+}
+
+bool FrameTracker::leaveOutFar(const PhotometricFit& fit) {
+  const std::vector<Misfit> misfits = misfitsOfObserved(fit);
+  // Pixels hardly pull where they show something else, and corners then tell.
+  if (!has_prior_ || sharplyAgreeing(misfits) == 0) return false;
+  std::vector<std::size_t> far;
+  std::vector<MarkerObservation> observations;
+  for (std::size_t k = 0; k < misfits.size(); ++k) {
+    if (!solution_->used[k] || misfits[k].deviations <= mostInPlace()) continue;
+    far.push_back(observed_[k]);
+    observations.push_back(*sightings_[observed_[k]].observation);
+  }
+  if (far.empty()) return false;
+  noteAlternative(observations);
+  leaveOut(far);
+  return true;
+}
+
+bool FrameTracker::take(const PhotometricFit& fit) {
+  std::vector<Misfit> misfits = misfitsOfObserved(fit);
   bool are_all_near = true;
   std::vector<bool> used = solution_->used;
   for (std::size_t k = 0; k < misfits.size(); ++k) {

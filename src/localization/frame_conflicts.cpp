@@ -59,8 +59,7 @@ void FrameTracker::settleAmongMarkers() {
     disagreeing.push_back(observed_[k]);
   }
   if (rest.empty()) return;
-  const auto other = estimatePose(tools_.map, camera_, rest, farthestPushed(), config);
-  if (other) alternatives_.push_back(other->map_from_base);
+  noteAlternative(rest);
   leaveOut(disagreeing);
 }
 
@@ -101,11 +100,11 @@ bool FrameTracker::isDisplaced(const MarkerObservation& observation, const PoseS
   };
   const double in_place = deviationsAt(pose);
   if (was_known && in_place > mostInPlace()) return true;
-  // One that newly comes into view with its group is to be much nearer to where that hangs.
-  const double limit = was_known ? in_place : 0.5 * in_place;
+  // One that was there is to be back for certain, and one that newly comes into view with its group
+  // to be much nearer to where that hangs.
+  const double limit = was_known ? 2.0 * mostInPlace() : std::min(0.5 * in_place, mostInPlace());
   return std::any_of(motions.begin(), motions.end(), [&](const Eigen::Isometry3d& motion) {
-    return deviationsAt(Pose::fromIsometry(motion * pose.toIsometry())) <
-           std::min(limit, mostInPlace());
+    return deviationsAt(Pose::fromIsometry(motion * pose.toIsometry())) < limit;
   });
 }
 
@@ -121,6 +120,12 @@ bool FrameTracker::mayBeInPlace(const MarkerObservation& observation,
 
 double FrameTracker::mostInPlace() const {
   return tools_.config.evidence.in_place * std::sqrt(tools_.lasting_excess);
+}
+
+void FrameTracker::noteAlternative(const std::vector<MarkerObservation>& observations) {
+  const auto other =
+      estimatePose(tools_.map, camera_, observations, farthestPushed(), tools_.config.estimation);
+  if (other) alternatives_.push_back(other->map_from_base);
 }
 
 void FrameTracker::leaveOut(const std::vector<std::size_t>& targets) {

@@ -120,6 +120,8 @@ class FrameTracker {
                     const std::vector<Eigen::Isometry3d>& motions) const;
   /// Standard deviations (Misfit) by which a marker is off at most that hangs in its place.
   double mostInPlace() const;
+  /// Notes the pose that these tell by themselves, if they do.
+  void noteAlternative(const std::vector<MarkerObservation>& observations);
   void leaveOut(const std::vector<std::size_t>& targets);
   /// Aligns the solution with the pixels of its markers, but for those that are then off; leaves it
   /// with the corners where others are off without them.
@@ -129,6 +131,9 @@ class FrameTracker {
   /// Where the pixels of markers disagree about the pose by more than chance: goes on with those
   /// that agree, and notes the pose of the others. `prior`: before these pushed it.
   bool leaveOutDisagreeing(const PhotometricFit& fit, const PosePrior& prior);
+  /// The same of those whose corners are off the pose that the pixels of others tell.
+  bool leaveOutFar(const PhotometricFit& fit);
+  std::vector<Misfit> misfitsOfObserved(const PhotometricFit& fit) const;
   /// Takes an aligned pose, unless corners are off it.
   bool take(const PhotometricFit& fit);
   void report();

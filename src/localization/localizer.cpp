@@ -50,7 +50,9 @@ Localizer::Localizer(std::shared_ptr<const CameraModel> camera, MarkerMap map,
       evidence_(config_.evidence, map_, config_.estimation.reprojection),
       hypotheses_{{MotionModel(config.motion), MarkerMemory(config.attention)}},
       patrol_(std::make_unique<Patrol>()),
-      blur_(config.estimation.blur * config.estimation.blur) {}
+      blur_(config.estimation.blur * config.estimation.blur) {
+  hypotheses_.front().is_lost = true;
+}
 
 Localizer::~Localizer() = default;
 
@@ -89,8 +91,8 @@ void Localizer::setPose(const Pose& map_from_base, const std::optional<Pose>& od
 
 void Localizer::forgetPose() {
   given_pose_.reset();
-  is_lost_ = true;
   hypotheses_.resize(1, hypotheses_.front());
+  hypotheses_.front().is_lost = true;
   hypotheses_.front().memory.clear();
 }
 
@@ -99,23 +101,18 @@ FrameResult Localizer::process(const Frame& frame) {
   Stopwatch total;
   last_stamp_ = frame.stamp;
   const std::vector<PoseEstimate> predicted = predict(frame);
-  const MountedCamera camera = cameraOf(frame, !predicted.empty());
+  const MountedCamera camera = cameraOf(frame);
   readable_ = ReadableImage(frame.image, blurToRead());
 
   std::vector<Account> accounts;
-  std::vector<MarkerObservation> seen;
-  for (std::size_t i = 0; i < predicted.size(); ++i) {
-    for (Account& account : track(frame, camera, hypotheses_[i], predicted[i], i == 0, &seen)) {
-      accounts.push_back(std::move(account));
-    }
-  }
-  if (accounts.empty()) {
+  if (isLost()) {
     accounts = lookFor(frame, camera, {hypotheses_.front(), emptyResult(frame, config_)},
                        std::nullopt, false);
+  } else {
+    accounts = track(frame, camera, predicted);
   }
   accounts = judged(std::move(accounts), camera, evidence_);
   FrameResult result = reported(accounts, map_, config_.evidence);
-  is_lost_ = accounts.front().is_lost;
   hypotheses_.clear();
   for (Account& account : accounts) hypotheses_.push_back(std::move(account.hypothesis));
 
@@ -150,32 +147,31 @@ std::vector<PoseEstimate> Localizer::predict(const Frame& frame) {
         given.odom_from_base ? given.odom_from_base : frame.odom_from_base);
     hypothesis.memory.forgetPlaces();
     hypothesis.restart(PosePrior::about(given.map_from_base));
+    hypothesis.is_lost = false;
     hypotheses_.resize(1, hypothesis);
-    is_lost_ = false;
     return {hypothesis.motion.predict(frame.stamp, frame.odom_from_base)};
   }
-  if (is_lost_) return {};
-  std::vector<Hypothesis> kept;
   std::vector<PoseEstimate> predicted;
   for (Hypothesis& hypothesis : hypotheses_) {
-    const PoseEstimate pose = hypothesis.motion.predict(frame.stamp, frame.odom_from_base);
-    if (!hypothesis.motion.isTrustworthy()) continue;
-    kept.push_back(hypothesis);
-    predicted.push_back(pose);
+    predicted.push_back(hypothesis.motion.predict(frame.stamp, frame.odom_from_base));
+    hypothesis.is_lost = hypothesis.is_lost || !hypothesis.motion.isTrustworthy();
   }
-  is_lost_ = kept.empty();
-  hypotheses_.resize(1, hypotheses_.front());
-  if (!is_lost_) hypotheses_ = std::move(kept);
+  // Of a robot that is lost, what was last known of the world.
+  if (isLost()) hypotheses_.resize(1, hypotheses_.front());
   return predicted;
 }
 
-MountedCamera Localizer::cameraOf(const Frame& frame, bool has_prediction) const {
+bool Localizer::isLost() const {
+  return std::all_of(hypotheses_.begin(), hypotheses_.end(),
+                     [](const Hypothesis& hypothesis) { return hypothesis.is_lost; });
+}
+
+MountedCamera Localizer::cameraOf(const Frame& frame) const {
   MountedCamera camera = MountedCamera(camera_, frame.base_from_camera).withBlur(blur_.blur());
   if (config_.shutter.isInstant()) return camera;
   const MotionModel& motion = hypotheses_.front().motion;
   if (frame.velocity) return camera.withMotion(config_.shutter, motion.motionBy(*frame.velocity));
-  return camera.withMotion(config_.shutter,
-                           has_prediction ? motion.motion() : motion.unknownMotion());
+  return camera.withMotion(config_.shutter, !isLost() ? motion.motion() : motion.unknownMotion());
 }
 
 void Localizer::learnFrom(const Frame& frame, const MountedCamera& camera, bool was_searched,

@@ -43,11 +43,11 @@ std::vector<std::size_t> entriesWherePredicted(const TrackingTools& tools,
 Account foundAt(const PoseEstimate& pose, FrameResult found, bool is_expected, const Frame& frame,
                 Account account) {
   account.is_of_search = true;
-  account.is_lost = false;
   account.result = std::move(found);
   account.result.map_from_base = pose;
   account.result.mode = is_expected ? Mode::kTracking : Mode::kFound;
   Hypothesis& hypothesis = account.hypothesis;
+  hypothesis.is_lost = false;
   hypothesis.seen_stamp = frame.stamp;
   if (is_expected) {
     hypothesis.motion.correct(pose);
@@ -72,7 +72,7 @@ std::vector<Account> Localizer::lookFor(const Frame& frame, const MountedCamera&
     if (predicted) carryOn(*predicted, is_refuted, map_, &result);
     setResiduals(tools, camera, &result);
     account.result = std::move(result);
-    account.is_lost = !predicted;
+    account.hypothesis.is_lost = !predicted;
     return {std::move(account)};
   }
   const bool is_expected = predicted && agree(*predicted, *pose);
@@ -100,7 +100,7 @@ std::vector<Account> Localizer::lookFor(const Frame& frame, const MountedCamera&
     result.elsewhere = std::move(entries);
     withhold(map_, &result);
     account.result = std::move(result);
-    account.is_lost = true;
+    account.hypothesis.is_lost = true;
     return {std::move(account)};
   }
   return {foundAt(*pose, std::move(result), is_expected, frame, std::move(account))};

@@ -53,6 +53,25 @@ bool isFarFromStart(const Account& account, const Hypothesis& before) {
 }  // namespace
 
 std::vector<Account> Localizer::track(const Frame& frame, const MountedCamera& camera,
+                                      const std::vector<PoseEstimate>& predicted) {
+  std::vector<Account> accounts;
+  std::vector<MarkerObservation> seen;
+  bool is_likeliest = true;
+  for (std::size_t i = 0; i < hypotheses_.size(); ++i) {
+    if (hypotheses_[i].is_lost) {
+      accounts.push_back({hypotheses_[i], emptyResult(frame, config_)});
+      continue;
+    }
+    for (Account& account :
+         track(frame, camera, hypotheses_[i], predicted[i], is_likeliest, &seen)) {
+      accounts.push_back(std::move(account));
+    }
+    is_likeliest = false;
+  }
+  return accounts;
+}
+
+std::vector<Account> Localizer::track(const Frame& frame, const MountedCamera& camera,
                                       const Hypothesis& before, const PoseEstimate& predicted,
                                       bool is_likeliest, std::vector<MarkerObservation>* seen) {
   Account account{before, emptyResult(frame, config_)};

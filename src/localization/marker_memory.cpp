@@ -25,6 +25,7 @@ void MarkerMemory::addSeen(const RememberedSighting& sighting) {
   addFirst(record, true);
   record.seen = sighting.stamp;
   record.misses = 0;
+  record.times_in_place = record.elsewhere ? 1 : record.times_in_place + 1;
   record.in_place = sighting;
   record.elsewhere.reset();
 }
@@ -48,7 +49,7 @@ std::size_t MarkerMemory::countInPlace() const {
 }
 
 void MarkerMemory::addGroup(const std::vector<RememberedSighting>& sightings,
-                            const Eigen::Isometry3d& motion) {
+                            const std::optional<Eigen::Isometry3d>& motion) {
   std::optional<std::size_t> group;
   for (const RememberedSighting& sighting : sightings) {
     const std::size_t entry = sighting.observation.map_entry;
@@ -58,7 +59,7 @@ void MarkerMemory::addGroup(const std::vector<RememberedSighting>& sightings,
     if (!group || (groups_[before] && !groups_[*group])) group = before;
   }
   if (!group) group = newGroup(motion);
-  groups_[*group] = motion;
+  if (motion) groups_[*group] = motion;
   for (const RememberedSighting& sighting : sightings) addElsewhere(sighting, *group);
 }
 

@@ -27,12 +27,14 @@ class BeliefTest : public testing::Test {
     before_.motion.reset({here_}, 99.9, std::nullopt);
   }
 
-  /// As an image some seconds ago showed these in their places.
+  /// As some images, the last one some seconds ago, showed these in their places.
   void sawInPlace(const Entries& entries, double age = 0.1) {
-    FrameResult result;
-    result.stamp = kNow - age;
-    for (const std::size_t entry : entries) {
-      before_.memory.addSeen(sightingOf(detection(entry, here_), result, camera_, here_));
+    for (int image = 3; image >= 0; --image) {
+      FrameResult result;
+      result.stamp = kNow - age - 0.1 * image;
+      for (const std::size_t entry : entries) {
+        before_.memory.addSeen(sightingOf(detection(entry, here_), result, camera_, here_));
+      }
     }
   }
 

@@ -30,7 +30,7 @@ struct EvidenceConfig {
   double together = 2.5;
   /// That a pose from outside is off by however much more than its deviations say, and that markers
   /// are seen where it has them by chance.
-  double mistaken_start = 0.02;
+  double mistaken_start = 0.01;
   double mistaken = 1e-2;
   /// That a marker is not found though it was seen when it was last looked for, and a pose has it
   /// in view. (Of others, how many of the map's were seen at first sight tells.)

@@ -19,6 +19,8 @@ struct Hypothesis {
   /// which motion in the map that was off.
   std::optional<PosePrior> start = std::nullopt;
   Eigen::Isometry3d start_error = Eigen::Isometry3d::Identity();
+  /// Whether its pose was too uncertain to be carried on; it may be right all the same.
+  bool is_lost = false;
   /// Natural logarithm of the probability of what moved the robot unnoticed.
   double log_of_carried = 0.0;
   /// Stamp (s) of the last image whose markers told its pose.

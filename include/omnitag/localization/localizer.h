@@ -70,12 +70,16 @@ class Localizer {
 
  private:
   void check(const Frame& frame) const;
-  /// Carries all hypotheses on to the frame, and forgets those that are not worth having then.
+  /// Carries all hypotheses on to the frame: their poses, in so far as they are not lost then.
   std::vector<PoseEstimate> predict(const Frame& frame);
   /// The camera while it takes the frame's image. After predict().
-  MountedCamera cameraOf(const Frame& frame, bool has_prediction) const;
+  MountedCamera cameraOf(const Frame& frame) const;
+  /// Whether no hypothesis has a pose.
+  bool isLost() const;
 
-  /// What the frame gives for a hypothesis, and for others that it leads to.
+  /// What the frame gives for the hypotheses, and for others that they lead to.
+  std::vector<Account> track(const Frame& frame, const MountedCamera& camera,
+                             const std::vector<PoseEstimate>& predicted);
   std::vector<Account> track(const Frame& frame, const MountedCamera& camera,
                              const Hypothesis& hypothesis, const PoseEstimate& predicted,
                              bool is_likeliest, std::vector<MarkerObservation>* seen);
@@ -143,7 +147,6 @@ class Localizer {
   /// The likeliest first. There is always one: of a robot that is lost, what was last known of the
   /// world and of how it stands.
   std::vector<Hypothesis> hypotheses_;
-  bool is_lost_ = true;
   std::unique_ptr<Patrol> patrol_;
   BlurFilter blur_;
   LastingDisagreement disagreement_;

@@ -79,6 +79,8 @@ class MarkerMemory {
   /// When a marker was last seen in its place, and since then elsewhere; null where it was not.
   const RememberedSighting* inPlace(std::size_t entry) const;
   const RememberedSighting* elsewhere(std::size_t entry) const;
+  /// In how many images it was, one after another.
+  int timesInPlace(std::size_t entry) const { return records_[entry].times_in_place; }
   /// s: the stamp at which it then was first seen elsewhere.
   double elsewhereSince(std::size_t entry) const { return records_[entry].elsewhere_since; }
   bool isElsewhere(std::size_t entry) const { return elsewhere(entry) != nullptr; }
@@ -92,7 +94,9 @@ class MarkerMemory {
 
   /// Markers that were seen elsewhere in one image, all of which would hang in their places if the
   /// hypothesis' pose were moved in the map: as one group, that of before if there is one.
-  void addGroup(const std::vector<RememberedSighting>& sightings, const Eigen::Isometry3d& motion);
+  /// `motion`: none where it is not known.
+  void addGroup(const std::vector<RememberedSighting>& sightings,
+                const std::optional<Eigen::Isometry3d>& motion);
   /// One of which only that is known: of a group by whose motion it may hang there, or alone.
   void addElsewhere(const RememberedSighting& sighting, const Contradicts& contradicts);
   std::vector<DisplacedGroup> displacedGroups() const;
@@ -114,6 +118,7 @@ class MarkerMemory {
     int misses = 0;
     std::optional<RememberedSighting> in_place;
     std::optional<RememberedSighting> elsewhere;
+    int times_in_place = 0;
     /// Since when, and of which group.
     double elsewhere_since = 0.0;
     std::size_t group = 0;
