@@ -163,7 +163,9 @@ std::optional<PoseEstimate> Localizer::followMarkers(const TrackingTools& tools,
     result->timings = timings;
     blurred = camera.withBlur(blur);
   }
-  if (result->blur_equations && learns) blur_.take(*result->blur_equations, blurred.blur());
+  // Where markers contend for the pose, what they say of the blur is not to be believed.
+  const bool is_certain = alternatives->empty() && hypotheses_.size() == 1;
+  if (result->blur_equations && learns && is_certain) blur_.take(*result->blur_equations, blurred.blur());
   result->blur = learns ? blur_.blur() : blurred.blur();
   return pose;
 }
