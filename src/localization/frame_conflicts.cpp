@@ -99,10 +99,11 @@ bool FrameTracker::isDisplaced(const MarkerObservation& observation, const PoseS
         .deviations;
   };
   const double in_place = deviationsAt(pose);
-  if (was_known && in_place > mostInPlace()) return true;
-  // One that was there is to be back for certain, and one that newly comes into view with its group
-  // to be much nearer to where that hangs.
-  const double limit = was_known ? 2.0 * mostInPlace() : std::min(0.5 * in_place, mostInPlace());
+  const bool is_off = in_place > mostInPlace();
+  if (was_known == is_off) return was_known;
+  // One that was there is to be back for certain; one that newly comes into view is to hang where
+  // its group does.
+  const double limit = was_known ? 2.0 * mostInPlace() : 0.5 * in_place;
   return std::any_of(motions.begin(), motions.end(), [&](const Eigen::Isometry3d& motion) {
     return deviationsAt(Pose::fromIsometry(motion * pose.toIsometry())) < limit;
   });
