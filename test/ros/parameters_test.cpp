@@ -150,7 +150,9 @@ TEST(Parameters, ManualHasTheDefaults) {
   EXPECT_EQ(evidence.mistaken_start, evidence_default.mistaken_start);
   EXPECT_EQ(evidence.mistaken, evidence_default.mistaken);
   EXPECT_EQ(evidence.missed, evidence_default.missed);
+  EXPECT_EQ(evidence.in_place, evidence_default.in_place);
   EXPECT_EQ(evidence.odds, evidence_default.odds);
+  EXPECT_EQ(evidence.open_deviation, evidence_default.open_deviation);
 
   const LookAroundConfig& look_around = manual.localizer.look_around;
   const LookAroundConfig& look_around_default = defaults.localizer.look_around;
