@@ -10,6 +10,7 @@
 #include "../support/panorama_renderer.h"
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
+#include "../support/sweep.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/localization/localizer.h"
 
@@ -64,7 +65,7 @@ class FreeRobotTest : public testing::Test {
 };
 
 TEST_F(FreeRobotTest, IsFoundFromNothing) {
-  constexpr int kPoses = 12;
+  constexpr int kPoses = 12 / test::kSweepStride;
   for (const EstimatorKind kind : {EstimatorKind::kPhotometric, EstimatorKind::kReprojection}) {
     config_.estimation.kind = kind;
     expectFoundAnywhere(kPoses);
