@@ -13,7 +13,7 @@ import shlex
 from pathlib import Path
 from typing import Dict, List, Set
 
-# More share more, and take more memory: 1 GB at this number.
+# More share more, and take more memory: 1.5 GB at this number.
 LARGEST_UNIT = 14
 
 # clang's analyzer looks into included sources only where the name of the unit begins so.
@@ -26,26 +26,40 @@ DEFINITION = re.compile(
 )
 
 
+def defined_names(text: str) -> Set[str]:
+    """The names that lines define which begin at the margin, as clang-format has them."""
+    names = set()
+    for line in text.splitlines():
+        match = DEFINITION.match(line)
+        if match and not line.startswith((" ", "}", "/", "#", "namespace ", "template")):
+            names.update(name for name in match.groups() if name)
+    return names
+
+
 def own_names(source: str) -> Set[str]:
-    """The names that a source, formatted by clang-format, defines for itself alone.
+    """The names that a source defines for itself alone.
 
     What this overlooks, the compiler finds twice in a unit: clang-tidy then fails.
     """
     names = {"main"} if re.search(r"^int main\(", source, re.MULTILINE) else set()
     for body in re.findall(r"^namespace \{$(.*?)^\}  // namespace$", source, re.MULTILINE | re.DOTALL):
-        for line in body.splitlines():
-            match = DEFINITION.match(line)
-            if match and not line.startswith((" ", "}", "/", "#", "namespace ", "template")):
-                names.update(name for name in match.groups() if name)
+        names |= defined_names(body)
     return names
 
 
-def units_of(sources: List[Path]) -> List[List[Path]]:
-    """Shares sources of one folder out among as few units as their number and names allow."""
+def units_of(sources: List[Path], public: Set[str]) -> List[List[Path]]:
+    """Shares sources of one folder out among as few units as their number and names allow.
+
+    One with a name for itself that is also public is alone: it would hide that from the others.
+    """
     units: List[List[Path]] = [[] for _ in range(-(-len(sources) // LARGEST_UNIT))]
     names: List[Set[str]] = [set() for _ in units]
+    alone = []
     for source in sources:
         own = own_names(source.read_text(encoding="utf-8"))
+        if own & public:
+            alone.append([source])
+            continue
         for index in sorted(range(len(units)), key=lambda i: len(units[i])):
             if not own & names[index]:
                 break
@@ -55,13 +69,14 @@ def units_of(sources: List[Path]) -> List[List[Path]]:
             names.append(set())
         units[index].append(source)
         names[index] |= own
-    return units
+    return [unit for unit in units if unit] + alone
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("compile_commands", type=Path)
     parser.add_argument("sources", type=Path, help="folder of the sources to take")
+    parser.add_argument("headers", type=Path, help="folder of the public headers")
     parser.add_argument("output", type=Path, help="folder for the units")
     arguments = parser.parse_args()
 
@@ -73,10 +88,17 @@ def main() -> None:
     for source in sorted(commands):
         folders.setdefault(source.parent, []).append(source)
 
+    public: Set[str] = set()
+    for header in arguments.headers.rglob("*.h"):
+        public |= defined_names(header.read_text(encoding="utf-8"))
+
     arguments.output.mkdir(parents=True, exist_ok=True)
     entries = []
     for folder, sources in folders.items():
-        for number, unit in enumerate(units_of(sources)):
+        local: Set[str] = set()
+        for header in folder.glob("*.h"):
+            local |= defined_names(header.read_text(encoding="utf-8"))
+        for number, unit in enumerate(units_of(sources, public | local)):
             name = "_".join([PREFIX, *folder.relative_to(arguments.sources).parts, str(number)])
             path = arguments.output / f"{name}.cpp"
             path.write_text(

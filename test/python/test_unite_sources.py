@@ -29,12 +29,14 @@ class UniteSources(unittest.TestCase):
             path = self.root / "src" / name
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text, encoding="utf-8")
+            if path.suffix == ".h":
+                continue
             commands.append({"directory": "/build", "file": str(path),
                              "command": f"c++ -DNAME=\\\"x\\\" -o x.o -c {path}"})
         listing = self.root / "compile_commands.json"
         listing.write_text(json.dumps(commands), encoding="utf-8")
         output = self.root / "units"
-        subprocess.run([sys.executable, SCRIPT, listing, self.root / "src", output], check=True)
+        subprocess.run([sys.executable, SCRIPT, listing, self.root / "src", self.root, output], check=True)
         units = []
         for entry in json.loads((output / "compile_commands.json").read_text(encoding="utf-8")):
             self.assertEqual(entry["arguments"],
@@ -60,6 +62,14 @@ class UniteSources(unittest.TestCase):
                 ("template <typename T>\nT same(T a) {\n  return a;\n}", "int same(int a) {\n}")):
             units = self.units({"a/1.cpp": source(first), "a/2.cpp": source(second)})
             self.assertEqual(units, [["a/1.cpp"], ["a/2.cpp"]], first)
+
+    def test_what_hides_a_public_name_is_alone(self):
+        header = "namespace omnitag {\n\nstruct Public {\n  int member;\n};\n\nint offered(int a);\n\n}\n"
+        units = self.units({"a/1.cpp": source("struct Public {\n  int b;\n};"),
+                            "a/2.cpp": source("int offered(double a) {\n}"),
+                            "a/3.cpp": source("int member() {\n}"), "a/4.cpp": source(""),
+                            "b/public.h": header})
+        self.assertEqual(sorted(units), [["a/1.cpp"], ["a/2.cpp"], ["a/3.cpp", "a/4.cpp"]])
 
     def test_programs_are_apart(self):
         units = self.units({"a/1.cpp": "int main() {\n}\n", "a/2.cpp": "int main(int argc) {\n}\n"})
