@@ -135,13 +135,13 @@ cv::Mat renderPanorama(const MarkerMap& map, const MountedCamera& camera, const 
     if (!kind) kind = look(u, v).kind;
     return *kind;
   };
-  // A pixel whose middle and whose neighbours' middles show the background shows nothing else; nor
-  // do those between, where the neighbours are two pixels away.
-  const auto isEven = [&](int u, int v, int step) {
+  // Whether the middles of all pixels, or of each second one, show the same as this one's as far as
+  // so many pixels away, and no board.
+  const auto isEven = [&](int u, int v, int distance, int step) {
     const Sight::Kind kind = kindAt(u, v);
     if (kind == Sight::kBoard) return false;
-    for (const int down : {-step, 0, step}) {
-      for (const int right : {-step, 0, step}) {
+    for (int down = -distance; down <= distance; down += step) {
+      for (int right = -distance; right <= distance; right += step) {
         const int column = std::clamp(u + right, 0, size.width - 1);
         const int row = std::clamp(v + down, 0, size.height - 1);
         if (kindAt(column, row) != kind) return false;
@@ -153,24 +153,29 @@ cv::Mat renderPanorama(const MarkerMap& map, const MountedCamera& camera, const 
     return kind == Sight::kBackground ? kBackgroundGrey : 0.0;
   };
   const auto offset = [samples_per_axis](int k) { return (k + 0.5) / samples_per_axis - 0.5; };
-  const int samples = samples_per_axis * samples_per_axis;
+  const auto greyAt = [&](int u, int v) {
+    if (isEven(u, v, 1, 1)) return greyOf(kindAt(u, v));
+    const int samples = samples_per_axis * samples_per_axis;
+    double sum = 0.0;
+    for (int i = 0; i < samples; ++i) {
+      sum += look(u + offset(i % samples_per_axis), v + offset(i / samples_per_axis)).grey;
+    }
+    return sum / samples;
+  };
+
   cv::Mat image = cv::Mat::zeros(size.height, size.width, CV_8UC1);
-  for (int v = std::max(0, rows.start); v < std::min(size.height, rows.end); ++v) {
-    for (int u = 0; u < size.width; ++u) {
-      const int even_u = u - u % 2;
-      const int even_v = v - v % 2;
-      double grey = 0.0;
-      if (isEven(even_u, even_v, 2)) {
-        grey = greyOf(kindAt(even_u, even_v));
-      } else if (isEven(u, v, 1)) {
-        grey = greyOf(kindAt(u, v));
-      } else {
-        for (int i = 0; i < samples; ++i) {
-          grey += look(u + offset(i % samples_per_axis), v + offset(i / samples_per_axis)).grey;
+  const int first = std::max(0, rows.start);
+  const int end = std::min(size.height, rows.end);
+  // In blocks of two by two, most of which show nothing but the background.
+  for (int top = first - first % 2; top < end; top += 2) {
+    for (int left = 0; left < size.width; left += 2) {
+      const bool is_even = isEven(left, top, 4, 2);
+      for (int v = std::max(first, top); v < std::min(end, top + 2); ++v) {
+        for (int u = left; u < std::min(size.width, left + 2); ++u) {
+          const double grey = is_even ? greyOf(kindAt(left, top)) : greyAt(u, v);
+          image.at<std::uint8_t>(v, u) = cv::saturate_cast<std::uint8_t>(grey);
         }
-        grey /= samples;
       }
-      image.at<std::uint8_t>(v, u) = cv::saturate_cast<std::uint8_t>(grey);
     }
   }
   return image;
