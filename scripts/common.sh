@@ -23,13 +23,12 @@ accept_only_help() {
 }
 
 # Configures the core alone in the CMake build folder $1 with the sanitizers $2, unless it is, with
-# CMake's further options. By clang, which is done in two thirds of the time. A workspace that was
-# sourced has a core of its own, which tests that follow are not to load.
+# CMake's further options. A workspace that was sourced has a core of its own, which tests that follow
+# are not to load.
 configure_sanitized() {
   unset LD_LIBRARY_PATH
   [[ ! -f $1/build.ninja ]] || return 0
   cmake -S "$root" -B "$1" -G Ninja -DOMNITAG_ROS=OFF -DOMNITAG_SANITIZE="$2" \
-    -DCMAKE_CXX_COMPILER=clang++ \
     -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -g1" "${@:3}"
 }
 

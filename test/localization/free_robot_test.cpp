@@ -48,6 +48,7 @@ class FreeRobotTest : public testing::Test {
   void expectFoundAnywhere(int poses) {
     for (int i = 0; i < poses; ++i) {
       const Pose truth = randomPose();
+      if (i % test::kSweepStride != 0) continue;
       Localizer localizer(camera_, map_, config_);
       const FrameResult result = localizer.process(frameFrom(truth, 0.0));
       ASSERT_TRUE(result.map_from_base) << i << ": " << result.remark;
@@ -65,7 +66,7 @@ class FreeRobotTest : public testing::Test {
 };
 
 TEST_F(FreeRobotTest, IsFoundFromNothing) {
-  constexpr int kPoses = 12 / test::kSweepStride;
+  constexpr int kPoses = 12;
   for (const EstimatorKind kind : {EstimatorKind::kPhotometric, EstimatorKind::kReprojection}) {
     config_.estimation.kind = kind;
     expectFoundAnywhere(kPoses);
