@@ -80,6 +80,7 @@ def main() -> None:
     parser.add_argument("output", type=Path, help="folder for the units")
     arguments = parser.parse_args()
 
+    output = arguments.output.resolve()
     commands: Dict[Path, dict] = {}
     for entry in json.loads(arguments.compile_commands.read_text(encoding="utf-8")):
         if arguments.sources in Path(entry["file"]).parents:
@@ -92,7 +93,7 @@ def main() -> None:
     for header in arguments.headers.rglob("*.h"):
         public |= defined_names(header.read_text(encoding="utf-8"))
 
-    arguments.output.mkdir(parents=True, exist_ok=True)
+    output.mkdir(parents=True, exist_ok=True)
     entries = []
     for folder, sources in folders.items():
         local: Set[str] = set()
@@ -100,7 +101,7 @@ def main() -> None:
             local |= defined_names(header.read_text(encoding="utf-8"))
         for number, unit in enumerate(units_of(sources, public | local)):
             name = "_".join([PREFIX, *folder.relative_to(arguments.sources).parts, str(number)])
-            path = arguments.output / f"{name}.cpp"
+            path = output / f"{name}.cpp"
             path.write_text(
                 "".join(f'#include "{s}"  // NOLINT(bugprone-suspicious-include)\n' for s in unit),
                 encoding="utf-8")
@@ -108,7 +109,7 @@ def main() -> None:
             words = [str(path) if word == entry["file"] else word
                      for word in shlex.split(entry["command"])]
             entries.append({"directory": entry["directory"], "file": str(path), "arguments": words})
-    (arguments.output / "compile_commands.json").write_text(json.dumps(entries), encoding="utf-8")
+    (output / "compile_commands.json").write_text(json.dumps(entries), encoding="utf-8")
 
 
 if __name__ == "__main__":

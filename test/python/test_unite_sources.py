@@ -36,11 +36,13 @@ class UniteSources(unittest.TestCase):
         listing = self.root / "compile_commands.json"
         listing.write_text(json.dumps(commands), encoding="utf-8")
         output = self.root / "units"
-        subprocess.run([sys.executable, SCRIPT, listing, self.root / "src", self.root, output], check=True)
+        subprocess.run([sys.executable, SCRIPT, listing, self.root / "src", self.root, "units"],
+                       check=True, cwd=self.root)
         units = []
         for entry in json.loads((output / "compile_commands.json").read_text(encoding="utf-8")):
             self.assertEqual(entry["arguments"],
                              ["c++", '-DNAME="x"', "-o", "x.o", "-c", entry["file"]])
+            self.assertTrue(Path(entry["file"]).is_absolute(), "as it is compiled elsewhere")
             # As clang's analyzer wants it.
             self.assertTrue(Path(entry["file"]).name.startswith("UnifiedSource"))
             lines = Path(entry["file"]).read_text(encoding="utf-8").splitlines()
