@@ -22,20 +22,21 @@ accept_only_help() {
   esac
 }
 
-# Configures the core alone in the CMake build folder $1 with the sanitizers $2, unless it is. A
-# workspace that was sourced has a core of its own, which tests that follow are not to load.
+# Configures the core alone in the CMake build folder $1 with the sanitizers $2, unless it is, with
+# CMake's further options. A workspace that was sourced has a core of its own, which tests that follow
+# are not to load.
 configure_sanitized() {
   unset LD_LIBRARY_PATH
   [[ ! -f $1/build.ninja ]] || return 0
   cmake -S "$root" -B "$1" -G Ninja -DOMNITAG_ROS=OFF -DOMNITAG_SANITIZE="$2" \
-    -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -g1"
+    -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -g1" "${@:3}"
 }
 
-# Runs the tests of the CMake build folder $1 that the further arguments, which are ctest's, choose;
-# all without. Ends with the line `N passed, N failed`.
+# Runs the tests of the CMake build folder $1, $2 at a time, that the further arguments, which are
+# ctest's, choose; all without. Ends with the line `N passed, N failed`.
 run_tests() {
-  local build=$1
-  shift
+  local build=$1 jobs=$2
+  shift 2
   local results=$build/test_results/omnitag
   local failed=$build/Testing/Temporary/LastTestsFailed.log
   local status=0
@@ -43,7 +44,7 @@ run_tests() {
   mkdir -p "$results"
   cd "$build"
   ctest --show-only=json-v1 "$@" > "$results/ctest.json" || true
-  ctest --parallel "$(nproc)" --timeout 900 --output-on-failure "$@" || status=$?
+  ctest --parallel "$jobs" --timeout 900 --output-on-failure "$@" || status=$?
   [[ ! -f $failed ]] || cp "$failed" "$results/ctest_failed.log"
   echo "$status" > "$results/ctest_status"
   /usr/bin/python3 "$root/scripts/summarize_tests.py" "$results"

@@ -68,10 +68,10 @@ class ImagingTest : public testing::Test {
       const double row = band * kHeight + 0.5 * (kHeight - 1);
       const Eigen::Isometry3d then = stamped.toIsometry() * motion.after(row * row_time);
       constexpr int kSamples = 3;
+      const cv::Range rows(band * kHeight, (band + 1) * kHeight);
       const cv::Mat image = test::renderPanorama(map_, MountedCamera(camera_, mounting_),
-                                                 Pose::fromIsometry(then), kSamples);
-      const cv::Rect rows(0, band * kHeight, kRows, kHeight);
-      image(rows).copyTo(whole(rows));
+                                                 Pose::fromIsometry(then), kSamples, rows);
+      image.rowRange(rows).copyTo(whole.rowRange(rows));
     }
     return noisy(whole);
   }

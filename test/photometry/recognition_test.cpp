@@ -13,6 +13,7 @@
 #include "../support/panorama_renderer.h"
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
+#include "../support/sweep.h"
 #include "omnitag/common/error.h"
 
 namespace omnitag {
@@ -196,7 +197,7 @@ TEST(RecognitionTest, NoOtherTagOfTheFamilyIsTakenForIt) {
       const Marker marker =
           withModulesOf(module, markerAt(0.3 + id, radians(id == 42 ? 45.0 : 0.0), "tag36h11", id));
       const cv::Mat image = imageOf(marker);
-      for (int other = 0; other < 587; ++other) {
+      for (int other = 0; other < 587; other += test::kSweepStride) {
         const auto recognition = recognizeAs({"tag36h11", other}, image, marker);
         EXPECT_EQ(isAccepted(recognition), other == id)
             << id << " as " << other << ": " << describe(recognition);
@@ -304,7 +305,7 @@ cv::Mat texture(double spot, unsigned seed) {
 /// Of 1000 markers that are looked for in random textures, those that are accepted.
 int acceptedInTextures(double module, double spot, const RecognitionConfig& config) {
   int accepted = 0;
-  for (unsigned seed = 0; seed < 40; ++seed) {
+  for (unsigned seed = 0; seed < 40; seed += test::kSweepStride) {
     const cv::Mat image = texture(spot, seed);
     for (int i = 0; i < 25; ++i) {
       const Marker marker = withModulesOf(module, markerAt(0.25 * i, 0.0, "tag36h11", 20 * i));

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
+#include <opencv2/core/types.hpp>
 #include <string>
 #include <vector>
 
@@ -22,8 +23,9 @@ struct TagBitmap {
 TagBitmap tagBitmap(const std::string& family, int id);
 
 /// The panorama of a robot among markers before grey: a line of sight for every sample of every
-/// pixel, met with the markers' planes.
+/// pixel, met with the markers' planes. Of the rows asked for; the others are black. Does not see
+/// markers that are narrower than two pixels.
 cv::Mat renderPanorama(const MarkerMap& map, const MountedCamera& camera, const Pose& map_from_base,
-                       int samples_per_axis = 3);
+                       int samples_per_axis = 3, const cv::Range& rows = cv::Range::all());
 
 }  // namespace omnitag::test
