@@ -72,7 +72,7 @@ void rememberElsewhere(const MountedCamera& camera, const Evidence& evidence,
     if (&other == account || !other.result.map_from_base) continue;
     const auto isThere = [&other](const RememberedSighting& sighting) {
       const MarkerDetection* const seen = detectionOf(sighting.observation.map_entry, other.result);
-      return seen && seen->accepted;
+      return seen != nullptr && seen->accepted;
     };
     const auto group = std::stable_partition(rest.begin(), rest.end(), isThere);
     if (group == rest.begin()) continue;

@@ -39,6 +39,22 @@ std::vector<std::size_t> entriesWherePredicted(const TrackingTools& tools,
   return entries;
 }
 
+/// A pose that no reading of a look around tells by itself, but with others that are recognized
+/// from there; these are then in the result.
+std::optional<PoseEstimate> confirmAround(const TrackingTools& tools,
+                                          const std::vector<MarkerReading>& readings,
+                                          const Frame& frame, const MountedCamera& camera,
+                                          FrameResult* result) {
+  const auto areTwo = [](const FrameResult& seen) { return seen.acceptedMarkers() >= 2; };
+  auto seen = confirm({readings, result->views, result->view_images}, areTwo, tools, frame, camera,
+                      &result->timings);
+  if (!seen) return std::nullopt;
+  seen->explored = std::move(result->explored);
+  seen->timings = result->timings;
+  *result = std::move(*seen);
+  return result->map_from_base;
+}
+
 /// The account of a robot that was lost, or is where it was expected after all.
 Account foundAt(const PoseEstimate& pose, FrameResult found, bool is_expected, const Frame& frame,
                 Account account) {
@@ -147,21 +163,6 @@ std::optional<PoseEstimate> Localizer::search(const TrackingTools& tools, const 
   result->map_from_base = pose;
   setResiduals(tools, camera, result);
   return is_expected ? pose : modest(pose, *result);
-}
-
-std::optional<PoseEstimate> Localizer::confirmAround(const TrackingTools& tools,
-                                                     const std::vector<MarkerReading>& readings,
-                                                     const Frame& frame,
-                                                     const MountedCamera& camera,
-                                                     FrameResult* result) {
-  const auto areTwo = [](const FrameResult& seen) { return seen.acceptedMarkers() >= 2; };
-  auto seen = confirm({readings, result->views, result->view_images}, areTwo, tools, frame, camera,
-                      &result->timings);
-  if (!seen) return std::nullopt;
-  seen->explored = std::move(result->explored);
-  seen->timings = result->timings;
-  *result = std::move(*seen);
-  return result->map_from_base;
 }
 
 }  // namespace omnitag

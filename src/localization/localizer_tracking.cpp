@@ -44,7 +44,7 @@ PoseEstimate predictionFrom(const PoseEstimate& alternative) {
 
 /// Whether markers lead so far from a pose that was given that they may rather hang elsewhere.
 bool isFarFromStart(const Account& account, const Hypothesis& before) {
-  constexpr double kFar = 2.8;  // standard deviations
+  constexpr double kFar = 4.0;  // standard deviations, beyond which one of a thousand is
   const Hypothesis& hypothesis = account.hypothesis;
   return hypothesis.start && before.memory.countInPlace() == 0 &&
          deviationsOfStart(*hypothesis.start, hypothesis.start_error) > kFar;
@@ -165,7 +165,8 @@ std::optional<PoseEstimate> Localizer::followMarkers(const TrackingTools& tools,
   }
   // Where markers contend for the pose, what they say of the blur is not to be believed.
   const bool is_certain = alternatives->empty() && hypotheses_.size() == 1;
-  if (result->blur_equations && learns && is_certain) blur_.take(*result->blur_equations, blurred.blur());
+  if (result->blur_equations && learns && is_certain)
+    blur_.take(*result->blur_equations, blurred.blur());
   result->blur = learns ? blur_.blur() : blurred.blur();
   return pose;
 }

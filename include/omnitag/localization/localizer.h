@@ -81,7 +81,7 @@ class Localizer {
   std::vector<Account> track(const Frame& frame, const MountedCamera& camera,
                              const std::vector<PoseEstimate>& predicted);
   std::vector<Account> track(const Frame& frame, const MountedCamera& camera,
-                             const Hypothesis& hypothesis, const PoseEstimate& predicted,
+                             const Hypothesis& before, const PoseEstimate& predicted,
                              bool is_likeliest, std::vector<MarkerObservation>* seen);
   /// The pose of the markers that are found about where the prediction has them, the blur with
   /// which they are found best, and other poses that they may stand for.
@@ -118,12 +118,7 @@ class Localizer {
                                      const MountedCamera& camera,
                                      const std::optional<PoseEstimate>& predicted,
                                      FrameResult* result);
-  /// A pose that no reading of a look around tells by itself, but with others that are recognized
-  /// from there; these are then in the result.
-  std::optional<PoseEstimate> confirmAround(const TrackingTools& tools,
-                                            const std::vector<MarkerReading>& readings,
-                                            const Frame& frame, const MountedCamera& camera,
-                                            FrameResult* result);
+
   /// Fills in what the frame's pose says about its detections.
   void measure(const MountedCamera& camera, FrameResult* result);
   /// Learns from the image of a robot whose pose is settled.
