@@ -11,6 +11,7 @@
 #include "frame_search.h"
 #include "frame_tracker.h"
 #include "glance_search.h"
+#include "measured_pose.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
 #include "omnitag/common/format.h"
@@ -141,6 +142,11 @@ FrameResult Localizer::process(const Frame& frame) {
   measure(camera, &result);
   remember(camera, result);
   if (result.is_open) withhold(&result);
+  if (frame.wants_measured) {
+    Stopwatch step;
+    result.measured = measuredPose(trackingTools(), frame, camera, result);
+    result.timings.solve += step.lap();
+  }
   was_tracked_ = result.acceptedMarkers() > 0 && result.map_from_base.has_value();
   if (was_tracked_) seen_stamp_ = frame.stamp;
   result.exposure = exposureOf(frame.image);

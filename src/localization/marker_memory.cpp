@@ -34,6 +34,21 @@ void MarkerMemory::addElsewhere(const RememberedSighting& sighting, bool is_cert
   record.is_certain = is_certain;
 }
 
+void MarkerMemory::takeFrom(const MarkerMemory& before,
+                            const std::vector<std::optional<std::size_t>>& entries) {
+  stamp_ = before.stamp_;
+  first_looks_ = before.first_looks_;
+  first_seen_ = before.first_seen_;
+  records_.clear();
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    if (!entries[i] || *entries[i] >= before.records_.size()) continue;
+    Record& record = of(i);
+    record = before.records_[*entries[i]];
+    if (record.in_place) record.in_place->observation.map_entry = i;
+    if (record.elsewhere) record.elsewhere->observation.map_entry = i;
+  }
+}
+
 bool MarkerMemory::isElsewhere(std::size_t entry) const {
   return elsewhere(entry) != nullptr && records_[entry].is_certain;
 }

@@ -65,12 +65,23 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
       debug_image_painter_(localizer_.camera(), localizer_.map()),
       path_(parameters_.path_min_step, parameters_.path_max_poses),
       image_transport_(node),
+      settings_(parameters_, localizer_.camera(),
+                [this](std::shared_ptr<Successor> successor) {
+                  const std::lock_guard<std::mutex> lock(request_mutex_);
+                  // What the one before was to change, this one does too.
+                  if (successor_) successor->has_other_map |= successor_->has_other_map;
+                  successor_ = std::move(successor);
+                }),
+      map_publisher_(node, localizer_.frames().map, parameters_.publish_marker_tf),
+      pose_keeper_(node, name_, parameters_.pose_file, parameters_.save_pose_period),
       health_(node, private_node, input_, localizer_.map()) {
   constexpr uint32_t kTransformQueue = 100;
   transform_publisher_ = node_.advertise<tf2_msgs::TFMessage>("/tf", kTransformQueue);
   pose_publisher_ = node_.advertise<geometry_msgs::PoseStamped>("pose", 10);
   pose_with_covariance_publisher_ =
       node_.advertise<geometry_msgs::PoseWithCovarianceStamped>("pose_with_covariance", 10);
+  pose_measured_publisher_ =
+      node_.advertise<geometry_msgs::PoseWithCovarianceStamped>("pose_measured", 10);
   detections_publisher_ = node_.advertise<MarkerDetectionArray>("detections", 10);
   status_publisher_ = node_.advertise<LocalizationStatus>("status", 10);
   constexpr bool kLatched = true;
@@ -96,6 +107,17 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
             return true;
           });
 
+  map_services_.emplace(node_, name_, !parameters_.frames.map.empty(), &settings_);
+  tuning_ = std::make_unique<LiveTuning>(private_node, name_, parameters_.localizer, &settings_,
+                                         [this](bool enabled) { is_enabled_ = enabled; });
+  if (parameters_.drag_markers) {
+    marker_dragging_ = std::make_unique<MarkerDragging>(node_.resolveName("edit_map"), name_,
+                                                        localizer_.frames().map, &settings_,
+                                                        [this] { return saveMap(); });
+  }
+  map_publisher_.publish(localizer_.map(), localizer_.ignoredMarkers());
+  takeSavedPose();
+
   ROS_INFO_STREAM(name_ << ": camera " << camera.origin << ", " << localizer_.map().markers.size()
                         << " markers of " << parameters_.map_file << ", images from "
                         << input_.topic());
@@ -107,9 +129,12 @@ LocalizerServer::~LocalizerServer() {
   initial_pose_subscriber_.shutdown();
   global_localization_server_.shutdown();
   save_map_server_.shutdown();
+  map_services_->shutdown();
+  tuning_->shutdown();
   input_.close();
   transforms_.close();
   thread_.join();
+  marker_dragging_.reset();
 }
 
 void LocalizerServer::run() {
@@ -120,7 +145,8 @@ void LocalizerServer::run() {
         [&] { received = input_.next(std::min(parameters_.transform_period, kTransformsWait)); },
         refuse);
     keepUp();
-    if (received) attempt([&] { onImage(*received); }, refuse);
+    attempt([this] { takeSuccessor(); }, refuse);
+    if (received && is_enabled_) attempt([&] { onImage(*received); }, refuse);
   }
 }
 
@@ -145,10 +171,23 @@ void LocalizerServer::watchClock() {
 }
 
 bool LocalizerServer::checkParent() {
+  if (!parameters_.publish_tf) return false;
   const std::optional<std::string> conflict = transforms_.parentConflict();
   health_.parentChecked(conflict.value_or(""));
   if (conflict) correction_.reset();
   return !conflict;
+}
+
+void LocalizerServer::takeSuccessor() {
+  std::shared_ptr<Successor> successor;
+  {
+    const std::lock_guard<std::mutex> lock(request_mutex_);
+    successor = std::exchange(successor_, nullptr);
+  }
+  if (!successor) return;
+  const bool has_other_map = successor->has_other_map;
+  localizer_.exchange(std::move(*successor));
+  if (has_other_map) showMap();
 }
 
 void LocalizerServer::onImage(const ReceivedImage& received) {
@@ -161,8 +200,10 @@ void LocalizerServer::onImage(const ReceivedImage& received) {
   localizer_.assembler().check(*image);
   waitForTransforms(image->header);
   try {
-    const std::optional<LocalizedImage> localized = localizer_.localize(
-        image, transforms_.buffer(), debug_image_publisher_.getNumSubscribers() > 0);
+    const WantedExtras wanted{debug_image_publisher_.getNumSubscribers() > 0,
+                              pose_measured_publisher_.getNumSubscribers() > 0};
+    const std::optional<LocalizedImage> localized =
+        localizer_.localize(image, transforms_.buffer(), wanted);
     if (localized) {
       publish(*localized);
     } else {
@@ -216,11 +257,19 @@ void LocalizerServer::publish(const LocalizedImage& localized) {
   messages.status.images_received = input_.received();
   messages.status.images_dropped = input_.dropped() + localizer_.lateImages();
 
+  keepPose(localized);
   sendTransform(messages.transform, localized.result.map_from_base.has_value());
   if (messages.pose) {
     publishShared(pose_publisher_, *messages.pose);
     publishShared(pose_with_covariance_publisher_, std::move(*messages.pose_with_covariance));
     if (path_.add(*messages.pose)) path_publisher_.publish(path_.path());
+  }
+  if (messages.pose_measured) {
+    publishShared(pose_measured_publisher_, std::move(*messages.pose_measured));
+  }
+  if (detections_publisher_.getNumSubscribers() > 0) {
+    addMarkerPoses(localized, localizer_.map(), localizer_.camera(),
+                   parameters_.localizer.estimation, &messages.detections);
   }
   publishShared(detections_publisher_, std::move(messages.detections));
   publishShared(status_publisher_, messages.status);
@@ -337,9 +386,45 @@ void LocalizerServer::forgetPose() {
   ROS_INFO_STREAM(name_ << ": pose forgotten, searching from the next image on");
 }
 
+void LocalizerServer::takeSavedPose() {
+  if (parameters_.initial_pose) return;
+  const std::optional<SavedPose> saved = pose_keeper_.lastPose(localizer_.frames().map);
+  if (!saved) return;
+  const MotionModelConfig& motion = parameters_.localizer.motion;
+  const PoseEstimate pose = afterAPause(saved->map_from_base, motion.initial_position_deviation,
+                                        motion.initial_heading_deviation);
+  localizer_.beforeNextImage([pose](Localizer* localizer) { localizer->setPose(pose); });
+}
+
+void LocalizerServer::keepPose(const LocalizedImage& localized) {
+  const FrameResult& result = localized.result;
+  if (!result.map_from_base || result.acceptedMarkers() == 0) return;
+  pose_keeper_.keep(
+      {localizer_.frames().map, localized.input.header.stamp.toSec(), result.publishedPose()});
+}
+
+void LocalizerServer::showMap() {
+  debug_image_painter_.setMap(localizer_.map());
+  health_.startedAnew();
+  map_publisher_.publish(localizer_.map(), localizer_.ignoredMarkers());
+  std::vector<ProvisionalMarker> provisional = localizer_.provisional();
+  health_.mapChanged(localizer_.map(), provisional);
+  {
+    const std::lock_guard<std::mutex> lock(map_mutex_);
+    provisional_ = std::move(provisional);
+    map_drawing_.replace(localizer_.map(), provisional_);
+    markers_publisher_.publish(map_drawing_.markers());
+  }
+  // Without the lock, since its callbacks save the map.
+  if (marker_dragging_) marker_dragging_->show();
+}
+
 void LocalizerServer::publishMap(bool is_changed) {
   std::vector<ProvisionalMarker> provisional = localizer_.provisional();
-  if (is_changed) debug_image_painter_.setMap(localizer_.map());
+  if (is_changed) {
+    debug_image_painter_.setMap(localizer_.map());
+    map_publisher_.publish(localizer_.map(), localizer_.ignoredMarkers());
+  }
   const std::lock_guard<std::mutex> lock(map_mutex_);
   provisional_ = std::move(provisional);
   if (!map_drawing_.update(localizer_.map(), provisional_)) return;
@@ -358,21 +443,31 @@ void LocalizerServer::onSaveMap(std_srvs::Trigger::Response* response) {
 }
 
 std::string LocalizerServer::saveMap() {
-  if (!parameters_.mapping) {
-    throw InputError("mapping is off: the map is as " + parameters_.map_file + " has it");
+  const std::string path = settings_.mapFile();
+  if (!parameters_.mapping && settings_.unsavedChanges() == 0) {
+    throw InputError("mapping is off and nothing was changed: the map is as " + path + " has it");
   }
+  if (settings_.unsavedChanges() == 0) return saveMapped(path);
+  const std::string saved = settings_.editMap([](MapEditor* map) { return map->save(); });
+  return parameters_.mapping ? saved + "; " + saveMapped(path) : saved;
+}
+
+std::string LocalizerServer::saveMapped(const std::string& path) {
   std::vector<ProvisionalMarker> provisional;
   {
     const std::lock_guard<std::mutex> lock(map_mutex_);
     provisional = provisional_;
   }
   const std::vector<MapEntry> entries = usedEntries(provisional);
-  const SavedMap saved = addToMapFile(parameters_.map_file, entries);
-  request([saved](ImageLocalizer* it) { it->adopt(saved.added); });
+  const SavedMap saved = addToMapFile(path, entries);
+  if (saved.is_written) {
+    // A marker that is the map's own, mapping does not know.
+    settings_.editMap([](MapEditor* map) { return map->reload(); });
+  }
   const std::string done = saved.is_written
-                               ? std::to_string(saved.added.size()) + " markers added to " +
-                                     parameters_.map_file + ", the old file is beside it with a ~"
-                               : parameters_.map_file + " has all already";
+                               ? std::to_string(saved.added.size()) + " markers added to " + path +
+                                     ", the old file is beside it with a ~"
+                               : path + " has all already";
   return done + "; " + std::to_string(provisional.size() - entries.size()) +
          " more are not known well enough yet";
 }

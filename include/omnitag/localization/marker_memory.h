@@ -85,6 +85,10 @@ class MarkerMemory {
   /// Entries from here on were never looked for.
   std::size_t size() const { return records_.size(); }
 
+  /// Takes what another memory knows. `entries`: for each marker of this one's map, which of the
+  /// other's map it is; none where it is none, or hangs elsewhere.
+  void takeFrom(const MarkerMemory& before, const std::vector<std::optional<std::size_t>>& entries);
+
   void clear() { records_.clear(); }
   /// Forgets where markers were seen, which a pose told that was wrong, but not which are hidden.
   void forgetPlaces();
