@@ -11,6 +11,7 @@ add_library(omnitag_ros SHARED
   src/ros/image_input.cpp
   src/ros/image_localizer.cpp
   src/ros/live_tuning.cpp
+  src/ros/localizer_requests.cpp
   src/ros/localizer_server.cpp
   src/ros/localizer_settings.cpp
   src/ros/localizer_starter.cpp

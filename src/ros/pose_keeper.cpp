@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "omnitag/common/error.h"
-#include "omnitag/marker/marker_map_writer.h"
+#include "omnitag/common/file_replacement.h"
 
 namespace omnitag {
 

@@ -90,6 +90,30 @@ TEST_F(MeasuredPoseTest, WorksWithEveryEstimatorAndPoseModel) {
   }
 }
 
+TEST_F(MeasuredPoseTest, IsNotTheOtherPoseThatASingleMarkerLeaves) {
+  // Seen nearly from its front, it looks alike from either side.
+  Marker marker = test::wallMarker(4, {3.5, 0.3, 1.2}, kPi);
+  marker.size = 0.5;
+  marker.deviation = 1e-3;
+  map_.markers = {marker};
+  truth_ = {0.2, -0.3, -0.2};
+  const cv::Mat exact = test::renderPanorama(map_, {camera_, mounting_}, truth_);
+  cv::RNG random(3);
+  for (int i = 0; i < 40; ++i) {
+    cv::Mat noise(exact.size(), CV_16SC1);
+    random.fill(noise, cv::RNG::NORMAL, 0.0, 4.0);
+    cv::Mat image;
+    cv::add(exact, noise, image, cv::noArray(), CV_8UC1);
+    Localizer localizer(camera_, map_, test::onLevelFloor());
+    localizer.setPose(truth_);
+    const auto measured = process(&localizer, image).measured;
+    if (!measured) continue;
+    const Eigen::Vector3d error = difference(measured->pose, truth_).head<3>();
+    // Beyond which one of a million is by chance.
+    EXPECT_LT(error.dot(floorCovariance(*measured).ldlt().solve(error)), 30.7) << i;
+  }
+}
+
 /// Drives of two stretches in which markers are in sight, each before one in which they are not.
 class FilteredPoseTest : public testing::Test {
  protected:
