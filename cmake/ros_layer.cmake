@@ -10,12 +10,19 @@ add_library(omnitag_ros SHARED
   src/ros/image_conversion.cpp
   src/ros/image_input.cpp
   src/ros/image_localizer.cpp
+  src/ros/live_tuning.cpp
+  src/ros/localizer_requests.cpp
   src/ros/localizer_server.cpp
+  src/ros/localizer_settings.cpp
   src/ros/localizer_starter.cpp
   src/ros/map_markers.cpp
+  src/ros/map_publisher.cpp
+  src/ros/map_services.cpp
+  src/ros/marker_dragging.cpp
   src/ros/parameters.cpp
   src/ros/parent_watch.cpp
   src/ros/path_recorder.cpp
+  src/ros/pose_keeper.cpp
   src/ros/result_messages.cpp
   src/ros/rviz_marker.cpp
   src/ros/stamp_timeline.cpp
@@ -117,6 +124,8 @@ catkin_install_python(PROGRAMS
   tools/print_markers
   tools/random_route
   tools/record_trajectory
+  tools/relay_detections
   tools/render_sequence
+  tools/start_if_installed
   DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION}
 )

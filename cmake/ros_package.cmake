@@ -2,8 +2,10 @@
 set(exported_packages
   cv_bridge
   diagnostic_updater
+  dynamic_reconfigure
   geometry_msgs
   image_transport
+  interactive_markers
   nav_msgs
   nodelet
   roscpp
@@ -28,9 +30,17 @@ catkin_python_setup()
 add_message_files(FILES
   DetectedMarker.msg
   LocalizationStatus.msg
+  MapMarker.msg
+  MapMarkerArray.msg
   MarkerDetectionArray.msg
 )
-generate_messages(DEPENDENCIES std_msgs)
+add_service_files(FILES
+  AddMarker.srv
+  ChangeMap.srv
+  IgnoreMarkers.srv
+  RemoveMarker.srv
+)
+generate_messages(DEPENDENCIES geometry_msgs std_msgs)
 
 # catkin exports what these variables name; yaml-cpp's own configuration sets others.
 set(YAML_CPP_FOUND TRUE)

@@ -177,6 +177,18 @@ std::vector<double> YamlReader::numbers(const std::string& key, std::size_t size
   return values;
 }
 
+std::vector<std::string> YamlReader::texts(const std::string& key) const {
+  const std::string expected = "a list of words or numbers";
+  const YAML::Node child = required(key, expected);
+  if (!child.IsSequence()) refuse(key, expected);
+  std::vector<std::string> values;
+  for (const YAML::Node& item : child) {
+    if (!item.IsScalar()) refuse(key, expected);
+    values.push_back(item.Scalar());
+  }
+  return values;
+}
+
 std::vector<std::vector<double>> YamlReader::table(const std::string& key,
                                                    std::size_t columns) const {
   const std::string expected = "a list of lists of " + std::to_string(columns) + " numbers";

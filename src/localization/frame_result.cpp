@@ -3,6 +3,15 @@
 #include <algorithm>
 
 namespace omnitag {
+namespace {
+
+PoseEstimate published(const PoseEstimate& estimate, bool is_on_floor) {
+  PoseEstimate published = estimate;
+  if (is_on_floor) published.pose = published.pose.onFloor();
+  return published;
+}
+
+}  // namespace
 
 const char* toString(Mode mode) {
   switch (mode) {
@@ -18,10 +27,10 @@ const char* toString(Mode mode) {
   return "";
 }
 
-PoseEstimate FrameResult::publishedPose() const {
-  PoseEstimate published = *map_from_base;
-  if (is_on_floor) published.pose = published.pose.onFloor();
-  return published;
+PoseEstimate FrameResult::publishedPose() const { return published(*map_from_base, is_on_floor); }
+
+std::optional<PoseEstimate> FrameResult::publishedMeasurement() const {
+  return measured ? std::optional(published(*measured, is_on_floor)) : std::nullopt;
 }
 
 int FrameResult::acceptedMarkers() const {

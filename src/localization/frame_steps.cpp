@@ -56,6 +56,8 @@ MarkerDetection toDetection(const MarkerReading& reading) {
   detection.center = reading.center;
   detection.residual = std::numeric_limits<double>::quiet_NaN();
   detection.deviations = std::numeric_limits<double>::quiet_NaN();
+  detection.hamming = reading.hamming;
+  detection.margin = reading.margin;
   return detection;
 }
 
@@ -66,6 +68,8 @@ MarkerDetection toDetection(const MarkerObservation& observation, const Marker& 
   detection.map_entry = observation.map_entry;
   detection.corners = observation.corners;
   detection.center = observation.center;
+  detection.hamming = observation.hamming;
+  detection.margin = observation.margin;
   return detection;
 }
 

@@ -312,7 +312,10 @@ void FrameTracker::decode(const std::vector<std::size_t>& targets, double max_pi
     if (association.prediction) {
       Sighting& sighting = sightings_[*association.prediction];
       const std::size_t entry = result_->predicted[*association.prediction].map_entry;
-      if (!sighting.observation) sighting.observation = {entry, reading.corners, reading.center};
+      if (!sighting.observation) {
+        sighting.observation = {entry, reading.corners, reading.center,
+                                0.0,   reading.hamming, reading.margin};
+      }
     } else if (std::none_of(strangers_.begin(), strangers_.end(), [&](const Stranger& other) {
                  return areOfOneMarker(other.reading, reading);
                })) {

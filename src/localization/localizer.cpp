@@ -10,6 +10,7 @@
 #include "belief.h"
 #include "frame_search.h"
 #include "frame_steps.h"
+#include "measured_pose.h"
 #include "omnitag/common/error.h"
 #include "omnitag/common/stopwatch.h"
 #include "omnitag/localization/displacement.h"
@@ -118,6 +119,11 @@ FrameResult Localizer::process(const Frame& frame) {
 
   learnFrom(frame, camera, accounts.front().is_of_search, &result);
   measure(camera, &result);
+  if (frame.wants_measured && !result.is_open) {
+    Stopwatch step;
+    result.measured = measuredPose(trackingTools(hypotheses_.front()), frame, camera, result);
+    result.timings.solve += step.lap();
+  }
   result.timings.total = total.lap();
   return result;
 }

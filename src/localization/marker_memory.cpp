@@ -37,6 +37,21 @@ void MarkerMemory::addElsewhere(const RememberedSighting& sighting, std::size_t 
   record.group = group;
 }
 
+void MarkerMemory::takeFrom(const MarkerMemory& before,
+                            const std::vector<std::optional<std::size_t>>& entries) {
+  first_looks_ = before.first_looks_;
+  first_seen_ = before.first_seen_;
+  groups_ = before.groups_;
+  records_.clear();
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    if (!entries[i] || *entries[i] >= before.records_.size()) continue;
+    Record& record = of(i);
+    record = before.records_[*entries[i]];
+    if (record.in_place) record.in_place->observation.map_entry = i;
+    if (record.elsewhere) record.elsewhere->observation.map_entry = i;
+  }
+}
+
 bool MarkerMemory::hasElsewhere() const {
   return std::any_of(records_.begin(), records_.end(),
                      [](const Record& record) { return record.elsewhere.has_value(); });

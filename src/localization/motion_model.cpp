@@ -164,6 +164,12 @@ void MotionModel::correct(const PoseEstimate& map_from_base) {
   is_given_ = false;
 }
 
+void MotionModel::configure(const MotionModelConfig& config) {
+  const PoseModel model = config_.pose_model;
+  config_ = config;
+  config_.pose_model = model;
+}
+
 PosePrior MotionModel::standing(const std::optional<Pose>& odom_from_base) const {
   if (!isOnFloor()) return {};
   const FloorConfig& floor = config_.floor;

@@ -9,6 +9,7 @@
 
 #include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
+#include "omnitag/common/file_replacement.h"
 #include "omnitag/mapping/marker_estimate.h"
 #include "omnitag/marker/marker_map_file.h"
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <set>
 
@@ -216,13 +217,17 @@ std::vector<Marker> MarkerMapper::unfinished() const {
   return markers;
 }
 
-void MarkerMapper::adopt(const std::vector<Marker>& saved) {
-  for (const Marker& marker : saved) {
-    const auto track = tracks_.find({marker.family, marker.id});
-    if (track == tracks_.end() || !track->second.entry) continue;
-    map_.markers[*track->second.entry] = marker;
-    tracks_.erase(track);
+void MarkerMapper::setOwn(MarkerMap own) {
+  for (auto track = tracks_.begin(); track != tracks_.end();) {
+    const bool is_own = !entriesOf(own, track->first.first, track->first.second).empty();
+    track = is_own ? tracks_.erase(track) : std::next(track);
   }
+  for (auto& [key, track] : tracks_) {
+    if (!track.entry) continue;
+    own.markers.push_back(map_.markers[*track.entry]);
+    track.entry = own.markers.size() - 1;
+  }
+  map_ = std::move(own);
 }
 
 }  // namespace omnitag

@@ -1,18 +1,13 @@
 #include "omnitag/marker/marker_map_writer.h"
 
-#include <fcntl.h>
-#include <unistd.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
-#include <system_error>
 
 #include "omnitag/common/error.h"
 #include "omnitag/marker/marker_map_file.h"
@@ -91,11 +86,12 @@ std::size_t endOfQuoted(const std::string& text, std::size_t begin) {
   return text.size();
 }
 
-/// Where a flow sequence that begins at `begin` has its last significant character, and where it
-/// ends.
+/// Where a flow sequence or mapping that begins at `begin` has its last significant character, and
+/// its closing bracket.
 struct FlowEnd {
   std::size_t last = std::string::npos;
   bool has_comma = false;
+  std::size_t close = std::string::npos;
 };
 
 FlowEnd endOfFlow(const std::string& text, std::size_t begin) {
@@ -112,8 +108,11 @@ FlowEnd endOfFlow(const std::string& text, std::size_t begin) {
         end.last != std::string::npos && std::strchr("[{,:", text[end.last]) != nullptr;
     if (begins_scalar && (c == '"' || c == '\'')) i = endOfQuoted(text, i);
     if (c == '[' || c == '{') ++depth;
-    if ((c == ']' || c == '}') && --depth == 0) return end;
-    if (std::isspace(static_cast<unsigned char>(c)) == 0) end = {i, c == ','};
+    if ((c == ']' || c == '}') && --depth == 0) {
+      end.close = i;
+      return end;
+    }
+    if (std::isspace(static_cast<unsigned char>(c)) == 0) end = {i, c == ',', std::string::npos};
   }
   return {};
 }
@@ -170,6 +169,48 @@ std::size_t lineBehind(const YAML::Node& root, std::size_t last_line, std::size_
   return end;
 }
 
+/// Of a text, from `begin` to before `end`.
+struct Span {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+};
+
+/// An item of the list: a mapping in brackets, or one of lines of its own, which ends where a line
+/// is less indented than its first key.
+Span spanOf(const std::string& text, const YAML::Node& item, std::size_t end_line) {
+  const auto begin = static_cast<std::size_t>(item.Mark().pos);
+  if (item.Style() == YAML::EmitterStyle::Flow) return {begin, endOfFlow(text, begin).close + 1};
+  const std::vector<std::size_t> starts = lineStarts(text);
+  Span span{begin, begin};
+  for (auto line = static_cast<std::size_t>(item.Mark().line);
+       line + 1 < starts.size() && line < end_line; ++line) {
+    const std::size_t first = text.find_first_not_of(" \t\r\n", starts[line]);
+    if (first >= starts[line + 1]) continue;
+    const bool is_first = starts[line] <= begin;
+    const bool is_less = first - starts[line] < static_cast<std::size_t>(item.Mark().column);
+    if (!is_first && is_less && text[first] != '#') break;
+    if (!is_first && is_less) continue;
+    span.end = text.find_last_not_of("\r\n", starts[line + 1] - 1) + 1;
+  }
+  return span;
+}
+
+/// All that goes with an item: its lines, or, in brackets, a comma.
+Span wholeOf(const std::string& text, const Span& item, bool is_in_brackets) {
+  if (!is_in_brackets) {
+    const std::size_t before = text.rfind('\n', item.begin);
+    const std::size_t behind = text.find('\n', item.end);
+    return {before == std::string::npos ? 0 : before + 1,
+            behind == std::string::npos ? text.size() : behind + 1};
+  }
+  const std::size_t behind = text.find_first_not_of(" \t\r\n", item.end);
+  if (behind != std::string::npos && text[behind] == ',') {
+    return {item.begin, std::min(text.find_first_not_of(" \t", behind + 1), text.size())};
+  }
+  const std::size_t before = text.find_last_not_of(" \t\r\n", item.begin - 1);
+  return {text[before] == ',' ? before : item.begin, item.end};
+}
+
 bool isSame(const Marker& a, const Marker& b) {
   constexpr double kTolerance = 2e-6;  // what the digits leave
   return a.family == b.family && a.id == b.id && a.name == b.name &&
@@ -181,7 +222,7 @@ bool isSame(const Marker& a, const Marker& b) {
 
 void checkResult(const std::string& result, const MarkerMap& before,
                  const std::vector<MapEntry>& entries, const std::string& origin) {
-  const std::string refusal = origin + ": markers cannot be added to its list in place";
+  const std::string refusal = origin + ": its list of markers cannot be changed in place";
   MarkerMap after;
   try {
     after = parseMarkerMap(result, origin);
@@ -195,30 +236,6 @@ void checkResult(const std::string& result, const MarkerMap& before,
                       is_old ? before.markers[i] : entries[i - before.markers.size()].marker);
   }
   if (!is_right) throw InputError(refusal);
-}
-
-[[noreturn]] void refuseFile(const std::string& path, const std::string& what) {
-  throw InputError(path + ": " + what);
-}
-
-/// Writes a new file to the disk's surface.
-void writeThrough(const std::string& path, const std::string& text) {
-  constexpr mode_t kPermissions = 0644;
-  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, kPermissions);
-  if (file < 0) refuseFile(path, std::string("cannot be written: ") + std::strerror(errno));
-  std::size_t written = 0;
-  bool is_well = true;
-  while (is_well && written < text.size()) {
-    const ssize_t count = write(file, text.data() + written, text.size() - written);
-    is_well = count >= 0 || errno == EINTR;
-    if (count > 0) written += static_cast<std::size_t>(count);
-  }
-  is_well = is_well && fsync(file) == 0;
-  const int problem = errno;
-  is_well = close(file) == 0 && is_well;
-  if (is_well) return;
-  std::remove(path.c_str());
-  refuseFile(path, std::string("cannot be written to its end: ") + std::strerror(problem));
 }
 
 }  // namespace
@@ -266,34 +283,32 @@ std::string withEntries(const std::string& text, const std::vector<MapEntry>& en
   return result;
 }
 
-void replaceFile(const std::string& path, const std::string& text) {
-  namespace fs = std::filesystem;
-  std::error_code error;
-  // A link stays one.
-  const bool exists = fs::exists(path, error);
-  const fs::path target = exists ? fs::canonical(path, error) : fs::path(path);
-  if (error) refuseFile(path, "cannot be replaced: " + error.message());
-  const std::string written = target.string() + ".new";
-  writeThrough(written, text);
-  const auto giveUp = [&](const std::string& what) {
-    std::remove(written.c_str());
-    refuseFile(path, what + ": " + error.message());
-  };
-  if (exists) {
-    const fs::file_status status = fs::status(target, error);
-    if (!error) fs::permissions(written, status.permissions(), error);
-    if (error) giveUp("cannot keep its permissions");
-    fs::copy_file(target, target.string() + "~", fs::copy_options::overwrite_existing, error);
-    if (error) giveUp("cannot be backed up");
+std::string withChanges(const std::string& text, const std::vector<EntryChange>& changes,
+                        const std::vector<MapEntry>& added, const std::string& origin) {
+  const MarkerMap before = parseMarkerMap(text, origin);
+  const YAML::Node root = YAML::Load(text);
+  const YAML::Node sequence = root["markers"];
+  const bool is_in_brackets = sequence.Style() == YAML::EmitterStyle::Flow;
+  const auto last_line = static_cast<std::size_t>(sequence[sequence.size() - 1].Mark().line);
+  const std::size_t end_line = lineBehind(root, last_line, lineStarts(text).size());
+  std::string result = text;
+  std::vector<MapEntry> wanted;
+  // From the last on, so that what is before stays where it is.
+  for (std::size_t i = before.markers.size(); i-- > 0;) {
+    const EntryChange& change = changes.at(i);
+    const Span span = spanOf(text, sequence[i], end_line);
+    if (change.is_removed) {
+      const Span whole = wholeOf(result, span, is_in_brackets);
+      result.erase(whole.begin, whole.end - whole.begin);
+      continue;
+    }
+    if (change.moved) {
+      result.replace(span.begin, span.end - span.begin, entryText(*change.moved, before));
+    }
+    wanted.insert(wanted.begin(), {change.moved.value_or(before.markers[i]), ""});
   }
-  fs::rename(written, target, error);
-  if (error) giveUp("cannot be replaced");
-  // The name is on the disk only once the folder is.
-  const std::string folder = target.has_parent_path() ? target.parent_path().string() : ".";
-  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY);
-  if (descriptor < 0) return;
-  fsync(descriptor);
-  close(descriptor);
+  checkResult(result, {}, wanted, origin);
+  return added.empty() ? result : withEntries(result, added, origin);
 }
 
 }  // namespace omnitag

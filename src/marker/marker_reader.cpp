@@ -77,6 +77,7 @@ std::optional<MarkerReading> inPanorama(const TagDetection& tag, const View& vie
   reading.family = tag.family;
   reading.id = tag.id;
   reading.hamming = tag.hamming;
+  reading.margin = tag.decision_margin;
   for (std::size_t k = 0; k < tag.corners.size(); ++k) {
     const auto corner = warper.panoramaFromView(view, tag.corners[k]);
     if (!corner) return std::nullopt;

@@ -8,6 +8,7 @@
 
 #include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
+#include "omnitag/localization/marker_in_camera.h"
 
 namespace omnitag {
 namespace {
@@ -132,6 +133,16 @@ Eigen::Isometry3d fromMessage(const geometry_msgs::Pose& pose) {
   return Eigen::Translation3d(position) * rotation.normalized();
 }
 
+geometry_msgs::PoseWithCovariance noPose() {
+  geometry_msgs::PoseWithCovariance none;
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  none.pose.position.x = none.pose.position.y = none.pose.position.z = kNaN;
+  none.pose.orientation.w = none.pose.orientation.x = kNaN;
+  none.pose.orientation.y = none.pose.orientation.z = kNaN;
+  none.covariance.front() = -1.0;
+  return none;
+}
+
 DetectedMarker toMessage(const MarkerDetection& detection, const MarkerMap& map) {
   DetectedMarker message;
   message.id = detection.id;
@@ -147,9 +158,13 @@ DetectedMarker toMessage(const MarkerDetection& detection, const MarkerMap& map)
   message.range = detection.range;
   message.residual = detection.residual;
   for (std::size_t i = 0; i < detection.corners.size(); ++i) {
-    message.corners[2 * i] = detection.corners[i].x();
-    message.corners[2 * i + 1] = detection.corners[i].y();
+    message.corners[i].x = detection.corners[i].x();
+    message.corners[i].y = detection.corners[i].y();
   }
+  message.hamming = detection.hamming;
+  message.margin = detection.margin;
+  message.size = sizeOf(detection, map);
+  message.pose = noPose();
   return message;
 }
 

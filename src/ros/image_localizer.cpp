@@ -1,5 +1,7 @@
 #include "omnitag/ros/image_localizer.h"
 
+#include <algorithm>
+
 #include "omnitag/common/stopwatch.h"
 #include "omnitag/marker/marker_map_file.h"
 
@@ -27,6 +29,7 @@ ImageLocalizer::ImageLocalizer(const LocalizerParameters& parameters, const Desc
       assembler_(camera.origin, camera_->imageSize(), parameters.frames,
                  parameters.localizer.shutter),
       timeline_(parameters.restart_time_jump) {
+  ignore();
   if (parameters_.frames.map.empty()) parameters_.frames.map = map_.frame_id;
   mapper_ = makeMapper(parameters_, camera_, map_);
   start();
@@ -37,6 +40,36 @@ void ImageLocalizer::checkMap(const LocalizerParameters& parameters) {
   makeMapper(parameters, nullptr, loadMarkerMap(parameters.map_file));
 }
 
+void ImageLocalizer::ignore() {
+  try {
+    ignored_ = omnitag::ignoredMarkers(parameters_.ignore_markers, map_);
+  } catch (const InputError& error) {
+    throw InputError("ignore_markers: " + parameters_.map_file + ": " + error.what());
+  }
+  for (const Marker& marker : map_.markers) {
+    const bool is_ignored =
+        std::any_of(ignored_.begin(), ignored_.end(),
+                    [&marker](const MarkerSelection& each) { return each.matches(marker); });
+    if (is_ignored) ignored_markers_.push_back(marker);
+  }
+  map_ = withoutMarkers(map_, ignored_);
+}
+
+void ImageLocalizer::exchange(Successor successor) {
+  parameters_.localizer = successor.config;
+  assembler_.setShutter(successor.config.shutter);
+  successor.localizer->continueFrom(*localizer_);
+  localizer_ = std::move(successor.localizer);
+  if (successor.has_other_map) {
+    map_ = std::move(successor.map);
+    ignored_ = std::move(successor.ignored);
+    ignored_markers_ = std::move(successor.ignored_markers);
+    advisor_ = {};
+    if (mapper_) mapper_->setOwn(map_);
+  }
+  if (mapper_) localizer_->setMap(mapper_->map());
+}
+
 void ImageLocalizer::start() {
   localizer_ = std::make_unique<Localizer>(camera_, map(), parameters_.localizer);
   advisor_ = {};
@@ -45,7 +78,7 @@ void ImageLocalizer::start() {
 
 std::optional<LocalizedImage> ImageLocalizer::localize(const cv_bridge::CvImageConstPtr& image,
                                                        const tf2::BufferCore& transforms,
-                                                       bool wants_views) {
+                                                       const WantedExtras& wanted) {
   LocalizedImage localized;
   const ros::Time& stamp = image->header.stamp;
   const StampPlace place = timeline_.place(stamp);
@@ -63,12 +96,35 @@ std::optional<LocalizedImage> ImageLocalizer::localize(const cv_bridge::CvImageC
     start();
   }
   if (const auto request = std::exchange(request_, nullptr)) request(localizer_.get());
-  localized.input.frame.wants_views = wants_views;
+  localized.input.frame.wants_views = wanted.views;
+  localized.input.frame.wants_measured = wanted.measured;
   localized.result = localizer_->process(localized.input.frame);
+  if (!ignored_.empty()) nameIgnored(&localized.result);
   advisor_.add(localized.result, map(), *camera_);
   localized.result.advice = advisor_.lines();
   if (mapper_) extendMap(&localized);
   return localized;
+}
+
+bool ImageLocalizer::isIgnored(const std::string& family, int id) const {
+  return std::any_of(ignored_.begin(), ignored_.end(),
+                     [&](const MarkerSelection& each) { return each.matches(family, id); }) ||
+         std::any_of(ignored_markers_.begin(), ignored_markers_.end(),
+                     [&](const Marker& each) { return each.family == family && each.id == id; });
+}
+
+void ImageLocalizer::nameIgnored(FrameResult* result) const {
+  for (MarkerDetection& detection : result->detections) {
+    const bool is_ignored = !detection.map_entry && isIgnored(detection.family, detection.id) &&
+                            entriesOf(map(), detection.family, detection.id).empty();
+    if (is_ignored) detection.reason = "ignored";
+  }
+  auto& explored = result->explored;
+  explored.erase(std::remove_if(explored.begin(), explored.end(),
+                                [this](const MarkerReading& reading) {
+                                  return isIgnored(reading.family, reading.id);
+                                }),
+                 explored.end());
 }
 
 void ImageLocalizer::extendMap(LocalizedImage* localized) {
@@ -83,12 +139,6 @@ void ImageLocalizer::extendMap(LocalizedImage* localized) {
 
 std::vector<ProvisionalMarker> ImageLocalizer::provisional() const {
   return mapper_ ? mapper_->provisional() : std::vector<ProvisionalMarker>();
-}
-
-void ImageLocalizer::adopt(const std::vector<Marker>& saved) {
-  if (!mapper_) return;
-  mapper_->adopt(saved);
-  localizer_->setMap(mapper_->map());
 }
 
 }  // namespace omnitag

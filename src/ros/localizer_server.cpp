@@ -2,7 +2,6 @@
 
 #include <cv_bridge/cv_bridge.h>
 #include <sensor_msgs/image_encodings.h>
-#include <tf2/exceptions.h>
 #include <tf2_msgs/TFMessage.h>
 #include <visualization_msgs/MarkerArray.h>
 
@@ -13,7 +12,6 @@
 #include <utility>
 
 #include "omnitag/common/error.h"
-#include "omnitag/mapping/mapped_entries.h"
 #include "omnitag/ros/conversions.h"
 #include "omnitag/ros/result_messages.h"
 
@@ -40,15 +38,6 @@ void attempt(const Step& step, const Report& report) {
   }
 }
 
-/// A covariance of (x, y, yaw) in the axes of the map.
-Eigen::Matrix3d rotated(const Eigen::Matrix3d& covariance,
-                        const Eigen::Isometry3d& map_from_frame) {
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  rotation.topLeftCorner<2, 2>() =
-      Eigen::Rotation2Dd(Pose::fromIsometry(map_from_frame).yaw).toRotationMatrix();
-  return rotation * covariance * rotation.transpose();
-}
-
 }  // namespace
 
 LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
@@ -65,12 +54,23 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
       debug_image_painter_(localizer_.camera(), localizer_.map()),
       path_(parameters_.path_min_step, parameters_.path_max_poses),
       image_transport_(node),
+      settings_(parameters_, localizer_.camera(),
+                [this](std::shared_ptr<Successor> successor) {
+                  const std::lock_guard<std::mutex> lock(request_mutex_);
+                  // What the one before was to change, this one does too.
+                  if (successor_) successor->has_other_map |= successor_->has_other_map;
+                  successor_ = std::move(successor);
+                }),
+      map_publisher_(node, localizer_.frames().map, parameters_.publish_marker_tf),
+      pose_keeper_(node, name_, parameters_.pose_file, parameters_.save_pose_period),
       health_(node, private_node, input_, localizer_.map()) {
   constexpr uint32_t kTransformQueue = 100;
   transform_publisher_ = node_.advertise<tf2_msgs::TFMessage>("/tf", kTransformQueue);
   pose_publisher_ = node_.advertise<geometry_msgs::PoseStamped>("pose", 10);
   pose_with_covariance_publisher_ =
       node_.advertise<geometry_msgs::PoseWithCovarianceStamped>("pose_with_covariance", 10);
+  pose_measured_publisher_ =
+      node_.advertise<geometry_msgs::PoseWithCovarianceStamped>("pose_measured", 10);
   detections_publisher_ = node_.advertise<MarkerDetectionArray>("detections", 10);
   status_publisher_ = node_.advertise<LocalizationStatus>("status", 10);
   constexpr bool kLatched = true;
@@ -96,6 +96,17 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
             return true;
           });
 
+  map_services_.emplace(node_, name_, !parameters_.frames.map.empty(), &settings_);
+  tuning_ = std::make_unique<LiveTuning>(private_node, name_, parameters_.localizer, &settings_,
+                                         [this](bool enabled) { is_enabled_ = enabled; });
+  if (parameters_.drag_markers) {
+    marker_dragging_ = std::make_unique<MarkerDragging>(node_.resolveName("edit_map"), name_,
+                                                        localizer_.frames().map, &settings_,
+                                                        [this] { return saveMap(); });
+  }
+  map_publisher_.publish(localizer_.map(), localizer_.ignoredMarkers());
+  takeSavedPose();
+
   ROS_INFO_STREAM(name_ << ": camera " << camera.origin << ", " << localizer_.map().markers.size()
                         << " markers of " << parameters_.map_file << ", images from "
                         << input_.topic());
@@ -107,9 +118,12 @@ LocalizerServer::~LocalizerServer() {
   initial_pose_subscriber_.shutdown();
   global_localization_server_.shutdown();
   save_map_server_.shutdown();
+  map_services_->shutdown();
+  tuning_->shutdown();
   input_.close();
   transforms_.close();
   thread_.join();
+  marker_dragging_.reset();
 }
 
 void LocalizerServer::run() {
@@ -120,7 +134,8 @@ void LocalizerServer::run() {
         [&] { received = input_.next(std::min(parameters_.transform_period, kTransformsWait)); },
         refuse);
     keepUp();
-    if (received) attempt([&] { onImage(*received); }, refuse);
+    attempt([this] { takeSuccessor(); }, refuse);
+    if (received && is_enabled_) attempt([&] { onImage(*received); }, refuse);
   }
 }
 
@@ -145,10 +160,23 @@ void LocalizerServer::watchClock() {
 }
 
 bool LocalizerServer::checkParent() {
+  if (!parameters_.publish_tf) return false;
   const std::optional<std::string> conflict = transforms_.parentConflict();
   health_.parentChecked(conflict.value_or(""));
   if (conflict) correction_.reset();
   return !conflict;
+}
+
+void LocalizerServer::takeSuccessor() {
+  std::shared_ptr<Successor> successor;
+  {
+    const std::lock_guard<std::mutex> lock(request_mutex_);
+    successor = std::exchange(successor_, nullptr);
+  }
+  if (!successor) return;
+  const bool has_other_map = successor->has_other_map;
+  localizer_.exchange(std::move(*successor));
+  if (has_other_map) showMap();
 }
 
 void LocalizerServer::onImage(const ReceivedImage& received) {
@@ -161,8 +189,10 @@ void LocalizerServer::onImage(const ReceivedImage& received) {
   localizer_.assembler().check(*image);
   waitForTransforms(image->header);
   try {
-    const std::optional<LocalizedImage> localized = localizer_.localize(
-        image, transforms_.buffer(), debug_image_publisher_.getNumSubscribers() > 0);
+    const WantedExtras wanted{debug_image_publisher_.getNumSubscribers() > 0,
+                              pose_measured_publisher_.getNumSubscribers() > 0};
+    const std::optional<LocalizedImage> localized =
+        localizer_.localize(image, transforms_.buffer(), wanted);
     if (localized) {
       publish(*localized);
     } else {
@@ -216,11 +246,19 @@ void LocalizerServer::publish(const LocalizedImage& localized) {
   messages.status.images_received = input_.received();
   messages.status.images_dropped = input_.dropped() + localizer_.lateImages();
 
+  keepPose(localized);
   sendTransform(messages.transform, localized.result.map_from_base.has_value());
   if (messages.pose) {
     publishShared(pose_publisher_, *messages.pose);
     publishShared(pose_with_covariance_publisher_, std::move(*messages.pose_with_covariance));
     if (path_.add(*messages.pose)) path_publisher_.publish(path_.path());
+  }
+  if (messages.pose_measured) {
+    publishShared(pose_measured_publisher_, std::move(*messages.pose_measured));
+  }
+  if (detections_publisher_.getNumSubscribers() > 0) {
+    addMarkerPoses(localized, localizer_.map(), localizer_.camera(),
+                   parameters_.localizer.estimation, &messages.detections);
   }
   publishShared(detections_publisher_, std::move(messages.detections));
   publishShared(status_publisher_, messages.status);
@@ -277,109 +315,40 @@ void LocalizerServer::broadcast(const geometry_msgs::TransformStamped& transform
   publishShared(transform_publisher_, std::move(message));
 }
 
-void LocalizerServer::onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message) {
-  try {
-    takePose(message);
-  } catch (const InputError& error) {
-    ROS_ERROR_STREAM(name_ << ": initialpose refused: " << error.what());
+void LocalizerServer::keepPose(const LocalizedImage& localized) {
+  const FrameResult& result = localized.result;
+  if (!result.map_from_base || result.acceptedMarkers() == 0) return;
+  pose_keeper_.keep(
+      {localizer_.frames().map, localized.input.header.stamp.toSec(), result.publishedPose()});
+}
+
+void LocalizerServer::showMap() {
+  debug_image_painter_.setMap(localizer_.map());
+  health_.startedAnew();
+  map_publisher_.publish(localizer_.map(), localizer_.ignoredMarkers());
+  std::vector<ProvisionalMarker> provisional = localizer_.provisional();
+  health_.mapChanged(localizer_.map(), provisional);
+  {
+    const std::lock_guard<std::mutex> lock(map_mutex_);
+    provisional_ = std::move(provisional);
+    map_drawing_.replace(localizer_.map(), provisional_);
+    markers_publisher_.publish(map_drawing_.markers());
   }
-}
-
-void LocalizerServer::takePose(const geometry_msgs::PoseWithCovarianceStamped& message) {
-  const Eigen::Isometry3d map_from_frame = mapFrom(message.header.frame_id);
-  const Pose pose = Pose::fromIsometry(map_from_frame * fromMessage(message.pose.pose));
-  const std::optional<Eigen::Matrix3d> covariance = planarCovariance(message.pose);
-  const ros::Time stamp = message.header.stamp;
-  request([this, pose, covariance, map_from_frame, stamp](ImageLocalizer* it) {
-    const std::optional<Pose> odometry = odometryAt(stamp);
-    it->beforeNextImage([=](Localizer* localizer) {
-      if (covariance) {
-        localizer->setPose(floorEstimate(pose, rotated(*covariance, map_from_frame)), odometry);
-      } else {
-        localizer->setPose(pose, odometry);
-      }
-    });
-  });
-  ROS_INFO_STREAM(name_ << ": initial pose x " << pose.x << " m, y " << pose.y << " m, yaw "
-                        << pose.yaw << " rad, from the next image on");
-}
-
-Eigen::Isometry3d LocalizerServer::mapFrom(const std::string& frame) const {
-  const std::string& map_frame = localizer_.frames().map;
-  if (frame == map_frame) return Eigen::Isometry3d::Identity();
-  if (frame.empty()) throw InputError("header.frame_id is empty; expected '" + map_frame + "'");
-  try {
-    return fromMessage(
-        transforms_.buffer().lookupTransform(map_frame, frame, ros::Time()).transform);
-  } catch (const tf2::TransformException& error) {
-    throw InputError("no transform from '" + frame + "' to '" + map_frame + "': " + error.what());
-  }
-}
-
-std::optional<Pose> LocalizerServer::odometryAt(const ros::Time& stamp) const {
-  const FrameNames& frames = localizer_.frames();
-  if (frames.odom.empty()) return std::nullopt;
-  const tf2::BufferCore& buffer = transforms_.buffer();
-  const bool is_known = buffer.canTransform(frames.odom, frames.base, stamp);
-  try {
-    return Pose::fromIsometry(
-        fromMessage(buffer.lookupTransform(frames.odom, frames.base, is_known ? stamp : ros::Time())
-                        .transform));
-  } catch (const tf2::TransformException&) {
-    return std::nullopt;
-  }
-}
-
-void LocalizerServer::forgetPose() {
-  request([](ImageLocalizer* it) {
-    it->beforeNextImage([](Localizer* localizer) { localizer->forgetPose(); });
-  });
-  ROS_INFO_STREAM(name_ << ": pose forgotten, searching from the next image on");
+  // Without the lock, since its callbacks save the map.
+  if (marker_dragging_) marker_dragging_->show();
 }
 
 void LocalizerServer::publishMap(bool is_changed) {
   std::vector<ProvisionalMarker> provisional = localizer_.provisional();
-  if (is_changed) debug_image_painter_.setMap(localizer_.map());
+  if (is_changed) {
+    debug_image_painter_.setMap(localizer_.map());
+    map_publisher_.publish(localizer_.map(), localizer_.ignoredMarkers());
+  }
   const std::lock_guard<std::mutex> lock(map_mutex_);
   provisional_ = std::move(provisional);
   if (!map_drawing_.update(localizer_.map(), provisional_)) return;
   health_.mapChanged(localizer_.map(), provisional_);
   markers_publisher_.publish(map_drawing_.markers());
-}
-
-void LocalizerServer::onSaveMap(std_srvs::Trigger::Response* response) {
-  try {
-    response->message = saveMap();
-    response->success = 1;
-  } catch (const std::exception& error) {
-    response->message = error.what();
-  }
-  ROS_INFO_STREAM(name_ << ": save_map: " << response->message);
-}
-
-std::string LocalizerServer::saveMap() {
-  if (!parameters_.mapping) {
-    throw InputError("mapping is off: the map is as " + parameters_.map_file + " has it");
-  }
-  std::vector<ProvisionalMarker> provisional;
-  {
-    const std::lock_guard<std::mutex> lock(map_mutex_);
-    provisional = provisional_;
-  }
-  const std::vector<MapEntry> entries = usedEntries(provisional);
-  const SavedMap saved = addToMapFile(parameters_.map_file, entries);
-  request([saved](ImageLocalizer* it) { it->adopt(saved.added); });
-  const std::string done = saved.is_written
-                               ? std::to_string(saved.added.size()) + " markers added to " +
-                                     parameters_.map_file + ", the old file is beside it with a ~"
-                               : parameters_.map_file + " has all already";
-  return done + "; " + std::to_string(provisional.size() - entries.size()) +
-         " more are not known well enough yet";
-}
-
-void LocalizerServer::request(Request request) {
-  const std::lock_guard<std::mutex> lock(request_mutex_);
-  requests_.push_back(std::move(request));
 }
 
 }  // namespace omnitag

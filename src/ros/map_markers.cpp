@@ -173,6 +173,23 @@ visualization_msgs::MarkerArray mapMarkers(const MarkerMap& map,
 MapDrawing::MapDrawing(const MarkerMap& map, const std::string& map_frame)
     : map_frame_(map_frame), markers_(mapMarkers(map, {}, map_frame)) {}
 
+void MapDrawing::replace(const MarkerMap& map, const std::vector<ProvisionalMarker>& provisional) {
+  const std::size_t before = markers_.markers.size();
+  visualization_msgs::MarkerArray array = mapMarkers(map, provisional, map_frame_);
+  // Names are told apart by their number: those of which there are no more.
+  constexpr std::size_t kOthers = 2;
+  for (std::size_t id = array.markers.size() - kOthers; id + kOthers < before; ++id) {
+    visualization_msgs::Marker gone;
+    gone.header.frame_id = map_frame_;
+    gone.ns = "names";
+    gone.id = static_cast<int>(id);
+    gone.action = visualization_msgs::Marker::DELETE;
+    array.markers.push_back(gone);
+  }
+  markers_ = std::move(array);
+  drawn_ = provisional;
+}
+
 // Compared with what was drawn, not with the frame before: small moves add up.
 bool MapDrawing::update(const MarkerMap& map, const std::vector<ProvisionalMarker>& provisional) {
   if (!looksDifferent(provisional, drawn_)) return false;

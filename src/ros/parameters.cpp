@@ -43,13 +43,14 @@ void parseList(YAML::Node node) {
 
 LocalizerParameters readParameters(const YamlReader& reader) {
   reader.allowOnly({"camera_file", "map_file", "map_frame", "odom_frame", "base_frame",
-                    "initial_pose", "image_transport", "queue_size", "transform_timeout",
-                    "transform_tolerance", "transform_period", "restart_time_jump", "path_min_step",
-                    "path_max_poses", "robot_radius", "visibility", "view", "detector",
-                    "association", "recognition", "estimation", "look_around", "attention",
-                    "evidence", "relocalization", "motion", "floor", "pose_model",
-                    "image_time_offset", "row_readout_time", "exposure_time", "threads",
-                    "estimator", "mapping", "mapper",
+                    "initial_pose", "publish_tf", "publish_marker_tf", "ignore_markers",
+                    "drag_markers", "pose_file", "save_pose_period", "image_transport",
+                    "queue_size", "transform_timeout", "transform_tolerance", "transform_period",
+                    "restart_time_jump", "path_min_step", "path_max_poses", "robot_radius",
+                    "visibility", "view", "detector", "association", "recognition", "estimation",
+                    "look_around", "attention", "evidence", "relocalization", "motion", "floor",
+                    "pose_model", "image_time_offset", "row_readout_time", "exposure_time",
+                    "threads", "estimator", "mapping", "mapper",
                     // Read by nodelet in the same namespace.
                     "num_worker_threads"});
   LocalizerParameters parameters;
@@ -63,6 +64,15 @@ LocalizerParameters readParameters(const YamlReader& reader) {
   parameters.initial_pose = readInitialPose(reader);
   reader.read("image_transport", &parameters.image_transport);
   reader.read("queue_size", &parameters.queue_size, Interval{1, 1e6});
+  reader.read("publish_tf", &parameters.publish_tf);
+  reader.read("publish_marker_tf", &parameters.publish_marker_tf);
+  if (reader.has("ignore_markers")) parameters.ignore_markers = reader.texts("ignore_markers");
+  reader.read("drag_markers", &parameters.drag_markers);
+  reader.read("pose_file", &parameters.pose_file);
+  reader.read("save_pose_period", &parameters.save_pose_period, Interval{0.0, 3600.0});
+  if (parameters.save_pose_period > 0.0 && parameters.pose_file.empty()) {
+    reader.refuse("save_pose_period", "0, as there is no pose_file");
+  }
   reader.read("transform_timeout", &parameters.transform_timeout, Interval{0.0, 60.0});
   reader.read("transform_tolerance", &parameters.transform_tolerance, Interval{0.0, 60.0});
   reader.read("transform_period", &parameters.transform_period, {0.001, 10.0});
@@ -81,7 +91,9 @@ LocalizerParameters readParameters(const std::string& name_space) {
   XmlRpc::XmlRpcValue tree;
   YAML::Node node(YAML::NodeType::Map);
   if (ros::param::get(name_space, tree)) node = yamlFromXmlRpc(tree, name_space);
-  if (node.IsMap() && node["initial_pose"]) parseList(node["initial_pose"]);
+  for (const char* list : {"initial_pose", "ignore_markers"}) {
+    if (node.IsMap() && node[list]) parseList(node[list]);
+  }
   const YamlReader reader(node, name_space);
   const std::string map_file = "map_file";
   if (!reader.has(map_file) || reader.text(map_file).empty()) {

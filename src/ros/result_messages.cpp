@@ -1,5 +1,6 @@
 #include "omnitag/ros/result_messages.h"
 
+#include "omnitag/localization/marker_in_camera.h"
 #include "omnitag/ros/conversions.h"
 
 namespace omnitag {
@@ -30,7 +31,30 @@ std::optional<geometry_msgs::TransformStamped> robotTransform(const AssembledFra
   return message;
 }
 
+/// Where the map and the frame's pose have a marker; nothing where they do not tell.
+std::optional<Eigen::Isometry3d> expectedPlace(const LocalizedImage& localized,
+                                               const MarkerDetection& detection,
+                                               const MarkerMap& map) {
+  if (!localized.result.map_from_base || !detection.map_entry) return std::nullopt;
+  const Eigen::Isometry3d map_from_camera =
+      localized.result.map_from_base->pose.toIsometry() * localized.input.frame.base_from_camera;
+  return map_from_camera.inverse() * map.markers[*detection.map_entry].map_from_marker;
+}
+
 }  // namespace
+
+void addMarkerPoses(const LocalizedImage& localized, const MarkerMap& map,
+                    const std::shared_ptr<const CameraModel>& camera, const EstimatorConfig& config,
+                    MarkerDetectionArray* detections) {
+  for (std::size_t i = 0; i < localized.result.detections.size(); ++i) {
+    const MarkerDetection& detection = localized.result.detections[i];
+    const double size = sizeOf(detection, map);
+    if (size <= 0.0) continue;
+    const auto place =
+        markerInCamera(camera, detection, size, expectedPlace(localized, detection, map), config);
+    if (place) detections->detections[i].pose = toMessage(*place);
+  }
+}
 
 ResultMessages toMessages(const LocalizedImage& localized, const MarkerMap& map,
                           const FrameNames& frames, double transform_tolerance) {
@@ -49,6 +73,11 @@ ResultMessages toMessages(const LocalizedImage& localized, const MarkerMap& map,
   messages.pose_with_covariance.emplace();
   messages.pose_with_covariance->header = map_header;
   messages.pose_with_covariance->pose = toMessage(estimate);
+  if (const auto measured = localized.result.publishedMeasurement()) {
+    messages.pose_measured.emplace();
+    messages.pose_measured->header = map_header;
+    messages.pose_measured->pose = toMessage(*measured);
+  }
   messages.transform =
       robotTransform(localized.input, localized.result, frames, transform_tolerance);
   return messages;

@@ -157,7 +157,7 @@ TEST_F(MarkerMapperTest, WhatIsSavedStays) {
   MarkerMapper mapper(camera_, roomMap(2), config_);
   feed(&mapper, test::roomMarkers(), test::roundTrip(40));
   const MarkerMap before = mapper.map();
-  mapper.adopt({before.markers.begin() + 2, before.markers.end()});
+  mapper.setOwn(before);
   EXPECT_TRUE(mapper.provisional().empty());
   EXPECT_EQ(feed(&mapper, test::roomMarkers(), test::roundTrip(30, 1.2)), 0);
   for (std::size_t i = 0; i < before.markers.size(); ++i) {

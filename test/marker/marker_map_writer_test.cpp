@@ -10,6 +10,7 @@
 
 #include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
+#include "omnitag/common/file_replacement.h"
 #include "omnitag/marker/marker_map_file.h"
 
 namespace omnitag {
@@ -45,6 +46,46 @@ const std::vector<std::string> kFiles = {
     "tag36h11\n",
     // From another system.
     "family: tag36h11\r\nsize: 0.3\r\nmarkers:\r\n  - {id: 3, position: [1, 2, 3], yaw: 0}\r\n"};
+
+TEST(MarkerMapWriterTest, MovesEachMarkerInItsPlace) {
+  for (const std::string& file : kFiles) {
+    const MarkerMap before = parseMarkerMap(file, "before");
+    for (std::size_t i = 0; i < before.markers.size(); ++i) {
+      std::vector<EntryChange> changes(before.markers.size());
+      changes[i].moved = before.markers[i];
+      changes[i].moved->map_from_marker.pretranslate(Eigen::Vector3d(0.5, 0.25, -0.125));
+      const MarkerMap after = parseMarkerMap(withChanges(file, changes, {}, "map.yaml"), "after");
+      ASSERT_EQ(after.markers.size(), before.markers.size()) << file;
+      for (std::size_t k = 0; k < after.markers.size(); ++k) {
+        const Eigen::Vector3d way = after.markers[k].center() - before.markers[k].center();
+        const Eigen::Vector3d expected =
+            k == i ? Eigen::Vector3d(0.5, 0.25, -0.125) : Eigen::Vector3d::Zero();
+        EXPECT_LT((way - expected).norm(), 2e-6) << file;
+        EXPECT_EQ(after.markers[k].name, before.markers[k].name);
+      }
+    }
+  }
+}
+
+TEST(MarkerMapWriterTest, RemovesEachMarkerAndLeavesAllElseByteForByte) {
+  for (const std::string& file : kFiles) {
+    const MarkerMap before = parseMarkerMap(file, "before");
+    if (before.markers.size() < 2) continue;
+    for (std::size_t i = 0; i < before.markers.size(); ++i) {
+      std::vector<EntryChange> changes(before.markers.size());
+      changes[i].is_removed = true;
+      const std::string text = withChanges(file, changes, {}, "map.yaml");
+      const MarkerMap after = parseMarkerMap(text, "after");
+      ASSERT_EQ(after.markers.size(), before.markers.size() - 1) << file;
+      EXPECT_EQ(after.markers.front().id, before.markers[i == 0 ? 1 : 0].id);
+      // What is left is the old text with something taken out.
+      std::size_t same = 0;
+      while (same < text.size() && text[same] == file[same]) ++same;
+      const std::string rest = text.substr(same);
+      EXPECT_EQ(file.substr(file.size() - rest.size()), rest) << text;
+    }
+  }
+}
 
 TEST(MarkerMapWriterTest, AddsMarkersAndLeavesAllElseByteForByte) {
   const std::vector<MapEntry> added = {entry(10, 0.7, 0.0), entry(11, -2.0, 0.3)};

@@ -144,7 +144,10 @@ TEST(Conversions, Detections) {
   EXPECT_EQ(first.name, "door");
   EXPECT_EQ(first.map_entry, 1);
   EXPECT_TRUE(first.accepted);
-  for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(first.corners[i], static_cast<double>(i + 1));
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(first.corners[i].x, static_cast<double>(2 * i + 1));
+    EXPECT_EQ(first.corners[i].y, static_cast<double>(2 * i + 2));
+  }
   const DetectedMarker& second = message.detections[1];
   EXPECT_EQ(second.map_entry, -1);
   EXPECT_FALSE(second.accepted);

@@ -7,11 +7,15 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "../support/panorama_renderer.h"
 #include "omnitag/camera/camera_file.h"
+#include "omnitag/common/error.h"
 #include "omnitag/marker/marker_map_file.h"
 #include "omnitag/ros/conversions.h"
+#include "omnitag/ros/localizer_settings.h"
 
 namespace omnitag {
 namespace {
@@ -105,6 +109,66 @@ TEST_F(ImageLocalizerTest, CountsImagesThatAreLate) {
   EXPECT_FALSE(localize(99.5, panorama_));
   EXPECT_EQ(localizer_.lateImages(), 2U);
   EXPECT_EQ(localize(100.4, panorama_)->result.mode, Mode::kTracking);
+}
+
+TEST_F(ImageLocalizerTest, ASuccessorOfOtherSettingsAndAnotherMapKeepsThePose) {
+  follow();
+  const auto seen = localize(100.4, panorama_)->result;
+  std::vector<std::string> names;
+  for (const MarkerDetection& detection : seen.detections) {
+    if (detection.accepted) names.push_back(localizer_.map().markers[*detection.map_entry].name);
+  }
+  ASSERT_GE(names.size(), 3U);
+  std::shared_ptr<Successor> successor;
+  LocalizerSettings settings(parameters(), camera_.model,
+                             [&](std::shared_ptr<Successor> next) { successor = std::move(next); });
+  EXPECT_NE(settings.ignore({names[0]}).find("ignored: " + names[0]), std::string::npos);
+  settings.tune([](LocalizerConfig* config) { config->threads = 2; });
+  EXPECT_NE(settings.editMap([&](MapEditor* map) { return map->remove(MarkerSelection(names[1])); })
+                .find("1 removed (" + names[1] + ")"),
+            std::string::npos);
+  // The last one holds all three changes.
+  ASSERT_TRUE(successor);
+  EXPECT_EQ(successor->config.threads, 2);
+  localizer_.exchange(std::move(*successor));
+  const auto then = localize(100.5, panorama_)->result;
+  EXPECT_EQ(then.mode, Mode::kTracking);
+  EXPECT_EQ(then.acceptedMarkers(), seen.acceptedMarkers() - 2);
+  for (const MarkerDetection& detection : then.detections) {
+    if (!detection.map_entry) continue;
+    const std::string& name = localizer_.map().markers[*detection.map_entry].name;
+    EXPECT_NE(name, names[0]);
+    EXPECT_NE(name, names[1]);
+  }
+  ASSERT_EQ(localizer_.ignoredMarkers().size(), 1U);
+  EXPECT_EQ(localizer_.ignoredMarkers().front().name, names[0]);
+}
+
+TEST_F(ImageLocalizerTest, SettingsThatCannotBeChangeNothing) {
+  int handed_over = 0;
+  LocalizerSettings settings(parameters(), camera_.model,
+                             [&](const std::shared_ptr<Successor>&) { ++handed_over; });
+  EXPECT_THROW(settings.ignore({"nobody"}), InputError);
+  std::vector<std::string> all;
+  for (const Marker& marker : settings.map().markers) all.push_back(marker.name);
+  EXPECT_THROW(settings.ignore(all), InputError);
+  EXPECT_THROW(settings.editMap([](MapEditor* map) { return map->change("none.yaml", false); }),
+               InputError);
+  EXPECT_EQ(settings.editMap([](MapEditor* map) { return map->reload(); }),
+            settings.mapFile() + ": nothing changed; 17 markers");
+  EXPECT_EQ(handed_over, 0);
+}
+
+TEST_F(ImageLocalizerTest, NamesAnIgnoredMarkerThatTheMapDoesNotHave) {
+  LocalizerParameters parameters = ImageLocalizerTest::parameters();
+  parameters.ignore_markers = {"nobody"};
+  try {
+    ImageLocalizer localizer(parameters, camera_);
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("ignore_markers"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("nobody"), std::string::npos);
+  }
 }
 
 }  // namespace

@@ -18,6 +18,7 @@ ARGUMENTS = {
     "localize.launch": ["camera_file:=camera.yaml", "map_file:=map.yaml"],
     "replay.launch": ["camera_file:=camera.yaml", "map_file:=map.yaml", "bag:=in.bag"],
     "demo.launch": [],
+    "ekf.launch": ["camera_file:=camera.yaml", "map_file:=map.yaml"],
 }
 
 
@@ -88,6 +89,21 @@ class ShippedFilesTest(unittest.TestCase):
                     "initial_pose": [1, 2.5, -3], "queue_size": 7}
         for name, value in expected.items():
             self.assertEqual(parameters["/localizer/" + name], value)
+
+    def test_ekf_launch_leaves_tf_to_the_filter(self):
+        path = shipped("launch", "ekf.launch")[0]
+        nodes, parameters = load_launch_file(path, ["map_file:=m.yaml", "odom:=/wheels"])
+        self.assertIs(parameters["/localizer/publish_tf"], False)
+        self.assertEqual(parameters["/localizer/odom_frame"], "odom")
+        # What the filter fuses is published under these names.
+        filter_node = nodes["ekf_localization"]
+        self.assertEqual(parameters["/ekf_localization/pose0"], "pose_measured")
+        self.assertIn((parameters["/ekf_localization/odom0"], "/wheels"),
+                      [tuple(remap) for remap in filter_node.remap_args])
+        # Where it is not installed, a line says so and nothing fails.
+        result = subprocess.run(["rosrun", "omnitag", filter_node.type, "no_such_package", "node"],
+                                stderr=subprocess.PIPE, universal_newlines=True, check=True)
+        self.assertIn("'no_such_package' is not installed", result.stderr)
 
     def test_localize_launch_takes_what_is_not_given_from_the_file(self):
         path = shipped("launch", "localize.launch")[0]

@@ -60,6 +60,8 @@ class YamlReader {
   std::string text(const std::string& key) const;
   /// Exactly `size` numbers; any count for size 0.
   std::vector<double> numbers(const std::string& key, std::size_t size = 0) const;
+  /// A list of words or numbers, as they stand there.
+  std::vector<std::string> texts(const std::string& key) const;
   /// A list of lists of exactly `columns` numbers.
   std::vector<std::vector<double>> table(const std::string& key, std::size_t columns) const;
   YamlReader mapping(const std::string& key) const;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <limits>
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <string>
@@ -45,6 +46,8 @@ struct Frame {
   /// Whether the result is to hold a view of every predicted marker, for people to look at, also of
   /// those that are recognized without.
   bool wants_views = false;
+  /// Whether the result is to hold what this image says alone (FrameResult::measured).
+  bool wants_measured = false;
 };
 
 /// A marker that was read in a frame, accepted or not.
@@ -67,6 +70,10 @@ struct MarkerDetection {
   double residual = 0.0;
   /// The same in standard deviations (Misfit).
   double deviations = 0.0;
+  /// Bits that had to be corrected, and grey levels by which modules were black or white enough; -1
+  /// and NaN for a marker that was recognized by its pattern, not decoded.
+  int hamming = -1;
+  double margin = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// A marker that was read elsewhere than the map has it.
@@ -93,6 +100,9 @@ struct FrameResult {
   /// base_link in the map, with the height and the lean that were found; none while searching in
   /// vain.
   std::optional<PoseEstimate> map_from_base;
+  /// The same as this image's markers tell it by themselves, without the prediction, for filters
+  /// (measuredPose()); none where no marker was accepted, or where it is not wanted.
+  std::optional<PoseEstimate> measured;
   /// Whether the robot moves on a floor, whose height and lean are nobody's concern.
   bool is_on_floor = true;
   /// What the camera seemed to be off by.
@@ -136,6 +146,8 @@ struct FrameResult {
   /// What the robot is told: on a floor the pose in its plane, z = roll = pitch = 0, with the
   /// covariance of all six. There must be a pose.
   PoseEstimate publishedPose() const;
+  /// The same of `measured`.
+  std::optional<PoseEstimate> publishedMeasurement() const;
 
   /// How many of the detections the pose stands on.
   int acceptedMarkers() const;

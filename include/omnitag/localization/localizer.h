@@ -57,6 +57,11 @@ class Localizer {
   /// default.
   void setMap(MarkerMap map);
 
+  /// Goes on where another localizer of the same camera stands, whose map or settings were others:
+  /// with its pose, and with what it knows of markers that this map has in the same places. To be
+  /// called before the first image.
+  void continueFrom(const Localizer& before);
+
   /// Takes markers that the map does not have, and where they seem to hang: exploring
   /// (LocalizerConfig::exploring_views) looks for them there, too.
   void seek(std::vector<Marker> markers);

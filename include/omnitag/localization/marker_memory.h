@@ -104,6 +104,10 @@ class MarkerMemory {
   /// been elsewhere then, and the other way round.
   void moveBy(const Eigen::Isometry3d& motion, const Contradicts& contradicts);
 
+  /// Takes what another memory knows. `entries`: for each marker of this one's map, which of the
+  /// other's map it is; none where it is none, or hangs elsewhere.
+  void takeFrom(const MarkerMemory& before, const std::vector<std::optional<std::size_t>>& entries);
+
   void clear();
   /// Forgets where markers were seen, which a pose told that was wrong, but not which are hidden.
   void forgetPlaces();

@@ -82,6 +82,9 @@ class MotionModel {
  public:
   explicit MotionModel(const MotionModelConfig& config) : config_(config) {}
 
+  /// Takes other deviations and limits, from the next image on; the pose model stays.
+  void configure(const MotionModelConfig& config);
+
   /// Starts from a pose that markers told at a stamp (s), at unknown velocity.
   void reset(const PoseEstimate& map_from_base, double stamp,
              const std::optional<Pose>& odom_from_base);

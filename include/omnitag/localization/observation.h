@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <limits>
 
 #include "omnitag/marker/marker_map.h"
 
@@ -16,6 +17,9 @@ struct MarkerObservation {
   /// middle, beside a corner's noise: where a marker is only found as a whole, its shape is that of
   /// the prediction.
   double shape_deviation = 0.0;
+  /// As MarkerDetection has them.
+  int hamming = -1;
+  double margin = std::numeric_limits<double>::quiet_NaN();
 };
 
 }  // namespace omnitag

@@ -81,8 +81,9 @@ class MarkerMapper {
   /// Where those seem to hang that are not good enough yet.
   std::vector<Marker> unfinished() const;
 
-  /// Makes markers the map's own, which stay as they are, since they have been saved.
-  void adopt(const std::vector<Marker>& saved);
+  /// Takes another version of the map's own markers, as one into which markers were saved. What it
+  /// has now stays as it is; what mapping knows besides stays behind it.
+  void setOwn(MarkerMap own);
 
  private:
   using Key = std::pair<std::string, int>;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,9 +29,16 @@ std::string newMapText(const std::string& frame_id, const std::vector<MapEntry>&
 std::string withEntries(const std::string& text, const std::vector<MapEntry>& entries,
                         const std::string& origin);
 
-/// Replaces a file as a whole or not at all: writes beside it, syncs, and renames. What was there
-/// stays as a backup, with "~" at the end of its name. Throws InputError where that cannot be done;
-/// the file is then as it was.
-void replaceFile(const std::string& path, const std::string& text);
+/// What is to become of an entry of a map file: it stays as it is, goes, or is written anew.
+struct EntryChange {
+  bool is_removed = false;
+  std::optional<Marker> moved;
+};
+
+/// The text of a map file with such changes, one for each of its entries, and with entries added as
+/// by withEntries(). What is not changed stays byte for byte; so do remarks behind a changed entry
+/// in brackets. Throws what withEntries() throws.
+std::string withChanges(const std::string& text, const std::vector<EntryChange>& changes,
+                        const std::vector<MapEntry>& added, const std::string& origin);
 
 }  // namespace omnitag

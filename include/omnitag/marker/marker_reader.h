@@ -24,6 +24,8 @@ struct MarkerReading {
   Eigen::Vector2d center;
   /// Index of the view in which it was read.
   std::size_t view = 0;
+  /// Grey levels by which its modules are on their side of black and white, on average.
+  double margin = 0.0;
 };
 
 /// Mean length of a quadrilateral's edges.

@@ -49,7 +49,10 @@ std::optional<Eigen::Isometry3d> findTransform(const tf2::BufferCore& transforms
 /// within 1 %.
 Eigen::Isometry3d fromMessage(const geometry_msgs::Pose& pose);
 
-/// The header is the image's.
+/// Where nothing is known: NaN, and -1 as the first variance.
+geometry_msgs::PoseWithCovariance noPose();
+
+/// The header is the image's. Without poses: addMarkerPoses().
 MarkerDetectionArray toMessage(const std_msgs::Header& header,
                                const std::vector<MarkerDetection>& detections,
                                const MarkerMap& map);

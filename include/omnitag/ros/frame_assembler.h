@@ -40,6 +40,8 @@ class FrameAssembler {
   FrameAssembler(std::string camera_origin, const ImageSize& image_size, FrameNames frames,
                  const ShutterConfig& shutter = {});
 
+  void setShutter(const ShutterConfig& shutter) { shutter_ = shutter; }
+
   /// Throws InputError for an image of another size or without a stamp or frame_id.
   void check(const cv_bridge::CvImage& image) const;
 

@@ -14,10 +14,17 @@
 #include "omnitag/localization/localizer.h"
 #include "omnitag/ros/camera_info.h"
 #include "omnitag/ros/frame_assembler.h"
+#include "omnitag/ros/localizer_settings.h"
 #include "omnitag/ros/parameters.h"
 #include "omnitag/ros/stamp_timeline.h"
 
 namespace omnitag {
+
+/// What an image's result is to hold beside its pose; see Frame.
+struct WantedExtras {
+  bool views = false;
+  bool measured = false;
+};
 
 /// An image and what it gave.
 struct LocalizedImage {
@@ -48,10 +55,10 @@ class ImageLocalizer {
   ///
   /// Where stamps alone step back by more than `restart_time_jump`, as when a bag loops, the
   /// localizer starts anew: with the initial pose of the parameters, or searching. What it has
-  /// mapped stays. `wants_views`: see Frame.
+  /// mapped stays.
   std::optional<LocalizedImage> localize(const cv_bridge::CvImageConstPtr& image,
                                          const tf2::BufferCore& transforms,
-                                         bool wants_views = false);
+                                         const WantedExtras& wanted = {});
 
   /// The clock that stamps the images, as far as is known, was set by so many s: the pose is kept
   /// where the stamps follow it.
@@ -61,13 +68,17 @@ class ImageLocalizer {
   /// where that image makes it: sets a pose, or forgets it. What was asked for before gives way.
   void beforeNextImage(std::function<void(Localizer*)> request) { request_ = std::move(request); }
 
-  /// The map file's markers and, behind them, what mapping has added.
+  /// Goes on with another localizer, made of another map or of other settings. Not while an image
+  /// is worked on.
+  void exchange(Successor successor);
+
+  /// The map file's markers but for those that are ignored and, behind them, what mapping has
+  /// added.
   const MarkerMap& map() const { return mapper_ ? mapper_->map() : map_; }
+  const std::vector<Marker>& ignoredMarkers() const { return ignored_markers_; }
   bool isMapping() const { return mapper_.has_value(); }
   /// What mapping knows of markers that the map file does not have.
   std::vector<ProvisionalMarker> provisional() const;
-  /// Makes markers the map's own, since they have been saved.
-  void adopt(const std::vector<Marker>& saved);
   const std::shared_ptr<const CameraModel>& camera() const { return camera_; }
   const FrameAssembler& assembler() const { return assembler_; }
   /// With the map's frame filled in.
@@ -76,11 +87,16 @@ class ImageLocalizer {
 
  private:
   void start();
+  void ignore();
+  bool isIgnored(const std::string& family, int id) const;
+  void nameIgnored(FrameResult* result) const;
   void extendMap(LocalizedImage* localized);
 
   LocalizerParameters parameters_;
   std::shared_ptr<const CameraModel> camera_;
   MarkerMap map_;
+  std::vector<MarkerSelection> ignored_;
+  std::vector<Marker> ignored_markers_;
   FrameAssembler assembler_;
   std::optional<MarkerMapper> mapper_;
   Advisor advisor_;

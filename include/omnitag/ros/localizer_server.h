@@ -7,7 +7,9 @@
 #include <std_srvs/Empty.h>
 #include <std_srvs/Trigger.h>
 
+#include <atomic>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -20,9 +22,15 @@
 #include "omnitag/ros/health_monitor.h"
 #include "omnitag/ros/image_input.h"
 #include "omnitag/ros/image_localizer.h"
+#include "omnitag/ros/live_tuning.h"
+#include "omnitag/ros/localizer_settings.h"
 #include "omnitag/ros/map_markers.h"
+#include "omnitag/ros/map_publisher.h"
+#include "omnitag/ros/map_services.h"
+#include "omnitag/ros/marker_dragging.h"
 #include "omnitag/ros/parameters.h"
 #include "omnitag/ros/path_recorder.h"
+#include "omnitag/ros/pose_keeper.h"
 #include "omnitag/ros/transform_input.h"
 
 namespace omnitag {
@@ -49,6 +57,8 @@ class LocalizerServer {
   void watchClock();
   /// Whether tf has a place for what is sent; tells where not, and then stops repeating.
   bool checkParent();
+  /// Lets a localizer with another map or other settings take over, where there is one.
+  void takeSuccessor();
   void onImage(const ReceivedImage& received);
   void waitForTransforms(const std_msgs::Header& header);
   void logClockStep(double step) const;
@@ -71,8 +81,15 @@ class LocalizerServer {
   void onSaveMap(std_srvs::Trigger::Response* response);
   /// Says what was done. Throws InputError.
   std::string saveMap();
+  /// Adds what mapping has found to a map file.
+  std::string saveMapped(const std::string& path);
+  /// Takes the pose that the robot had when it was last seen, unless another was given.
+  void takeSavedPose();
+  /// Shows another map than the one before.
+  void showMap();
   /// Shows what mapping has found; `is_changed`: markers that the localizer uses, too.
   void publishMap(bool is_changed);
+  void keepPose(const LocalizedImage& localized);
   using Request = std::function<void(ImageLocalizer*)>;
   void request(Request request);
 
@@ -96,6 +113,7 @@ class LocalizerServer {
   ros::Publisher transform_publisher_;
   ros::Publisher pose_publisher_;
   ros::Publisher pose_with_covariance_publisher_;
+  ros::Publisher pose_measured_publisher_;
   ros::Publisher detections_publisher_;
   ros::Publisher status_publisher_;
   ros::Publisher path_publisher_;
@@ -117,6 +135,16 @@ class LocalizerServer {
   /// What was asked for and is to be done before the next image.
   std::mutex request_mutex_;
   std::vector<Request> requests_;
+  std::shared_ptr<Successor> successor_;
+
+  LocalizerSettings settings_;
+  MapPublisher map_publisher_;
+  PoseKeeper pose_keeper_;
+  std::optional<MapServices> map_services_;
+  std::unique_ptr<LiveTuning> tuning_;
+  /// Whether images are worked on.
+  std::atomic<bool> is_enabled_{true};
+  std::unique_ptr<MarkerDragging> marker_dragging_;
 
   HealthMonitor health_;
   std::thread thread_;

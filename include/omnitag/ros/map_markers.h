@@ -28,6 +28,9 @@ class MapDrawing {
   /// they were last drawn.
   bool update(const MarkerMap& map, const std::vector<ProvisionalMarker>& provisional);
 
+  /// Draws another map; what the one before showed goes.
+  void replace(const MarkerMap& map, const std::vector<ProvisionalMarker>& provisional);
+
   const visualization_msgs::MarkerArray& markers() const { return markers_; }
 
  private:

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "omnitag/common/pose.h"
 #include "omnitag/localization/localizer_config.h"
@@ -25,15 +26,28 @@ struct LocalizerParameters {
   std::string camera_file;
   std::string map_file;
   FrameNames frames;
+  /// Names, ids or FAMILY:ID of markers that are left out (MarkerSelection).
+  std::vector<std::string> ignore_markers;
+  /// Whether people can move the map's markers in RViz.
+  bool drag_markers = false;
 
   /// base_link in the map at the start; none: search.
   std::optional<Pose> initial_pose;
+
+  /// Where the pose is kept for the next start; empty: nowhere.
+  std::string pose_file;
+  /// s of wall time between two times that it is saved; 0: it is neither saved nor read.
+  double save_pose_period = 0.0;
 
   /// image_transport's name of the form in which the images come.
   std::string image_transport = "raw";
   /// Images that wait while one is worked on; the oldest gives way.
   int queue_size = 1;
 
+  /// Whether the robot's transform goes to tf. Not where another node fuses the poses and sends it.
+  bool publish_tf = true;
+  /// Whether the markers' places in the map go to tf.
+  bool publish_marker_tf = false;
   /// s of wall time to wait for the transforms at an image's stamp.
   double transform_timeout = 0.1;
   /// s by which map -> odom is stamped later than the image, so that it is valid until the next.

@@ -14,6 +14,7 @@
 #include "map_drawing.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
+#include "omnitag/common/file_replacement.h"
 #include "omnitag/mapping/map_builder.h"
 #include "omnitag/mapping/mapped_entries.h"
 #include "omnitag/mapping/marker_estimate.h"

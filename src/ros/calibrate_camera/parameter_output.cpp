@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "omnitag/common/error.h"
+#include "omnitag/common/file_replacement.h"
 #include "omnitag/common/format.h"
 #include "omnitag/mapping/mapped_entries.h"
 #include "omnitag/marker/marker_map_writer.h"

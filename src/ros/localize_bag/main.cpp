@@ -12,6 +12,7 @@
 #include "../bag_tools/bag_input.h"
 #include "../bag_tools/progress.h"
 #include "omnitag/common/error.h"
+#include "omnitag/common/file_replacement.h"
 #include "omnitag/mapping/mapped_entries.h"
 #include "omnitag/ros/image_localizer.h"
 #include "options.h"
@@ -113,8 +114,9 @@ void run(const BagOptions& options) {
   ResultFiles files(options.trajectory, options.poses, options.detections);
   std::optional<ResultBag> output;
   if (!options.output.empty()) {
-    output.emplace(options.output, localizer.frames(), parameters,
-                   hasPlaceForTransform(options, input, localizer.frames()));
+    output.emplace(
+        options.output, localizer.frames(), parameters,
+        parameters.publish_tf && hasPlaceForTransform(options, input, localizer.frames()));
   }
 
   const rosbag::TopicQuery images(input.imageTopic());
@@ -126,7 +128,8 @@ void run(const BagOptions& options) {
     try {
       const cv_bridge::CvImageConstPtr image = BagInput::grayImageOf(message);
       stamp = image->header.stamp;
-      const std::optional<LocalizedImage> localized = localizer.localize(image, input.transforms());
+      const std::optional<LocalizedImage> localized =
+          localizer.localize(image, input.transforms(), {false, output.has_value()});
       if (localized) {
         if (localized->went_back > 0.0) {
           progress.warn(stampText(stamp) + ": stamps went back: started anew");

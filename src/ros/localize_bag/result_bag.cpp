@@ -14,8 +14,8 @@ namespace omnitag {
 namespace {
 
 bool isOwn(const std::string& topic) {
-  return topic == "/pose" || topic == "/pose_with_covariance" || topic == "/detections" ||
-         topic == "/status" || topic == "/path" || topic == "/markers";
+  return topic == "/pose" || topic == "/pose_with_covariance" || topic == "/pose_measured" ||
+         topic == "/detections" || topic == "/status" || topic == "/path" || topic == "/markers";
 }
 
 }  // namespace
@@ -74,6 +74,7 @@ void ResultBag::add(const ros::Time& time, const LocalizedImage& localized,
     bag_.write("/pose_with_covariance", time, *messages.pose_with_covariance);
     if (path_.add(*messages.pose)) bag_.write("/path", time, path_.path());
   }
+  if (messages.pose_measured) bag_.write("/pose_measured", time, *messages.pose_measured);
   bag_.write("/detections", time, messages.detections);
   bag_.write("/status", time, messages.status);
   bag_.write("/markers", time, frame_markers_.draw(localized, map));

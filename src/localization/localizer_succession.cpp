@@ -1,0 +1,49 @@
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "omnitag/localization/localizer.h"
+#include "omnitag/marker/marker_selection.h"
+
+namespace omnitag {
+namespace {
+
+bool hangsAlike(const Marker& a, const Marker& b) {
+  return a.size == b.size && a.map_from_marker.isApprox(b.map_from_marker, 0.0);
+}
+
+/// For each marker of a map, which entry of another is the same in the same place.
+std::vector<std::optional<std::size_t>> sameEntries(const MarkerMap& map, const MarkerMap& other) {
+  std::vector<std::optional<std::size_t>> entries;
+  entries.reserve(map.markers.size());
+  for (const Marker& marker : map.markers) {
+    const auto like = entryLike(other, marker);
+    const bool is_same = like && hangsAlike(other.markers[*like], marker);
+    entries.push_back(is_same ? like : std::nullopt);
+  }
+  return entries;
+}
+
+}  // namespace
+
+void Localizer::continueFrom(const Localizer& before) {
+  const std::vector<std::optional<std::size_t>> entries = sameEntries(map_, before.map_);
+  const MarkerMemory empty(config_.attention);
+  hypotheses_ = before.hypotheses_;
+  for (Hypothesis& hypothesis : hypotheses_) {
+    const MarkerMemory memory = std::exchange(hypothesis.memory, empty);
+    hypothesis.memory.takeFrom(memory, entries);
+    hypothesis.motion.configure(config_.motion);
+  }
+  blur_ = before.blur_;
+  disagreement_ = before.disagreement_;
+  image_lag_ = before.image_lag_;
+  given_pose_ = before.given_pose_;
+  last_stamp_ = before.last_stamp_;
+  next_doubt_ = before.next_doubt_;
+  measured_ = before.measured_;
+  lost_frames_ = before.lost_frames_;
+  was_tracked_ = before.was_tracked_;
+}
+
+}  // namespace omnitag

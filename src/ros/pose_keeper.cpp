@@ -1,0 +1,66 @@
+#include "omnitag/ros/pose_keeper.h"
+
+#include <filesystem>
+#include <utility>
+
+#include "omnitag/common/error.h"
+#include "omnitag/common/file_replacement.h"
+
+namespace omnitag {
+
+PoseKeeper::PoseKeeper(ros::NodeHandle node, std::string name, std::string path, double period)
+    : node_(std::move(node)), name_(std::move(name)), path_(std::move(path)), period_(period) {
+  if (period_ <= 0.0) return;
+  timer_ = node_.createWallTimer(ros::WallDuration(period_),
+                                 [this](const ros::WallTimerEvent& /*event*/) { save(); });
+}
+
+PoseKeeper::~PoseKeeper() {
+  timer_.stop();
+  save();
+}
+
+std::optional<SavedPose> PoseKeeper::lastPose(const std::string& map_frame) const {
+  if (period_ <= 0.0) return std::nullopt;
+  std::error_code error;
+  if (!std::filesystem::exists(path_, error)) {
+    ROS_INFO_STREAM(name_ << ": pose_file: " << path_ << " is not there yet: searching");
+    return std::nullopt;
+  }
+  try {
+    SavedPose saved = loadSavedPose(path_);
+    if (saved.map_frame != map_frame) {
+      throw InputError(path_ + ": frame_id: expected " + map_frame + ", found " + saved.map_frame);
+    }
+    const Pose& pose = saved.map_from_base.pose;
+    ROS_INFO_STREAM(name_ << ": pose_file: the robot was last at x " << pose.x << " m, y " << pose.y
+                          << " m, yaw " << pose.yaw << " rad, and may be there still");
+    return saved;
+  } catch (const std::exception& problem) {
+    ROS_ERROR_STREAM(name_ << ": pose_file: " << problem.what() << ": searching");
+  }
+  return std::nullopt;
+}
+
+void PoseKeeper::keep(const SavedPose& pose) {
+  if (period_ <= 0.0) return;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  unsaved_ = pose;
+}
+
+void PoseKeeper::save() {
+  std::optional<SavedPose> pose;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    pose = std::exchange(unsaved_, std::nullopt);
+  }
+  if (!pose) return;
+  try {
+    replaceFile(path_, textOf(*pose), Backup::kNone);
+  } catch (const std::exception& problem) {
+    constexpr double kLinePeriod = 60.0;  // s
+    ROS_ERROR_STREAM_THROTTLE(kLinePeriod, name_ << ": pose_file: " << problem.what());
+  }
+}
+
+}  // namespace omnitag
