@@ -122,8 +122,12 @@ bool FrameTracker::leaveOutFar(const PhotometricFit& fit) {
   if (!has_prior_ || sharplyAgreeing(misfits) == 0) return false;
   std::vector<std::size_t> far;
   std::vector<MarkerObservation> observations;
-  for (std::size_t k = 0; k < misfits.size(); ++k) {
-    if (!solution_->used[k] || misfits[k].deviations <= mostInPlace()) continue;
+  for (std::size_t k = 0, i = 0; k < misfits.size(); ++k) {
+    if (!solution_->used[k]) continue;
+    constexpr double kHardly = 0.5;
+    const bool pulls = fit.markers[i] && fit.weights[i] > kHardly;
+    ++i;
+    if (pulls || misfits[k].deviations <= mostInPlace()) continue;
     far.push_back(observed_[k]);
     observations.push_back(*sightings_[observed_[k]].observation);
   }

@@ -196,12 +196,14 @@ TEST_F(OddMarkersTest, NeighboursThatWereMovedALittleDoNotTakeTheRobotAlong) {
         localizer_.setPose(floorEstimate(off, Eigen::Vector3d(4e-4, 4e-4, 1e-4).asDiagonal()));
         for (int i = 0; i < 5; ++i) {
           const FrameResult result = process(image);
-          if (result.is_open) {
-            ++open;
-            continue;
-          }
-          expectSound(result);
           EXPECT_EQ(result.mode, Mode::kTracking);
+          if (result.is_open && result.map_from_base) {
+            // Where that is open, the pose says by how much it may be off.
+            EXPECT_LT(test::deviations(*result.map_from_base, truth_), 5.0);
+            ++open;
+          } else {
+            expectSound(result);
+          }
         }
       }
       {
@@ -220,7 +222,7 @@ TEST_F(OddMarkersTest, NeighboursThatWereMovedALittleDoNotTakeTheRobotAlong) {
     }
   }
   EXPECT_LE(undecided, 7) << "of 28 searches";
-  EXPECT_LE(open, 7) << "of 140 images";
+  EXPECT_LE(open, 14) << "of 140 images";
 }
 
 TEST_F(OddMarkersTest, AllThatWereHungAnewAreNamed) {
