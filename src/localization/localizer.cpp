@@ -152,14 +152,18 @@ std::vector<PoseEstimate> Localizer::predict(const Frame& frame) {
         given.map_from_base, frame.stamp,
         given.odom_from_base ? given.odom_from_base : frame.odom_from_base);
     hypothesis.memory.forgetPlaces();
-    hypothesis.restart(PosePrior::about(given.map_from_base));
     hypothesis.is_lost = false;
-    hypotheses_.resize(1, hypothesis);
-    return {hypothesis.motion.predict(frame.stamp, frame.odom_from_base)};
+    const PoseEstimate predicted = hypothesis.motion.predict(frame.stamp, frame.odom_from_base);
+    hypothesis.restart(PosePrior::about(predicted));
+    hypotheses_.resize(1, hypotheses_.front());
+    return {predicted};
   }
   std::vector<PoseEstimate> predicted;
   for (Hypothesis& hypothesis : hypotheses_) {
     predicted.push_back(hypothesis.motion.predict(frame.stamp, frame.odom_from_base));
+    // Until markers tell it, a pose from outside is as uncertain as its prediction has become.
+    const bool is_unmet = hypothesis.start && hypothesis.memory.countInPlace() == 0;
+    if (is_unmet) hypothesis.start = PosePrior::about(predicted.back());
     hypothesis.is_lost = hypothesis.is_lost || !hypothesis.motion.isTrustworthy();
   }
   // Of a robot that is lost, what was last known of the world.
