@@ -106,6 +106,14 @@ bool hasPlaceForTransform(const BagOptions& options, const BagInput& input,
   return !conflict;
 }
 
+/// Where one is asked for.
+void openOutput(const BagOptions& options, const LocalizerParameters& parameters,
+                const BagInput& input, const FrameNames& frames, std::optional<ResultBag>* output) {
+  if (options.output.empty()) return;
+  const bool sends_tf = parameters.publish_tf && hasPlaceForTransform(options, input, frames);
+  output->emplace(options.output, frames, parameters, sends_tf);
+}
+
 void run(const BagOptions& options) {
   const LocalizerParameters parameters = parametersOf(options);
   BagInput input(options.bag, options.image_topic);
@@ -113,11 +121,7 @@ void run(const BagOptions& options) {
   ImageLocalizer localizer(parameters, cameraOf(parameters, input));
   ResultFiles files(options.trajectory, options.poses, options.detections);
   std::optional<ResultBag> output;
-  if (!options.output.empty()) {
-    output.emplace(
-        options.output, localizer.frames(), parameters,
-        parameters.publish_tf && hasPlaceForTransform(options, input, localizer.frames()));
-  }
+  openOutput(options, parameters, input, localizer.frames(), &output);
 
   const rosbag::TopicQuery images(input.imageTopic());
   Progress progress(rosbag::View(input.bag(), images).size(), "images");
