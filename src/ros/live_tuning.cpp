@@ -50,10 +50,14 @@ std::string editMethod(const Knob& knob) {
   if (knob.values.empty()) return "";
   std::string choices;
   for (const std::string& value : knob.values) {
-    choices += (choices.empty() ? "" : ", ") +
-               ("{'name': '" + value + "', 'type': 'str', 'value': '" + value +
-                "', 'description': '', 'srcline': 0, 'srcfile': '', 'cconsttype': 'const char * "
-                "const', 'ctype': 'std::string'}");
+    if (!choices.empty()) choices += ", ";
+    choices += "{'name': '";
+    choices += value;
+    choices += "', 'type': 'str', 'value': '";
+    choices += value;
+    choices +=
+        "', 'description': '', 'srcline': 0, 'srcfile': '', 'cconsttype': 'const char * const', "
+        "'ctype': 'std::string'}";
   }
   return "{'enum_description': '" + knob.description + "', 'enum': [" + choices + "]}";
 }
@@ -222,11 +226,7 @@ LiveTuning::LiveTuning(const ros::NodeHandle& private_node, std::string name,
   const boost::function<bool(Request&, Response&)> callback = [this](Request& request,
                                                                      Response& response) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    try {
-      change(request.config);
-    } catch (const std::exception& error) {
-      ROS_ERROR_STREAM(name_ << ": reconfigure refused: " << error.what());
-    }
+    attempt(request.config);
     response.config = toMessage(knobs_, tunables_);
     update_publisher_.publish(response.config);
     return true;
@@ -234,6 +234,14 @@ LiveTuning::LiveTuning(const ros::NodeHandle& private_node, std::string name,
   server_ = node_.advertiseService("set_parameters", callback);
   description_publisher_.publish(describe(knobs_));
   update_publisher_.publish(toMessage(knobs_, tunables_));
+}
+
+void LiveTuning::attempt(const Config& message) {
+  try {
+    change(message);
+  } catch (const std::exception& error) {
+    ROS_ERROR_STREAM(name_ << ": reconfigure refused: " << error.what());
+  }
 }
 
 void LiveTuning::change(const Config& message) {

@@ -67,7 +67,7 @@ void LocalizerSettings::handOver(const MarkerMap& map, const std::vector<MarkerS
 std::string LocalizerSettings::editMap(const Edit& edit) {
   const std::lock_guard<std::mutex> lock(mutex_);
   MapEditor next = editor_;
-  const std::string words = edit(&next);
+  std::string words = edit(&next);
   if (!areSame(next.map(), editor_.map())) handOver(next.map(), ignored_, config_, true);
   editor_ = std::move(next);
   return words;

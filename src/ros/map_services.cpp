@@ -27,9 +27,9 @@ Marker markerOf(const AddMarker::Request& request) {
 
 }  // namespace
 
-MapServices::MapServices(ros::NodeHandle node, std::string name, bool may_change_frame,
+MapServices::MapServices(const ros::NodeHandle& node, std::string name, bool may_change_frame,
                          LocalizerSettings* settings)
-    : node_(std::move(node)), name_(std::move(name)) {
+    : node_(node), name_(std::move(name)) {
   offer<std_srvs::Trigger>("reload_map", [settings](const auto& /*request*/) {
     return settings->editMap([](MapEditor* map) { return map->reload(); });
   });

@@ -13,6 +13,9 @@
 namespace omnitag {
 namespace {
 
+void inform(const std::string& text) { ROS_INFO_STREAM(text); }
+void complain(const std::string& text) { ROS_ERROR_STREAM(text); }
+
 geometry_msgs::Pose poseOf(const Marker& marker) {
   geometry_msgs::Pose pose;
   pose.position = toMessage(marker.center());
@@ -103,9 +106,9 @@ void MarkerDragging::onFeedback(std::size_t entry, const Marker& marker, const F
 
 void MarkerDragging::attempt(const std::string& what, const std::function<std::string()>& work) {
   try {
-    ROS_INFO_STREAM(name_ << ": edit_map: " << work());
+    inform(name_ + ": edit_map: " + work());
   } catch (const std::exception& error) {
-    ROS_ERROR_STREAM(name_ << ": edit_map: " << what << " refused: " << error.what());
+    complain(name_ + ": edit_map: " + what + " refused: " + error.what());
   }
 }
 

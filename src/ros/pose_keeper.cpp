@@ -5,11 +5,23 @@
 
 #include "omnitag/common/error.h"
 #include "omnitag/common/file_replacement.h"
+#include "omnitag/common/format.h"
 
 namespace omnitag {
+namespace {
 
-PoseKeeper::PoseKeeper(ros::NodeHandle node, std::string name, std::string path, double period)
-    : node_(std::move(node)), name_(std::move(name)), path_(std::move(path)), period_(period) {
+void inform(const std::string& text) { ROS_INFO_STREAM(text); }
+void complain(const std::string& text) { ROS_ERROR_STREAM(text); }
+
+std::string describe(const Pose& pose) {
+  return format("x %.3f m, y %.3f m, yaw %.3f rad", pose.x, pose.y, pose.yaw);
+}
+
+}  // namespace
+
+PoseKeeper::PoseKeeper(const ros::NodeHandle& node, std::string name, std::string path,
+                       double period)
+    : node_(node), name_(std::move(name)), path_(std::move(path)), period_(period) {
   if (period_ <= 0.0) return;
   timer_ = node_.createWallTimer(ros::WallDuration(period_),
                                  [this](const ros::WallTimerEvent& /*event*/) { save(); });
@@ -24,7 +36,7 @@ std::optional<SavedPose> PoseKeeper::lastPose(const std::string& map_frame) cons
   if (period_ <= 0.0) return std::nullopt;
   std::error_code error;
   if (!std::filesystem::exists(path_, error)) {
-    ROS_INFO_STREAM(name_ << ": pose_file: " << path_ << " is not there yet: searching");
+    inform(name_ + ": pose_file: " + path_ + " is not there yet: searching");
     return std::nullopt;
   }
   try {
@@ -32,12 +44,11 @@ std::optional<SavedPose> PoseKeeper::lastPose(const std::string& map_frame) cons
     if (saved.map_frame != map_frame) {
       throw InputError(path_ + ": frame_id: expected " + map_frame + ", found " + saved.map_frame);
     }
-    const Pose& pose = saved.map_from_base.pose;
-    ROS_INFO_STREAM(name_ << ": pose_file: the robot was last at x " << pose.x << " m, y " << pose.y
-                          << " m, yaw " << pose.yaw << " rad, and may be there still");
+    inform(name_ + ": pose_file: the robot was last at " + describe(saved.map_from_base.pose) +
+           ", and may be there still");
     return saved;
   } catch (const std::exception& problem) {
-    ROS_ERROR_STREAM(name_ << ": pose_file: " << problem.what() << ": searching");
+    complain(name_ + ": pose_file: " + problem.what() + ": searching");
   }
   return std::nullopt;
 }

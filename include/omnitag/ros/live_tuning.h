@@ -58,6 +58,8 @@ class LiveTuning {
   void shutdown();
 
  private:
+  /// Changes what a message asks for, or says why not.
+  void attempt(const dynamic_reconfigure::Config& message);
   void change(const dynamic_reconfigure::Config& message);
 
   ros::NodeHandle node_;

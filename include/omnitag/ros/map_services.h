@@ -16,7 +16,7 @@ class MapServices {
  public:
   /// `settings` must outlive it. `may_change_frame`: whether map_frame names the map's frame
   /// whatever the file says.
-  MapServices(ros::NodeHandle node, std::string name, bool may_change_frame,
+  MapServices(const ros::NodeHandle& node, std::string name, bool may_change_frame,
               LocalizerSettings* settings);
 
   /// Waits for a callback that is running; none comes afterwards.

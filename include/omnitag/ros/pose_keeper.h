@@ -15,7 +15,7 @@ namespace omnitag {
 class PoseKeeper {
  public:
   /// Nothing is done where `period` (s, wall time) is 0.
-  PoseKeeper(ros::NodeHandle node, std::string name, std::string path, double period);
+  PoseKeeper(const ros::NodeHandle& node, std::string name, std::string path, double period);
   ~PoseKeeper();
   PoseKeeper(const PoseKeeper&) = delete;
   PoseKeeper& operator=(const PoseKeeper&) = delete;
