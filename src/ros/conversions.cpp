@@ -67,6 +67,13 @@ geometry_msgs::Pose toMessage(const Pose& pose) {
   return message;
 }
 
+geometry_msgs::Pose poseOf(const Marker& marker) {
+  geometry_msgs::Pose pose;
+  pose.position = toMessage(marker.center());
+  pose.orientation = toMessage(Eigen::Quaterniond(marker.map_from_marker.linear()).normalized());
+  return pose;
+}
+
 geometry_msgs::Transform toMessage(const Eigen::Isometry3d& target_from_source) {
   geometry_msgs::Transform message;
   message.translation.x = target_from_source.translation().x();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "log_line.h"
 #include "omnitag/common/error.h"
 
 namespace omnitag {
@@ -240,7 +241,7 @@ void LiveTuning::attempt(const Config& message) {
   try {
     change(message);
   } catch (const std::exception& error) {
-    ROS_ERROR_STREAM(name_ << ": reconfigure refused: " << error.what());
+    complain(name_ + ": reconfigure refused: " + error.what());
   }
 }
 

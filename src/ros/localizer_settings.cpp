@@ -19,6 +19,15 @@ bool areSame(const MarkerMap& a, const MarkerMap& b) {
                     });
 }
 
+/// The map without what is ignored. Throws InputError where nothing is left.
+MarkerMap usedMap(const MarkerMap& map, const std::vector<MarkerSelection>& ignored) {
+  MarkerMap used = withoutMarkers(map, ignored);
+  if (used.markers.empty()) {
+    throw InputError("expected one marker of the map to be left that is not ignored");
+  }
+  return used;
+}
+
 }  // namespace
 
 std::vector<MarkerSelection> ignoredMarkers(const std::vector<std::string>& texts,
@@ -30,9 +39,7 @@ std::vector<MarkerSelection> ignoredMarkers(const std::vector<std::string>& text
       throw InputError("the map has no marker '" + text + "'");
     }
   }
-  if (withoutMarkers(map, selections).markers.empty()) {
-    throw InputError("expected one marker of the map to be left that is not ignored");
-  }
+  usedMap(map, selections);
   return selections;
 }
 
@@ -47,10 +54,7 @@ LocalizerSettings::LocalizerSettings(const LocalizerParameters& parameters,
 void LocalizerSettings::handOver(const MarkerMap& map, const std::vector<MarkerSelection>& ignored,
                                  const LocalizerConfig& config, bool has_other_map) const {
   auto successor = std::make_shared<Successor>();
-  successor->map = withoutMarkers(map, ignored);
-  if (successor->map.markers.empty()) {
-    throw InputError("expected one marker of the map to be left that is not ignored");
-  }
+  successor->map = usedMap(map, ignored);
   for (const Marker& marker : map.markers) {
     const bool is_ignored =
         std::any_of(ignored.begin(), ignored.end(),

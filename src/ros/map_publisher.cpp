@@ -16,9 +16,7 @@ MapMarker toMessage(const Marker& marker, bool is_ignored) {
   message.family = marker.family;
   message.name = marker.name;
   message.size = marker.size;
-  message.pose.position = omnitag::toMessage(marker.center());
-  message.pose.orientation =
-      omnitag::toMessage(Eigen::Quaterniond(marker.map_from_marker.linear()).normalized());
+  message.pose = poseOf(marker);
   message.deviation = marker.deviation;
   message.orientation_deviation = marker.orientation_deviation;
   message.ignored = static_cast<std::uint8_t>(is_ignored);

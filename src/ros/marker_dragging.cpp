@@ -6,22 +6,13 @@
 #include <cmath>
 #include <utility>
 
+#include "log_line.h"
 #include "omnitag/common/error.h"
 #include "omnitag/marker/marker_selection.h"
 #include "omnitag/ros/conversions.h"
 
 namespace omnitag {
 namespace {
-
-void inform(const std::string& text) { ROS_INFO_STREAM(text); }
-void complain(const std::string& text) { ROS_ERROR_STREAM(text); }
-
-geometry_msgs::Pose poseOf(const Marker& marker) {
-  geometry_msgs::Pose pose;
-  pose.position = toMessage(marker.center());
-  pose.orientation = toMessage(Eigen::Quaterniond(marker.map_from_marker.linear()).normalized());
-  return pose;
-}
 
 /// A handle along, or about, one of the marker's axes, to which RViz turns the control's x axis.
 visualization_msgs::InteractiveMarkerControl control(const Eigen::Vector3d& axis,

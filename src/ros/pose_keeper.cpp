@@ -3,15 +3,13 @@
 #include <filesystem>
 #include <utility>
 
+#include "log_line.h"
 #include "omnitag/common/error.h"
 #include "omnitag/common/file_replacement.h"
 #include "omnitag/common/format.h"
 
 namespace omnitag {
 namespace {
-
-void inform(const std::string& text) { ROS_INFO_STREAM(text); }
-void complain(const std::string& text) { ROS_ERROR_STREAM(text); }
 
 std::string describe(const Pose& pose) {
   return format("x %.3f m, y %.3f m, yaw %.3f rad", pose.x, pose.y, pose.yaw);

@@ -29,6 +29,8 @@ std::string withoutSlash(const std::string& frame);
 geometry_msgs::Point toMessage(const Eigen::Vector3d& point);
 geometry_msgs::Quaternion toMessage(const Eigen::Quaterniond& rotation);
 geometry_msgs::Pose toMessage(const Pose& pose);
+/// Where a marker hangs in the map.
+geometry_msgs::Pose poseOf(const Marker& marker);
 geometry_msgs::Transform toMessage(const Eigen::Isometry3d& target_from_source);
 
 /// The covariance is of (x, y, z) and of rotations about the target frame's x, y and z.

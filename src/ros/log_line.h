@@ -1,0 +1,13 @@
+#pragma once
+
+#include <ros/console.h>
+
+#include <string>
+
+namespace omnitag {
+
+/// A line of the log. roscpp's macros are long where they stand.
+inline void inform(const std::string& text) { ROS_INFO_STREAM(text); }
+inline void complain(const std::string& text) { ROS_ERROR_STREAM(text); }
+
+}  // namespace omnitag
