@@ -8,6 +8,7 @@
 #include "omnitag/common/format.h"
 
 namespace omnitag {
+
 std::string howFarOff(const Pose& found, const Pose& expected) {
   const PoseVector off = difference(found, expected);
   return format("found %.2f m and %.1f degrees off where it was expected", off.head<2>().norm(),
@@ -26,8 +27,10 @@ std::vector<Hypothesis> childrenAt(const Pose& pose, const Frame& frame,
                                    const Account& account, const Evidence& evidence) {
   const Pose& expected = account.result.map_from_base->pose;
   const Eigen::Isometry3d motion = pose.toIsometry() * expected.toIsometry().inverse();
-  Hypothesis carried = before.carried(evidence, frame.odom_from_base.has_value());
-  Hypothesis elsewhere = before.elsewhere(motion, evidence);
+  Hypothesis carried = before;
+  carried.log_of_carried += evidence.logOfCarried(frame.odom_from_base.has_value());
+  Hypothesis elsewhere = before;
+  elsewhere.memory.moveBy(motion, evidence.contradiction());
   elsewhere.start_error = motion * account.hypothesis.start_error;
   std::vector<Hypothesis> children{std::move(carried), std::move(elsewhere)};
   std::vector<RememberedSighting> group;

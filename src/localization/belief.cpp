@@ -42,6 +42,7 @@ void addElsewhere(const MarkerDetection& seen, FrameResult* result) {
 }
 
 void exchangeSightings(std::vector<Account>* accounts) {
+  if (accounts->size() < 2) return;
   std::vector<std::vector<MarkerDetection>> accepted;
   for (const Account& account : *accounts) {
     accepted.emplace_back();
@@ -179,15 +180,14 @@ FrameResult reported(const std::vector<Account>& accounts, const MarkerMap& map,
   FrameResult result = best.result;
   if (accounts.size() == 1) return result;
   result.is_open = true;
+  const std::vector<std::size_t> accepted = acceptedEntries(result);
   for (auto other = accounts.begin() + 1; other != accounts.end(); ++other) {
-    const std::vector<std::size_t> accepted = acceptedEntries(other->result);
-    std::copy_if(accepted.begin(), accepted.end(), std::back_inserter(result.elsewhere),
-                 [&result](std::size_t entry) {
-                   return !contains(result.elsewhere, entry) &&
-                          !contains(acceptedEntries(result), entry);
-                 });
+    for (const std::size_t entry : acceptedEntries(other->result)) {
+      const bool is_told = contains(result.elsewhere, entry) || contains(accepted, entry);
+      if (!is_told) result.elsewhere.push_back(entry);
+    }
   }
-  if (result.elsewhere.empty()) result.elsewhere = acceptedEntries(result);
+  if (result.elsewhere.empty()) result.elsewhere = accepted;
   result.remark = eitherOr(result.elsewhere, map);
   if (!result.map_from_base) return result;
   // No pose is to be farther from the truth than this many of its deviations.

@@ -57,8 +57,12 @@ void FrameTracker::align() {
     const PosePrior before = prior_;
     const std::optional<PhotometricFit> fit = alignedWith(entries);
     if (!fit) break;
-    if (leaveOutDisagreeing(*fit, before) || leaveOutFar(*fit)) continue;
-    if (take(*fit)) return;
+    if (leaveOutDisagreeing(*fit, before)) continue;
+    std::vector<Misfit> misfits =
+        misfitsAt(tools_.map, camera_, observations(), fit->map_from_base.pose, fit->imaging_error,
+                  tools_.config.estimation.reprojection);
+    if (leaveOutFar(*fit, misfits)) continue;
+    if (take(*fit, std::move(misfits))) return;
   }
   if (!solution_) return;
   solution_->map_from_base = standingOnCorners(solution_->map_from_base, all, tools_.config);
@@ -108,20 +112,11 @@ bool FrameTracker::leaveOutDisagreeing(const PhotometricFit& fit, const PosePrio
   return true;
 }
 
-std::vector<Misfit> FrameTracker::misfitsOfObserved(const PhotometricFit& fit) const {
-  std::vector<MarkerObservation> observations;
-  observations.reserve(observed_.size());
-  for (const std::size_t i : observed_) observations.push_back(*sightings_[i].observation);
-  return misfitsAt(tools_.map, camera_, observations, fit.map_from_base.pose, fit.imaging_error,
-                   tools_.config.estimation.reprojection);
-}
-
-bool FrameTracker::leaveOutFar(const PhotometricFit& fit) {
-  const std::vector<Misfit> misfits = misfitsOfObserved(fit);
+bool FrameTracker::leaveOutFar(const PhotometricFit& fit, const std::vector<Misfit>& misfits) {
   // Pixels hardly pull where they show something else, and corners then tell.
   if (!has_prior_ || sharplyAgreeing(misfits) == 0) return false;
   std::vector<std::size_t> far;
-  std::vector<MarkerObservation> observations;
+  std::vector<MarkerObservation> rest;
   for (std::size_t k = 0, i = 0; k < misfits.size(); ++k) {
     if (!solution_->used[k]) continue;
     constexpr double kHardly = 0.5;
@@ -129,16 +124,15 @@ bool FrameTracker::leaveOutFar(const PhotometricFit& fit) {
     ++i;
     if (pulls || misfits[k].deviations <= mostInPlace()) continue;
     far.push_back(observed_[k]);
-    observations.push_back(*sightings_[observed_[k]].observation);
+    rest.push_back(*sightings_[observed_[k]].observation);
   }
   if (far.empty()) return false;
-  noteAlternative(observations);
+  noteAlternative(rest);
   leaveOut(far);
   return true;
 }
 
-bool FrameTracker::take(const PhotometricFit& fit) {
-  std::vector<Misfit> misfits = misfitsOfObserved(fit);
+bool FrameTracker::take(const PhotometricFit& fit, std::vector<Misfit> misfits) {
   bool are_all_near = true;
   std::vector<bool> used = solution_->used;
   for (std::size_t k = 0; k < misfits.size(); ++k) {

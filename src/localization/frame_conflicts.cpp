@@ -8,6 +8,7 @@
 #include "omnitag/measurement/consensus.h"
 
 namespace omnitag {
+
 void FrameTracker::settleConflicts() {
   if (!solution_ || !has_prior_) return;
   if (is_pushed_) settleWithPrediction();
@@ -44,8 +45,7 @@ void FrameTracker::settleAmongMarkers() {
       std::find(solution_->used.begin(), solution_->used.end(), false) == solution_->used.end();
   if (are_all_used && sharplyAgreeing(solution_->misfits) == count) return;
   const EstimatorConfig& config = tools_.config.estimation;
-  std::vector<MarkerObservation> all;
-  for (const std::size_t i : observed_) all.push_back(*sightings_[i].observation);
+  const std::vector<MarkerObservation> all = observations();
   const Pose& pose = solution_->map_from_base.pose;
   const ImagingError& error = solution_->imaging_error;
   const std::vector<bool> agree =
@@ -74,6 +74,8 @@ void FrameTracker::leaveOutKnown() {
     are_known = are_known || sighting.is_elsewhere;
     are_others = are_others || !sighting.is_elsewhere;
   }
+  // As most often: this is asked several times a frame.
+  if (!tools_.memory.hasElsewhere()) return;
   std::vector<Eigen::Isometry3d> motions;
   for (const DisplacedGroup& group : tools_.memory.displacedGroups()) {
     if (group.motion) motions.push_back(*group.motion);

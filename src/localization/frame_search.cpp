@@ -131,6 +131,15 @@ std::vector<std::size_t> acceptedEntries(const FrameResult& result) {
   return entries;
 }
 
+std::vector<MarkerObservation> acceptedObservations(const FrameResult& result) {
+  std::vector<MarkerObservation> observations;
+  for (const MarkerDetection& detection : result.detections) {
+    if (!detection.accepted) continue;
+    observations.push_back({*detection.map_entry, detection.corners, detection.center});
+  }
+  return observations;
+}
+
 void rejectAccepted(const char* reason, FrameResult* result) {
   for (MarkerDetection& detection : result->detections) {
     if (!detection.accepted) continue;

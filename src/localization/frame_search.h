@@ -33,6 +33,9 @@ bool isInPlace(const MarkerReading& reading, const TrackingTools& tools,
 /// The entries that the frame's pose stands on.
 std::vector<std::size_t> acceptedEntries(const FrameResult& result);
 
+/// The markers that the frame's pose stands on, as they were measured.
+std::vector<MarkerObservation> acceptedObservations(const FrameResult& result);
+
 /// Rejects what was accepted.
 void rejectAccepted(const char* reason, FrameResult* result);
 

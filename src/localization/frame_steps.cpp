@@ -118,6 +118,13 @@ std::optional<MarkerObservation> recognizeMarker(const TrackingTools& tools,
   return recognizePredicted(tools, panorama, camera, belief.pose, *predicted);
 }
 
+std::optional<Pose> otherPose(const TrackingTools& tools, const Marker& marker,
+                              const MountedCamera& camera, const Pose& map_from_base) {
+  return tools.config.motion.isOnFloor()
+             ? mirroredPose(marker, camera, map_from_base)
+             : std::optional(flippedPose(marker, camera, map_from_base));
+}
+
 std::optional<PhotometricFit> alignWithPixels(const TrackingTools& tools, const cv::Mat& panorama,
                                               const MountedCamera& camera,
                                               const std::vector<std::size_t>& entries,
@@ -134,9 +141,7 @@ std::optional<PhotometricFit> alignWithPixels(const TrackingTools& tools, const 
   // A single marker may look almost the same from two sides.
   const Marker& marker = tools.map.markers[entries.front()];
   const Pose& seen_from = fit ? fit->map_from_base.pose : initial;
-  const auto mirrored = tools.config.motion.isOnFloor()
-                            ? mirroredPose(marker, camera, seen_from)
-                            : std::optional(flippedPose(marker, camera, seen_from));
+  const auto mirrored = otherPose(tools, marker, camera, seen_from);
   std::optional<PhotometricFit> other = mirrored ? from(*mirrored) : std::nullopt;
   if (!fit) std::swap(fit, other);
   if (!fit) return std::nullopt;

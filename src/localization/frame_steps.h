@@ -70,6 +70,10 @@ std::optional<MarkerObservation> recognizePredicted(const TrackingTools& tools,
                                                     const Pose& map_from_base,
                                                     const PredictedMarker& predicted);
 
+/// The other pose from which a single marker looks almost the same, if there is one.
+std::optional<Pose> otherPose(const TrackingTools& tools, const Marker& marker,
+                              const MountedCamera& camera, const Pose& map_from_base);
+
 /// A pose aligned with the pixels of the markers at `entries`; nothing where that is not asked for
 /// or not possible.
 std::optional<PhotometricFit> alignWithPixels(const TrackingTools& tools, const cv::Mat& panorama,

@@ -325,14 +325,18 @@ void FrameTracker::decode(const std::vector<std::size_t>& targets, double max_pi
 }
 
 std::optional<PoseSolution> FrameTracker::solutionOfObserved(const PosePrior& prior) {
-  std::vector<MarkerObservation> observations;
   observed_.clear();
   for (std::size_t i = 0; i < sightings_.size(); ++i) {
-    if (!sightings_[i].observation || sightings_[i].is_elsewhere) continue;
-    observations.push_back(*sightings_[i].observation);
-    observed_.push_back(i);
+    if (sightings_[i].observation && !sightings_[i].is_elsewhere) observed_.push_back(i);
   }
-  return estimatePose(tools_.map, camera_, observations, prior, tools_.config.estimation);
+  return estimatePose(tools_.map, camera_, observations(), prior, tools_.config.estimation);
+}
+
+std::vector<MarkerObservation> FrameTracker::observations() const {
+  std::vector<MarkerObservation> observations;
+  observations.reserve(observed_.size());
+  for (const std::size_t i : observed_) observations.push_back(*sightings_[i].observation);
+  return observations;
 }
 
 void FrameTracker::solve() {

@@ -103,6 +103,8 @@ class FrameTracker {
   /// predicted, what moved it is not in the prediction: it counts for less from then on.
   void solve();
   std::optional<PoseSolution> solutionOfObserved(const PosePrior& prior);
+  /// Those of `observed_`.
+  std::vector<MarkerObservation> observations() const;
   /// Where markers lead to another pose than the prediction does, or than others do: keeps to the
   /// prediction or the others, and notes the pose.
   void settleConflicts();
@@ -132,10 +134,10 @@ class FrameTracker {
   /// that agree, and notes the pose of the others. `prior`: before these pushed it.
   bool leaveOutDisagreeing(const PhotometricFit& fit, const PosePrior& prior);
   /// The same of those whose corners are off the pose that the pixels of others tell.
-  bool leaveOutFar(const PhotometricFit& fit);
-  std::vector<Misfit> misfitsOfObserved(const PhotometricFit& fit) const;
+  /// `misfits`: of what was observed, at that pose.
+  bool leaveOutFar(const PhotometricFit& fit, const std::vector<Misfit>& misfits);
   /// Takes an aligned pose, unless corners are off it.
-  bool take(const PhotometricFit& fit);
+  bool take(const PhotometricFit& fit, std::vector<Misfit> misfits);
   void report();
   void reportMissed();
   void addViews();

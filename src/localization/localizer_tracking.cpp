@@ -110,8 +110,9 @@ std::vector<Account> Localizer::track(const Frame& frame, const MountedCamera& c
       accounts.push_back(std::move(child));
     }
   }
-  if (isFarFromStart(account, before))
+  if (isFarFromStart(account, before)) {
     accounts.push_back(stayingAt(predicted, result, {before, {}}));
+  }
   accounts.insert(accounts.begin(), std::move(account));
   return accounts;
 }
@@ -187,17 +188,16 @@ PoseEstimate Localizer::withLag(const Frame& frame, const PoseEstimate& predicte
 
 bool Localizer::markersAgree(const MountedCamera& camera, const PoseEstimate& predicted,
                              const Pose& solution, const FrameResult& result) const {
-  std::vector<MarkerObservation> observations;
-  double worst = 0.0;
-  for (const MarkerDetection& detection : result.detections) {
-    if (!detection.accepted) continue;
-    observations.push_back({*detection.map_entry, detection.corners, detection.center});
-    worst = std::max(worst, detection.deviations);
-  }
   // One or two that the robot was carried toward or away from are nearly where they were.
-  if (result.acceptedMarkers() <= kFew && worst > config_.relocalization.max_misfit_of_one) {
+  const auto isFarOff = [this](const MarkerDetection& detection) {
+    return detection.accepted && detection.deviations > config_.relocalization.max_misfit_of_one;
+  };
+  const auto& detections = result.detections;
+  if (result.acceptedMarkers() <= kFew &&
+      std::any_of(detections.begin(), detections.end(), isFarOff)) {
     return false;
   }
+  const std::vector<MarkerObservation> observations = acceptedObservations(result);
   if (observations.size() == 1) return true;
   const ReprojectionConfig& reprojection = config_.estimation.reprojection;
   const auto fit = refineFromAfar(map_, camera, observations, solution, standing_, reprojection);

@@ -6,16 +6,11 @@
 #include <utility>
 #include <vector>
 
+#include "omnitag/common/rotation.h"
 #include "omnitag/localization/marker_pose.h"
 
 namespace omnitag {
 namespace {
-
-Eigen::Matrix3d crossMatrix(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d matrix;
-  matrix << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return matrix;
-}
 
 /// b_from_a of an estimate of a_from_b. Where that errs by a translation t along a's axes and a
 /// rotation r about b's own, the inverse (R, p) errs by p x r - R t along b's axes, and by

@@ -3,9 +3,7 @@
 #include <vector>
 
 #include "frame_search.h"
-#include "omnitag/localization/marker_pose.h"
 #include "omnitag/localization/motion_model.h"
-#include "omnitag/localization/planar_pose.h"
 
 namespace omnitag {
 namespace {
@@ -27,10 +25,7 @@ PosePrior weakPrior(const Pose& about, const Frame& frame, const LocalizerConfig
 bool isMirrored(const TrackingTools& tools, const MountedCamera& camera,
                 const std::vector<std::size_t>& entries, const Pose& start, const Pose& measured) {
   if (entries.size() > 1) return false;
-  const Marker& marker = tools.map.markers[entries.front()];
-  const auto other = tools.config.motion.isOnFloor()
-                         ? mirroredPose(marker, camera, start)
-                         : std::optional(flippedPose(marker, camera, start));
+  const auto other = otherPose(tools, tools.map.markers[entries.front()], camera, start);
   return other && difference(measured, *other).norm() < difference(measured, start).norm();
 }
 
@@ -48,11 +43,7 @@ std::optional<PoseEstimate> poseOfPixels(const TrackingTools& tools, const Frame
 
 std::optional<PoseEstimate> poseOfCorners(const TrackingTools& tools, const MountedCamera& camera,
                                           const FrameResult& result, const PosePrior& prior) {
-  std::vector<MarkerObservation> observations;
-  for (const MarkerDetection& detection : result.detections) {
-    if (!detection.accepted) continue;
-    observations.push_back({*detection.map_entry, detection.corners, detection.center});
-  }
+  const std::vector<MarkerObservation> observations = acceptedObservations(result);
   const auto solution =
       estimatePose(tools.map, camera, observations, prior, tools.config.estimation);
   if (!solution) return std::nullopt;

@@ -1,10 +1,9 @@
 #include "omnitag/localization/saved_pose.h"
 
 #include <Eigen/Cholesky>
-#include <array>
-#include <cstdio>
 #include <vector>
 
+#include "omnitag/common/format.h"
 #include "omnitag/common/yaml_reader.h"
 
 namespace omnitag {
@@ -12,11 +11,7 @@ namespace {
 
 constexpr int kSize = 6;
 
-std::string number(double value) {
-  std::array<char, 40> text{};
-  std::snprintf(text.data(), text.size(), "%.10g", value);
-  return text.data();
-}
+std::string number(double value) { return format("%.10g", value); }
 
 SavedPose readSavedPose(const YamlReader& reader) {
   reader.allowOnly({"frame_id", "stamp", "pose", "covariance"});
@@ -46,10 +41,8 @@ SavedPose readSavedPose(const YamlReader& reader) {
 
 std::string textOf(const SavedPose& saved) {
   const Pose& pose = saved.map_from_base.pose;
-  std::array<char, 40> stamp{};
-  std::snprintf(stamp.data(), stamp.size(), "%.9f", saved.stamp);
   std::string text = "# Where the robot was last: x, y (m), yaw (rad), z (m), roll, pitch (rad).\n";
-  text += "frame_id: " + saved.map_frame + "\nstamp: " + stamp.data() + "\npose: [" +
+  text += "frame_id: " + saved.map_frame + "\nstamp: " + format("%.9f", saved.stamp) + "\npose: [" +
           number(pose.x) + ", " + number(pose.y) + ", " + number(pose.yaw) + ", " + number(pose.z) +
           ", " + number(pose.roll) + ", " + number(pose.pitch) + "]\ncovariance:\n";
   for (int row = 0; row < kSize; ++row) {

@@ -67,12 +67,7 @@ class Grower {
     more.chi_square = off.dot(prior_.information * off) +
                       (error_ + change->tail<kImagingUnknowns>()).squaredNorm();
     for (std::size_t i = 0; i < markers_.size(); ++i) {
-      if (!more.members[i]) continue;
-      const FrameEquations& equations = *markers_[i];
-      const PoseVector gradient = (equations.gradient - equations.information * *change).head<6>();
-      const PoseMatrix covariance =
-          (equations.by_chance + equations.by_shared).topLeftCorner<6, 6>();
-      more.chi_square += gradient.dot(covariance.ldlt().solve(gradient));
+      if (more.members[i]) more.chi_square += chiSquareOf(*markers_[i], *change);
     }
     return more;
   }

@@ -61,6 +61,16 @@ int possibleErrors(const ImagingError& error) {
   return static_cast<int>((error.array() != 0.0).count());
 }
 
+double chiSquareOf(const FrameEquations& marker, const PoseMatrix& scale,
+                   const FrameVector& change) {
+  const PoseVector gradient = (marker.gradient - marker.information * change).head<6>();
+  return gradient.dot(scale.ldlt().solve(gradient));
+}
+
+double chiSquareOf(const FrameEquations& marker, const FrameVector& change) {
+  return chiSquareOf(marker, (marker.by_chance + marker.by_shared).topLeftCorner<6, 6>(), change);
+}
+
 std::optional<FrameVector> solutionOf(const FrameEquations& equations) {
   const Eigen::LLT<FrameMatrix> factors(equations.information);
   if (factors.info() != Eigen::Success) return std::nullopt;

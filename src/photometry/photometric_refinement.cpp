@@ -30,15 +30,6 @@ Linearization combine(MarkerFitter::Fits fits, const PosePrior& prior, const Ali
   return {std::move(fits), withPriors(markers, prior, alignment.pose, alignment.error)};
 }
 
-/// How badly a marker disagrees about a change of the unknowns, as chi-square with as many degrees
-/// of freedom as a pose has: whatever is wrong with one marker, it seems to hang elsewhere.
-/// `scale`: the covariance that what it asks for should have.
-double chiSquareOf(const FrameEquations& marker, const PoseMatrix& scale,
-                   const FrameVector& change) {
-  const PoseVector gradient = (marker.gradient - marker.information * change).head<6>();
-  return gradient.dot(scale.ldlt().solve(gradient));
-}
-
 /// How much a marker counts where the unknowns change so: one that disagrees with the others, since
 /// something shades it or it hangs farther off than the map says it may, counts less.
 double weightOf(const MarkerFit& fit, const FrameVector& change) {
@@ -177,8 +168,7 @@ Disagreement disagreementOf(const std::vector<std::optional<FrameEquations>>& ma
   int seen = 0;
   for (const std::optional<FrameEquations>& marker : markers) {
     if (!marker) continue;
-    const PoseMatrix covariance = (marker->by_chance + marker->by_shared).topLeftCorner<6, 6>();
-    chi_square += chiSquareOf(*marker, covariance, change);
+    chi_square += chiSquareOf(*marker, change);
     freedom += kUnknowns;
     ++seen;
   }

@@ -29,12 +29,6 @@ struct Hypothesis {
   /// From now on its poses go back to `pose`, or to markers.
   void restart(const std::optional<PosePrior>& pose);
 
-  /// The same robot, something having carried it since the image before.
-  Hypothesis carried(const Evidence& evidence, bool has_odometry) const;
-
-  /// The same images, of a robot that was always elsewhere by a motion in the map.
-  Hypothesis elsewhere(const Eigen::Isometry3d& motion, const Evidence& evidence) const;
-
   /// Natural logarithm of its probability, up to what all hypotheses have in common.
   double logProbability(const Evidence& evidence) const;
 };

@@ -37,6 +37,13 @@ FrameEquations withPriors(const FrameEquations& markers, const PosePrior& prior,
 /// exact, or did not move.
 int possibleErrors(const ImagingError& error);
 
+/// How badly a marker disagrees about a change of the unknowns, as chi-square with as many degrees
+/// of freedom as a pose has: whatever is wrong with one marker, it seems to hang elsewhere.
+/// `scale`: the covariance that what it asks for should have; without, that of what it errs by.
+double chiSquareOf(const FrameEquations& marker, const PoseMatrix& scale,
+                   const FrameVector& change);
+double chiSquareOf(const FrameEquations& marker, const FrameVector& change);
+
 /// The change that solves equations with their priors; nothing where they leave something open.
 std::optional<FrameVector> solutionOf(const FrameEquations& equations);
 
