@@ -7,6 +7,7 @@
 
 #include "frame_search.h"
 #include "frame_steps.h"
+#include "omnitag/localization/displacement.h"
 
 namespace omnitag {
 namespace {
@@ -147,6 +148,19 @@ PoseEstimate covering(const PoseEstimate& pose, const PoseEstimate& other, doubl
   return wider;
 }
 
+/// The poses of the accounts, and how probable each of these is.
+std::vector<WeightedPose> weighted(const std::vector<Account>& accounts) {
+  double sum = 0.0;
+  std::vector<WeightedPose> poses;
+  for (const Account& account : accounts) {
+    const double odds = std::exp(account.log_probability - accounts.front().log_probability);
+    sum += odds;
+    if (account.result.map_from_base) poses.push_back({*account.result.map_from_base, odds});
+  }
+  for (WeightedPose& pose : poses) pose.probability /= sum;
+  return poses;
+}
+
 }  // namespace
 
 std::vector<Account> judged(std::vector<Account> accounts, const MountedCamera& camera,
@@ -178,7 +192,13 @@ FrameResult reported(const std::vector<Account>& accounts, const MarkerMap& map,
                      const EvidenceConfig& config) {
   const Account& best = accounts.front();
   FrameResult result = best.result;
-  if (accounts.size() == 1) return result;
+  result.hypotheses = weighted(accounts);
+  if (accounts.size() == 1) {
+    for (const DisplacedGroup& group : best.hypothesis.memory.displacedGroups()) {
+      if (const auto moved = displacement(map, group)) result.displaced_groups.push_back(*moved);
+    }
+    return result;
+  }
   result.is_open = true;
   const std::vector<std::size_t> accepted = acceptedEntries(result);
   for (auto other = accounts.begin() + 1; other != accounts.end(); ++other) {

@@ -25,6 +25,17 @@ std::optional<DisplacedMarker> displacement(const MarkerMap& map, const MountedC
   return nearest;
 }
 
+std::optional<GroupDisplacement> displacement(const MarkerMap& map, const DisplacedGroup& group) {
+  if (!group.motion || group.entries.size() < 2) return std::nullopt;
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const std::size_t entry : group.entries) {
+    middle += map.markers[entry].center() / static_cast<double>(group.entries.size());
+  }
+  // What takes the poses to where the markers would be right takes the markers the other way.
+  const Eigen::Isometry3d moved = group.motion->inverse();
+  return GroupDisplacement{group.entries, moved * middle - middle, Pose::fromIsometry(moved).yaw};
+}
+
 void DisplacementLog::add(const FrameResult& result) {
   for (const MarkerDetection& detection : result.detections) {
     if (detection.accepted) sightings_.erase(*detection.map_entry);

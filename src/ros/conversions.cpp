@@ -197,6 +197,11 @@ LocalizationStatus toMessage(const std_msgs::Header& header, const FrameResult& 
   message.height = result.map_from_base ? result.map_from_base->pose.z : kNaN;
   message.roll = result.map_from_base ? result.map_from_base->pose.roll : kNaN;
   message.pitch = result.map_from_base ? result.map_from_base->pose.pitch : kNaN;
+  for (const WeightedPose& hypothesis : result.hypotheses) {
+    const Pose& pose = hypothesis.map_from_base.pose;
+    message.hypotheses.push_back(toMessage(result.is_on_floor ? pose.onFloor() : pose));
+    message.probabilities.push_back(hypothesis.probability);
+  }
   message.markers_predicted = static_cast<std::uint32_t>(result.predicted.size());
   message.markers_detected = static_cast<std::uint32_t>(result.detections.size());
   message.markers_used = static_cast<std::uint32_t>(result.acceptedMarkers());

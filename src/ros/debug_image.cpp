@@ -46,6 +46,17 @@ std::string shortened(std::string text, std::size_t length) {
   return text;
 }
 
+/// How probable each of several poses is: "60 : 40 %"; empty where there is but one.
+std::string oddsOf(const std::vector<WeightedPose>& hypotheses) {
+  if (hypotheses.size() < 2) return "";
+  std::string text;
+  for (const WeightedPose& hypothesis : hypotheses) {
+    text += text.empty() ? "" : " : ";
+    text += std::to_string(std::lround(1e2 * hypothesis.probability));
+  }
+  return text + " %";
+}
+
 cv::Scalar colorOf(const MarkerDetection* detection) {
   if (detection == nullptr) return kGray;
   return detection->accepted ? kGreen : kOrange;
@@ -204,6 +215,9 @@ void DebugImagePainter::paintTitle(const FrameResult& result, cv::Mat* canvas) {
   std::snprintf(words.data(), words.size(), "%d%s markers   %.0f ms", result.acceptedMarkers(),
                 of.c_str(), 1e3 * result.timings.total);
   pen.x = writeText(words.data(), pen, kWhite, kTextSize, canvas) + 2 * kMargin;
+  if (const std::string odds = oddsOf(result.hypotheses); !odds.empty()) {
+    pen.x = writeText(odds, pen, kYellow, kTextSize, canvas) + 2 * kMargin;
+  }
   if (!has_pose) {
     writeText(result.remark, pen, color, kTextSize, canvas);
     return;

@@ -142,6 +142,30 @@ void addCovariance(const std::string& frame, const PoseEstimate& estimate, doubl
   markers->push_back(label);
 }
 
+/// An arrow at each pose that the robot may have, the fainter the less probable it is. There is but
+/// one where nothing is open.
+void addHypotheses(const std::string& frame, const std::vector<WeightedPose>& hypotheses,
+                   double robot_radius, RvizMarkers* markers) {
+  if (hypotheses.size() < 2) return;
+  int id = 0;
+  for (const WeightedPose& hypothesis : hypotheses) {
+    const Pose pose = hypothesis.map_from_base.pose;
+    const double opacity = 0.2 + 0.8 * hypothesis.probability;
+    const std_msgs::ColorRGBA pink = color(0.95, 0.35, 0.75, opacity);
+    RvizMarker arrow = rvizMarker(frame, "hypotheses", RvizMarker::ARROW, pink);
+    arrow.id = id++;
+    arrow.pose = toMessage(pose);
+    arrow.scale.x = 3.0 * robot_radius;
+    arrow.scale.y = arrow.scale.z = 0.4 * robot_radius;
+    std::array<char, 20> percent{};
+    std::snprintf(percent.data(), percent.size(), "%.0f %%", 1e2 * hypothesis.probability);
+    RvizMarker label = text(frame, "hypotheses", {pose.x, pose.y, pose.z + 2.0 * kTextHeight},
+                            percent.data(), pink);
+    label.id = id++;
+    markers->insert(markers->end(), {arrow, label});
+  }
+}
+
 /// Over the middle of the map, why there is no robot to be seen.
 RvizMarker whyLost(const std::string& frame, const std::string& remark, const MarkerMap& map) {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
@@ -172,6 +196,7 @@ visualization_msgs::MarkerArray FrameMarkers::draw(const LocalizedImage& localiz
   } else {
     array.markers.push_back(whyLost(map_frame_, localized.result.remark, map));
   }
+  addHypotheses(map_frame_, localized.result.hypotheses, robot_radius_, &array.markers);
 
   std::set<std::pair<std::string, int>> shown;
   for (RvizMarker& marker : array.markers) {

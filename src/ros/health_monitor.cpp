@@ -4,11 +4,13 @@
 #include <boost/algorithm/string/join.hpp>
 #include <cmath>
 #include <iomanip>
+#include <set>
 #include <sstream>
 #include <utility>
 
 #include "omnitag/common/angle.h"
 #include "omnitag/localization/localizer.h"
+#include "omnitag/marker/marker_selection.h"
 
 namespace omnitag {
 namespace {
@@ -121,18 +123,28 @@ void HealthMonitor::localized(const LocalizationStatus& status, const FrameResul
   update(&advice_, boost::algorithm::join(status.advice, "; "),
          "images, map and camera agree again");
   displacements_.add(result);
-  update(&marker_map_, describe(displacements_.persistent()),
+  update(&marker_map_, describe(result.displaced_groups, displacements_.persistent()),
          "all markers that are read hang where the map has them");
 }
 
-std::string HealthMonitor::describe(const std::vector<DisplacedMarker>& displaced) const {
+std::string HealthMonitor::describe(const std::vector<GroupDisplacement>& groups,
+                                    const std::vector<DisplacedMarker>& displaced) const {
   std::ostringstream text;
   text << std::fixed << std::setprecision(2);
+  std::set<std::size_t> told;
+  for (const GroupDisplacement& group : groups) {
+    text << (text.tellp() > 0 ? "; " : "") << "markers ";
+    for (const std::size_t entry : group.entries) {
+      text << (entry == group.entries.front() ? "" : ", ") << displayName(map_.markers[entry]);
+    }
+    text << " were moved as one, by (" << group.shift.x() << ", " << group.shift.y() << ", "
+         << group.shift.z() << ") m and " << degrees(group.turn) << " deg";
+    told.insert(group.entries.begin(), group.entries.end());
+  }
   for (const DisplacedMarker& each : displaced) {
-    const Marker& marker = map_.markers[each.map_entry];
-    text << (text.tellp() > 0 ? "; " : "") << "marker " << marker.id;
-    if (!marker.name.empty()) text << " (" << marker.name << ")";
-    text << " is " << each.distance << " m from where the map has it";
+    if (told.count(each.map_entry) > 0) continue;
+    text << (text.tellp() > 0 ? "; " : "") << "marker " << displayName(map_.markers[each.map_entry])
+         << " is " << each.distance << " m from where the map has it";
   }
   return text.str();
 }

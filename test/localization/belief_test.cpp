@@ -158,6 +158,15 @@ TEST_F(BeliefTest, ARobotThatWasAlwaysElsewhereTakesItsMarkersWithIt) {
   // By which they hang in their places again as from where the robot seemed to be.
   const Pose back = Pose::fromIsometry(*groups.front().motion * there_.toIsometry());
   EXPECT_LT(difference(back, here_).norm(), 1e-9);
+
+  // Their middle went where it is seen from where the robot is.
+  const FrameResult result = reported(kept, map_, EvidenceConfig());
+  ASSERT_EQ(result.displaced_groups.size(), 1U);
+  const Eigen::Vector3d middle = 0.5 * (map_.markers[0].center() + map_.markers[1].center());
+  const Eigen::Vector3d seen = here_.toIsometry().inverse() * middle;
+  const GroupDisplacement& moved = result.displaced_groups.front();
+  EXPECT_LT((moved.shift - (there_.toIsometry() * seen - middle)).norm(), 1e-9);
+  EXPECT_NEAR(moved.turn, there_.yaw - here_.yaw, 1e-9);
 }
 
 TEST_F(BeliefTest, AnOpenPoseCoversTheOther) {
@@ -171,6 +180,11 @@ TEST_F(BeliefTest, AnOpenPoseCoversTheOther) {
   const FrameResult result = reported(kept, map_, config);
   ASSERT_TRUE(result.map_from_base);
   EXPECT_TRUE(result.is_open);
+  ASSERT_EQ(result.hypotheses.size(), 2U);
+  EXPECT_GE(result.hypotheses[0].probability, result.hypotheses[1].probability);
+  EXPECT_NEAR(result.hypotheses[0].probability + result.hypotheses[1].probability, 1.0, 1e-9);
+  EXPECT_NEAR(std::log(result.hypotheses[0].probability / result.hypotheses[1].probability),
+              kept[0].log_probability - kept[1].log_probability, 1e-9);
   for (const Account& account : kept) {
     const Eigen::Vector2d off =
         difference(account.result.map_from_base->pose, result.map_from_base->pose).head<2>();

@@ -163,6 +163,11 @@ TEST(Conversions, Status) {
   result.detections.resize(3);
   result.detections[0].accepted = true;
   result.timings.decode = 0.025;
+  result.hypotheses.resize(2);
+  result.hypotheses[0].probability = 0.7;
+  result.hypotheses[1].probability = 0.2;
+  result.hypotheses[1].map_from_base.pose.x = 3.0;
+  result.hypotheses[1].map_from_base.pose.z = 0.01;
   const LocalizationStatus message = toMessage(std_msgs::Header(), result);
   EXPECT_EQ(message.mode, LocalizationStatus::DEAD_RECKONING);
   EXPECT_TRUE(message.has_pose);
@@ -170,6 +175,10 @@ TEST(Conversions, Status) {
   EXPECT_EQ(message.markers_detected, 3U);
   EXPECT_EQ(message.markers_used, 1U);
   EXPECT_DOUBLE_EQ(message.decode_ms, 25.0);
+  ASSERT_EQ(message.hypotheses.size(), 2U);
+  EXPECT_DOUBLE_EQ(message.hypotheses[1].position.x, 3.0);
+  EXPECT_DOUBLE_EQ(message.hypotheses[1].position.z, 0.0) << "on a floor";
+  EXPECT_EQ(message.probabilities, (std::vector<double>{0.7, 0.2}));
 }
 
 }  // namespace

@@ -13,11 +13,11 @@ namespace {
 
 using diagnostic_msgs::DiagnosticStatus;
 
-MarkerMap oneMarker() {
+MarkerMap threeMarkers() {
   MarkerMap map;
   map.frame_id = "map";
-  map.markers.resize(1);
-  map.markers[0].id = 7;
+  map.markers.resize(3);
+  for (int i = 0; i < 3; ++i) map.markers[i].id = 7 + i;
   return map;
 }
 
@@ -26,7 +26,7 @@ class HealthMonitorTest : public testing::Test {
   HealthMonitorTest()
       : private_node_("~"),
         input_(node_, private_node_, "raw", 1),
-        monitor_(node_, private_node_, input_, oneMarker()),
+        monitor_(node_, private_node_, input_, threeMarkers()),
         subscriber_(node_.subscribe("/diagnostics", 10, &HealthMonitorTest::onReports, this)) {}
 
   /// What is reported from now on, by the end of a task's name.
@@ -62,11 +62,22 @@ TEST_F(HealthMonitorTest, ForgetsDisplacedMarkersWhereTheLocalizerStartsAnew) {
   for (int i = 0; i < 3; ++i) monitor_.localized(LocalizationStatus(), displaced, "");
   const DiagnosticStatus before = nextReport("marker map");
   EXPECT_EQ(before.level, DiagnosticStatus::WARN);
-  EXPECT_EQ(before.message, "marker 7 is 0.40 m from where the map has it");
+  EXPECT_EQ(before.message, "marker tag36h11:7 is 0.40 m from where the map has it");
 
   monitor_.startedAnew();
   monitor_.localized(LocalizationStatus(), FrameResult(), "");
   EXPECT_EQ(nextReport("marker map").level, DiagnosticStatus::OK);
+}
+
+TEST_F(HealthMonitorTest, MarkersThatWereMovedAsOneAreToldAsOne) {
+  FrameResult result;
+  result.displaced = {{0, 0.4}, {1, 0.5}, {2, 0.4}};
+  result.displaced_groups = {{{0, 2}, {0.4, -0.12, 0.0}, 0.1}};
+  for (int i = 0; i < 3; ++i) monitor_.localized(LocalizationStatus(), result, "");
+  EXPECT_EQ(
+      nextReport("marker map").message,
+      "markers tag36h11:7, tag36h11:9 were moved as one, by (0.40, -0.12, 0.00) m and 5.73 deg; "
+      "marker tag36h11:8 is 0.50 m from where the map has it");
 }
 
 TEST_F(HealthMonitorTest, WarnsOfImagesThatAreLateWhileTheyAre) {

@@ -94,6 +94,31 @@ TEST(FrameMarkers, EllipseHasThreeStandardDeviations) {
   EXPECT_NEAR(y, 6e-3, 1e-5);
 }
 
+TEST(FrameMarkers, ShowAllPosesWhereSeveralArePossible) {
+  FrameMarkers frame_markers("map", 0.2);
+  LocalizedImage localized = localizedImage();
+  WeightedPose likely{*localized.result.map_from_base, 0.75};
+  WeightedPose other = likely;
+  other.map_from_base.pose.x = 4.0;
+  other.probability = 0.25;
+  localized.result.hypotheses = {likely};
+  EXPECT_EQ(byNamespace(frame_markers.draw(localized, twoMarkers())).count("hypotheses"), 0U);
+
+  localized.result.hypotheses = {likely, other};
+  std::vector<visualization_msgs::Marker> arrows;
+  std::vector<std::string> words;
+  for (const auto& marker : frame_markers.draw(localized, twoMarkers()).markers) {
+    if (marker.ns != "hypotheses") continue;
+    if (marker.type == visualization_msgs::Marker::ARROW) arrows.push_back(marker);
+    if (!marker.text.empty()) words.push_back(marker.text);
+  }
+  ASSERT_EQ(arrows.size(), 2U);
+  EXPECT_NEAR(arrows[0].pose.position.x, 1.0, 1e-12);
+  EXPECT_NEAR(arrows[1].pose.position.x, 4.0, 1e-12);
+  EXPECT_GT(arrows[0].color.a, arrows[1].color.a);
+  EXPECT_EQ(words, (std::vector<std::string>{"75 %", "25 %"}));
+}
+
 TEST(FrameMarkers, RemovesWhatIsGone) {
   FrameMarkers frame_markers("map", 0.2);
   LocalizedImage localized = localizedImage();

@@ -8,6 +8,7 @@
 
 #include "omnitag/camera/mounted_camera.h"
 #include "omnitag/localization/frame_result.h"
+#include "omnitag/localization/marker_memory.h"
 #include "omnitag/localization/observation.h"
 #include "omnitag/localization/pose_estimator.h"
 #include "omnitag/marker/marker_map.h"
@@ -23,6 +24,9 @@ std::optional<DisplacedMarker> displacement(const MarkerMap& map, const MountedC
                                             const MarkerObservation& observation,
                                             const Pose& map_from_base, const PosePrior& standing,
                                             const EstimatorConfig& config);
+
+/// By how much a group of two markers or more was moved as one; nothing where that is not known.
+std::optional<GroupDisplacement> displacement(const MarkerMap& map, const DisplacedGroup& group);
 
 /// Which markers the map has at a wrong place, as frame after frame says.
 class DisplacementLog {

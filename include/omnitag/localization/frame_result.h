@@ -83,6 +83,21 @@ struct DisplacedMarker {
   double distance = 0.0;
 };
 
+/// Markers that seem to have been moved as one.
+struct GroupDisplacement {
+  std::vector<std::size_t> entries;
+  /// m, of their middle, from where the map has it.
+  Eigen::Vector3d shift;
+  /// rad, about the map's z.
+  double turn = 0.0;
+};
+
+/// A pose that the robot may have, and the probability that it has it.
+struct WeightedPose {
+  PoseEstimate map_from_base;
+  double probability = 1.0;
+};
+
 /// Wall-clock seconds that the steps of a frame took.
 struct Timings {
   double predict = 0.0;
@@ -137,6 +152,11 @@ struct FrameResult {
   std::vector<cv::Mat> view_images;
   std::vector<MarkerDetection> detections;
   std::vector<DisplacedMarker> displaced;
+  /// Groups of two markers or more, where no other hypothesis is left.
+  std::vector<GroupDisplacement> displaced_groups;
+  /// Of the hypotheses that have a pose, the likeliest first. What their probabilities lack to 1 is
+  /// that it is none of these.
+  std::vector<WeightedPose> hypotheses;
   /// All that was decoded where unknown markers are looked for (LocalizerConfig::exploring_views),
   /// whether the map has it or not. A marker that both a glance and a view read is there twice, and
   /// the view of a glance's reading is none of `views`.

@@ -15,7 +15,8 @@ namespace omnitag {
 /// pose can be trusted. Each kind has a namespace of its own, so that RViz can hide it:
 /// `robot`; `predicted`, `accepted` and `rejected` lines from the camera to the markers; `reasons`
 /// of the rejections; `covariance`, the true 3-sigma ellipse of the position with its size in
-/// words; `covariance_enlarged`, the same ellipse where the true one is too small to be seen.
+/// words; `covariance_enlarged`, the same ellipse where the true one is too small to be seen;
+/// `hypotheses`, arrows with their probabilities where the robot may be at several poses.
 class FrameMarkers {
  public:
   /// `robot_radius`: m, of the body that stands for the robot.

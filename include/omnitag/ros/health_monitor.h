@@ -65,7 +65,9 @@ class HealthMonitor {
   void reportTransforms(Report& report);
   void reportLocalization(Report& report);
   void reportMap(Report& report);
-  std::string describe(const std::vector<DisplacedMarker>& displaced) const;
+  /// In words, which markers hang elsewhere: as groups that were moved as one, and alone.
+  std::string describe(const std::vector<GroupDisplacement>& groups,
+                       const std::vector<DisplacedMarker>& displaced) const;
   /// Complains of a problem; an empty one is none.
   void update(Subject* subject, const std::string& problem, const std::string& all_is_well,
               ros::console::Level level = ros::console::levels::Warn);
