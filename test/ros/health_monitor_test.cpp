@@ -17,7 +17,10 @@ MarkerMap threeMarkers() {
   MarkerMap map;
   map.frame_id = "map";
   map.markers.resize(3);
-  for (int i = 0; i < 3; ++i) map.markers[i].id = 7 + i;
+  for (int i = 0; i < 3; ++i) {
+    map.markers[i].family = "tag36h11";
+    map.markers[i].id = 7 + i;
+  }
   return map;
 }
 
