@@ -89,7 +89,7 @@ set(precompiled_ros_headers ${precompiled_headers}
   <tf2/buffer_core.h>
   <visualization_msgs/MarkerArray.h>
 )
-if(OMNITAG_PCH STREQUAL ALL)
+if(OMNITAG_PCH AND NOT OMNITAG_PCH STREQUAL TESTS)
   # CMake would give each library a macro of its own, which no header reads.
   set_target_properties(omnitag_ros omnitag_nodelet PROPERTIES DEFINE_SYMBOL "")
   target_precompile_headers(omnitag_ros PRIVATE ${precompiled_ros_headers})

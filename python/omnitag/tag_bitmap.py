@@ -1,15 +1,20 @@
-"""Tag patterns, as the installed AprilTag library draws them."""
+"""Tag patterns, as the installed AprilTag library draws them, and OpenCV its ArUco markers."""
 
 import ctypes
 import functools
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 
 from omnitag.command_line import InputError
 
+_ARUCO = tuple("DICT_{0}X{0}_{1}".format(side, count)
+               for side in (4, 5, 6, 7) for count in (50, 100, 250, 1000)) + (
+    "DICT_ARUCO_ORIGINAL", "DICT_APRILTAG_16h5", "DICT_APRILTAG_25h9", "DICT_APRILTAG_36h10",
+    "DICT_APRILTAG_36h11", "DICT_ARUCO_MIP_36h12")
 FAMILIES = ("tag16h5", "tag25h9", "tag36h10", "tag36h11", "tagCircle21h7", "tagCircle49h12",
-            "tagCustom48h12", "tagStandard41h12", "tagStandard52h13")
+            "tagCustom48h12", "tagStandard41h12", "tagStandard52h13") + _ARUCO
 
 
 class _FamilyStruct(ctypes.Structure):
@@ -63,8 +68,6 @@ def _library() -> ctypes.CDLL:
 @functools.lru_cache(maxsize=None)
 def _family_pointer(name: str):
     # Families are never destroyed: there are nine, and they serve until the program ends.
-    if name not in FAMILIES:
-        raise InputError("family: expected one of {}, found {!r}".format(", ".join(FAMILIES), name))
     create = getattr(_library(), name + "_create", None)
     if create is None:
         raise InputError("family: the installed AprilTag library has no {}".format(name))
@@ -74,8 +77,30 @@ def _family_pointer(name: str):
 
 
 @functools.lru_cache(maxsize=None)
+def _aruco_dictionary(name: str):
+    number = getattr(cv2.aruco, name, None)
+    if number is None:
+        raise InputError("family: the installed OpenCV has no {}".format(name))
+    return cv2.aruco.getPredefinedDictionary(number)
+
+
+def _aruco_modules(family: TagFamily, tag_id: int) -> np.ndarray:
+    # Named otherwise before OpenCV 4.7.
+    draw = getattr(cv2.aruco, "generateImageMarker", None) or cv2.aruco.drawMarker
+    # One pixel for each module, with the black border and without the white one around it.
+    drawing = draw(_aruco_dictionary(family.name), tag_id, family.width_at_border)
+    return np.pad(drawing > 127, 1, constant_values=True)
+
+
+@functools.lru_cache(maxsize=None)
 def tag_family(name: str) -> TagFamily:
-    """The family of that name; raises InputError where the library has none."""
+    """The family of that name; raises InputError where the libraries have none."""
+    if name not in FAMILIES:
+        raise InputError("family: expected one of {}, found {!r}".format(", ".join(FAMILIES), name))
+    if name in _ARUCO:
+        dictionary = _aruco_dictionary(name)
+        return TagFamily(name, len(dictionary.bytesList), dictionary.markerSize + 2,
+                         dictionary.markerSize + 4)
     family = _family_pointer(name).contents
     return TagFamily(name, int(family.ncodes), int(family.width_at_border),
                      int(family.total_width))
@@ -87,6 +112,8 @@ def tag_bitmap(family_name: str, tag_id: int) -> TagBitmap:
     if not 0 <= tag_id < family.number_of_ids:
         raise InputError("id: expected 0 to {} in {}, found {}".format(
             family.number_of_ids - 1, family_name, tag_id))
+    if family_name in _ARUCO:
+        return TagBitmap(family, tag_id, _aruco_modules(family, tag_id))
     pointer = _library().apriltag_to_image(_family_pointer(family_name), tag_id)
     image = pointer.contents
     pixels = np.ctypeslib.as_array(image.buf, shape=(image.height, image.stride))

@@ -16,6 +16,7 @@
 #include <array>
 #include <set>
 
+#include "aruco_family.h"
 #include "omnitag/common/error.h"
 #include "omnitag/marker/tag_family.h"
 
@@ -48,12 +49,14 @@ AprilTagFamily createAprilTagFamily(const std::string& name) {
   for (const FamilyFunctions& family : kFamilies) {
     if (name == family.name) return {family.create(), family.destroy};
   }
-  throw InputError("expected a tag family of the AprilTag library, found '" + name + "'");
+  if (arucoDictionaries().count(name) > 0) return createArucoFamily(name);
+  throw InputError("expected a family of the AprilTag library or a dictionary of OpenCV, found '" +
+                   name + "'");
 }
 
 const std::set<std::string>& tagFamilies() {
   static const std::set<std::string> names = [] {
-    std::set<std::string> result;
+    std::set<std::string> result = arucoDictionaries();
     for (const FamilyFunctions& family : kFamilies) result.insert(family.name);
     return result;
   }();
@@ -61,6 +64,7 @@ const std::set<std::string>& tagFamilies() {
 }
 
 int tagCount(const std::string& family) {
+  if (arucoDictionaries().count(family) > 0) return arucoCount(family);
   return static_cast<int>(createAprilTagFamily(family)->ncodes);
 }
 

@@ -2,15 +2,16 @@
 
 #include <apriltag/apriltag.h>
 
+#include <functional>
 #include <memory>
 #include <string>
 
 namespace omnitag {
 
-/// A family of the AprilTag library.
-using AprilTagFamily = std::unique_ptr<apriltag_family_t, void (*)(apriltag_family_t*)>;
+/// A family as the AprilTag library takes it.
+using AprilTagFamily = std::unique_ptr<apriltag_family_t, std::function<void(apriltag_family_t*)>>;
 
-/// Throws InputError for a family that the library does not have.
+/// Throws InputError for an unknown family.
 AprilTagFamily createAprilTagFamily(const std::string& name);
 
 }  // namespace omnitag

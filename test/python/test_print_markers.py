@@ -4,6 +4,7 @@ import zlib
 
 from source_tree import FileTest
 
+import cv2
 import numpy as np
 from omnitag.tag_bitmap import FAMILIES, tag_bitmap, tag_family
 
@@ -35,8 +36,24 @@ class TagBitmapTest(FileTest):
         np.testing.assert_array_equal(tag_bitmap("tag36h11", 0).modules,
                                       white_modules_of_tag36h11_0())
 
+    def test_aruco_is_read_as_it_is_drawn(self):
+        # By OpenCV's detector, which looks at the picture alone.
+        parameters = (cv2.aruco.DetectorParameters() if hasattr(cv2.aruco, "ArucoDetector")
+                      else cv2.aruco.DetectorParameters_create())
+        for name, tag_id in (("DICT_4X4_50", 17), ("DICT_5X5_100", 23), ("DICT_6X6_250", 111),
+                             ("DICT_7X7_1000", 999), ("DICT_ARUCO_ORIGINAL", 1000)):
+            modules = np.pad(tag_bitmap(name, tag_id).modules, 2, constant_values=True)
+            picture = np.kron(255 * modules.astype(np.uint8), np.ones((20, 20), np.uint8))
+            dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, name))
+            corners, ids, _ = cv2.aruco.detectMarkers(picture, dictionary, parameters=parameters)
+            self.assertEqual(ids.ravel().tolist(), [tag_id], name)
+            # The first is the upper left one of the upright marker.
+            np.testing.assert_allclose(corners[0][0][0], (59.5, 59.5), atol=1.0)
+
     def test_every_family_draws(self):
         for name in FAMILIES:
+            if name.startswith("DICT_") and not hasattr(cv2.aruco, name):
+                continue
             bitmap = tag_bitmap(name, tag_family(name).number_of_ids - 1)
             self.assertEqual(bitmap.modules.shape, (bitmap.family.total_width,) * 2)
 

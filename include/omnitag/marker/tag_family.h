@@ -5,7 +5,8 @@
 
 namespace omnitag {
 
-/// The names of all families of the installed AprilTag library that maps can use.
+/// The names of all families that maps can use: those of the installed AprilTag library, and
+/// OpenCV's ArUco dictionaries.
 const std::set<std::string>& tagFamilies();
 
 /// How many ids a family has; throws InputError for an unknown family.
