@@ -218,11 +218,11 @@ void HealthMonitor::reportLocalization(Report& report) {
   report.add("markers predicted", last_status_->markers_predicted);
   report.add("markers detected", last_status_->markers_detected);
   report.add("markers used", last_status_->markers_used);
-  report.add("milliseconds per image", last_status_->total_ms);
+  report.addf("milliseconds per image", "%.1f", 1e3 * last_status_->total_time);
   report.addf("age of the image", "%.3f s", last_status_->image_age);
   report.addf("residuals, compared with what is expected", "%.2f", last_status_->residual_ratio);
   report.addf("blur", "%.2f pixels", last_status_->blur);
-  report.addf("turn during the exposure", "%.2f deg", last_status_->blur_turn);
+  report.addf("turn during the exposure", "%.2f deg", degrees(last_status_->blur_turn));
   report.add("exposure", last_status_->exposure.empty() ? "good" : last_status_->exposure);
   if (last_pose_) {
     report.addf("position", "%.3f m, %.3f m", last_pose_->pose.x, last_pose_->pose.y);
