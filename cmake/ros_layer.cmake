@@ -121,6 +121,7 @@ catkin_install_python(PROGRAMS
   tools/disturb_files
   tools/evaluate_map
   tools/evaluate_trajectory
+  tools/make_film
   tools/mirror_mesh
   tools/print_markers
   tools/random_route
