@@ -14,10 +14,10 @@ namespace {
 
 /// `camera_info` where it is remapped, else the one beside the images.
 std::string infoTopic(const ros::NodeHandle& node) {
-  constexpr bool kRemap = true;
-  const std::string remapped = node.resolveName("camera_info", kRemap);
-  if (remapped != node.resolveName("camera_info", !kRemap)) return remapped;
-  return image_transport::getCameraInfoTopic(node.resolveName("image", kRemap));
+  constexpr bool kWithRemapping = false;
+  const std::string info = node.resolveName("camera_info");
+  const bool is_remapped = info != node.resolveName("camera_info", kWithRemapping);
+  return is_remapped ? info : image_transport::getCameraInfoTopic(node.resolveName("image"));
 }
 
 }  // namespace
