@@ -224,6 +224,12 @@ class LocalizeBagTest(unittest.TestCase):
         expected = read_text(self.path("out.tum"))
         self.assert_runs(output=self.path("out.bag"))
         self.assertEqual(read_text(self.path("out.tum")), expected)
+        # The output is a recording, too; what is painted there is no image of the camera.
+        self.assert_runs(bag=self.path("out.bag"), output=self.path("again.bag"))
+        self.assertEqual(read_text(self.path("out.tum")), expected)
+        counts = [len([1 for topic, _, _ in read_bag(self.path(name)) if topic != "/tf"])
+                  for name in ("out.bag", "again.bag")]
+        self.assertEqual(*counts)
 
     def test_several_bags(self):
         self.assert_runs(poses=self.path("all.csv"))

@@ -62,13 +62,18 @@ std::map<std::string, std::string> topicsOf(const Bags& bags) {
   return topics;
 }
 
+/// What the localizer has painted.
+bool isDebugImage(const std::string& topic) {
+  return endsWith(topic, "/debug_image") || endsWith(topic, "/debug_image" + kCompressed);
+}
+
 std::vector<std::string> imageTopicsOf(const std::map<std::string, std::string>& topics) {
   std::vector<std::string> names;
   for (const auto& [topic, type] : topics) {
     const bool is_raw = type == "sensor_msgs/Image";
     const bool is_compressed =
         type == "sensor_msgs/CompressedImage" && !endsWith(topic, kCompressedDepth);
-    if (is_raw || is_compressed) names.push_back(topic);
+    if ((is_raw || is_compressed) && !isDebugImage(topic)) names.push_back(topic);
   }
   return names;
 }

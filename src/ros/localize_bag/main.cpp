@@ -115,8 +115,10 @@ void openOutput(const BagOptions& options, const LocalizerParameters& parameters
   output->emplace(options.output, parameters, localizer, sends_tf);
 }
 
+/// Throws InputError where a part is asked for that has no images.
 void checkSpan(const BagOptions& options, const BagInput& input) {
-  if (input.imageCount() > 0) return;
+  const bool is_part = options.span.from > 0.0 || std::isfinite(options.span.until);
+  if (!is_part || input.imageCount() > 0) return;
   throw InputError("--from, --until: expected a part of the recording with images, found none in " +
                    boost::algorithm::join(options.bags, ", "));
 }

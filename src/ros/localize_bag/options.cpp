@@ -18,9 +18,8 @@ const char* const kUsage =
     "[options]\n"
     "\n"
     "Runs the localizer over every image of a bag, as fast as it can and with the same result\n"
-    "every time. Transforms come from the bag's /tf and /tf_static. Several bags are taken one "
-    "after\n"
-    "another, as given; transforms of one count for all. Needs no roscore.\n";
+    "every time. Transforms come from the bag's /tf and /tf_static. Several bags are taken in the\n"
+    "order in which they are given; transforms of one count for all. Needs no roscore.\n";
 
 /// Of an option in seconds.
 double checkedSeconds(const char* option, double seconds) {
@@ -86,9 +85,8 @@ std::optional<BagOptions> parseOptions(int argc, char** argv) {
       "poses", textOption(&options.poses, "OUT.csv"), "every frame with its covariance and mode")(
       "detections", textOption(&options.detections, "OUT.csv"), "every marker that was read")(
       "output", textOption(&options.output, "OUT.bag"),
-      "the bag's messages and, with them, what the localizer publishes on a robot; of "
-      "/debug_image\n"
-      "the compressed topic")(
+      "the bag's messages and, with them, what the localizer publishes on a robot, with "
+      "/debug_image compressed")(
       "save-map", textOption(&options.mapped, "OUT.yaml"),
       "map unknown markers, as with the parameter mapping, and write the map with them");
   if (!parseCommandLine(argc, argv, kUsage, description)) return std::nullopt;
