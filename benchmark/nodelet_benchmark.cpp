@@ -135,7 +135,7 @@ class Listener {
     if (status->has_pose != 0) ++answers_.poses;
     answers_.dropped = status->images_dropped;
     if (answers_.all > kWarmUp && answers_.all < kFrames) {
-      answers_.within.push_back(status->total_ms);
+      answers_.within.push_back(1e3 * status->total_time);
     }
   }
 

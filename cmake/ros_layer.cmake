@@ -111,7 +111,7 @@ install(TARGETS localizer_node localize_bag build_map calibrate_camera
 install(DIRECTORY include/${PROJECT_NAME}/
   DESTINATION ${CATKIN_PACKAGE_INCLUDE_DESTINATION}
 )
-install(DIRECTORY bags config launch maps worlds
+install(DIRECTORY bags config launch maps meshes urdf worlds
   DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION}
 )
 install(FILES nodelet_plugins.xml
@@ -121,11 +121,14 @@ catkin_install_python(PROGRAMS
   tools/disturb_files
   tools/evaluate_map
   tools/evaluate_trajectory
+  tools/make_film
+  tools/mirror_mesh
   tools/print_markers
   tools/random_route
   tools/record_trajectory
   tools/relay_detections
   tools/render_sequence
   tools/start_if_installed
+  tools/take_back_sim_time
   DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION}
 )

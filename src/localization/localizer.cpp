@@ -228,6 +228,9 @@ void Localizer::measure(const MountedCamera& camera, FrameResult* result) {
   for (MarkerDetection& detection : result->detections) {
     const std::optional<Ray> ray = camera.rayInBase(detection.center);
     detection.bearing = ray ? std::atan2(ray->direction.y(), ray->direction.x()) : kNaN;
+    if (ray) {
+      detection.sight = camera.baseFromCamera().linear().transpose() * ray->direction.normalized();
+    }
     detection.range = kNaN;
     if (!result->map_from_base) continue;
     const Pose& pose = result->map_from_base->pose;

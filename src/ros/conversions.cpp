@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
 #include "omnitag/localization/marker_in_camera.h"
 
@@ -161,7 +160,9 @@ DetectedMarker toMessage(const MarkerDetection& detection, const MarkerMap& map)
   }
   message.accepted = static_cast<std::uint8_t>(detection.accepted);
   message.reason = detection.reason;
-  message.bearing = detection.bearing;
+  message.bearing.x = detection.sight.x();
+  message.bearing.y = detection.sight.y();
+  message.bearing.z = detection.sight.z();
   message.range = detection.range;
   message.residual = detection.residual;
   for (std::size_t i = 0; i < detection.corners.size(); ++i) {
@@ -187,7 +188,6 @@ MarkerDetectionArray toMessage(const std_msgs::Header& header,
 }
 
 LocalizationStatus toMessage(const std_msgs::Header& header, const FrameResult& result) {
-  constexpr double kMilliseconds = 1e3;
   LocalizationStatus message;
   message.header = header;
   message.mode = toMessage(result.mode);
@@ -197,6 +197,12 @@ LocalizationStatus toMessage(const std_msgs::Header& header, const FrameResult& 
   message.height = result.map_from_base ? result.map_from_base->pose.z : kNaN;
   message.roll = result.map_from_base ? result.map_from_base->pose.roll : kNaN;
   message.pitch = result.map_from_base ? result.map_from_base->pose.pitch : kNaN;
+  message.position_deviation = message.heading_deviation = kNaN;
+  if (result.map_from_base) {
+    const PoseEstimate published = result.publishedPose();
+    message.position_deviation = positionDeviation(published);
+    message.heading_deviation = std::sqrt(published.covariance(2, 2));
+  }
   for (const WeightedPose& hypothesis : result.hypotheses) {
     const Pose& pose = hypothesis.map_from_base.pose;
     message.hypotheses.push_back(toMessage(result.is_on_floor ? pose.onFloor() : pose));
@@ -207,16 +213,16 @@ LocalizationStatus toMessage(const std_msgs::Header& header, const FrameResult& 
   message.markers_used = static_cast<std::uint32_t>(result.acceptedMarkers());
   message.residual_ratio = std::sqrt(result.excess);
   message.blur = result.blur.largestDeviation();
-  message.blur_turn = degrees(std::sqrt(result.blur.turn_square));
+  message.blur_turn = std::sqrt(result.blur.turn_square);
   message.image_lag = result.image_lag.value_or(kNaN);
   message.exposure = toString(result.exposure);
   message.advice = result.advice;
-  message.predict_ms = kMilliseconds * result.timings.predict;
-  message.recognize_ms = kMilliseconds * result.timings.recognize;
-  message.warp_ms = kMilliseconds * result.timings.warp;
-  message.decode_ms = kMilliseconds * result.timings.decode;
-  message.solve_ms = kMilliseconds * result.timings.solve;
-  message.total_ms = kMilliseconds * result.timings.total;
+  message.predict_time = result.timings.predict;
+  message.recognize_time = result.timings.recognize;
+  message.warp_time = result.timings.warp;
+  message.decode_time = result.timings.decode;
+  message.solve_time = result.timings.solve;
+  message.total_time = result.timings.total;
   return message;
 }
 

@@ -71,16 +71,27 @@ void HealthMonitor::startedAnew() {
   displacements_.clear();
 }
 
+void HealthMonitor::imageCame() {
+  last_image_ = Clock::now();
+  last_image_time_ = ros::Time::now();
+}
+
+// Or one that plays so slowly that no image is due.
+bool HealthMonitor::isPaused() const {
+  return ros::Time::isSimTime() &&
+         std::abs((ros::Time::now() - last_image_time_).toSec()) < kImageTimeout;
+}
+
 void HealthMonitor::imageRefused(const std::string& why) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  last_image_ = Clock::now();
+  imageCame();
   ++refused_images_;
   complain(&images_, "image on " + input_.topic() + " refused: " + why);
 }
 
 void HealthMonitor::imageLate() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  last_image_ = Clock::now();
+  imageCame();
   ++late_images_;
   complain(&late_, "images on " + input_.topic() +
                        " left out: their stamps are not after those of the images before");
@@ -88,7 +99,7 @@ void HealthMonitor::imageLate() {
 
 void HealthMonitor::transformMissing(const std::string& why) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  last_image_ = Clock::now();
+  imageCame();
   ++images_without_transform_;
   settle(&images_, "images are coming");
   complain(&transforms_, "waiting for tf: " + why);
@@ -108,7 +119,7 @@ void HealthMonitor::parentChecked(const std::string& conflict) {
 void HealthMonitor::localized(const LocalizationStatus& status, const FrameResult& result,
                               const std::string& odometry_problem) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  last_image_ = Clock::now();
+  imageCame();
   last_status_ = status;
   last_pose_ = result.map_from_base;
   settle(&images_, "images are coming");
@@ -162,12 +173,16 @@ void HealthMonitor::reportImages(Report& report) {
   const std::string publishers = std::to_string(input_.publishers()) + " publishers";
   if (!last_image_) {
     complain(&images_, "waiting for the first image on " + topic + " (" + publishers + ")");
-  } else if (seconds(now - *last_image_) > kImageTimeout) {
+  } else if (seconds(now - *last_image_) > kImageTimeout && !isPaused()) {
     complain(&images_, "waiting for images on " + topic + " (" + publishers + "), none for " +
                            std::to_string(std::lround(seconds(now - *last_image_))) + " s");
   }
   const std::uint64_t late = late_images_ - std::exchange(late_at_last_report_, late_images_);
-  if (images_.problem.empty() && late > 0) {
+  if (images_.problem.empty() && last_image_ && seconds(now - *last_image_) > kImageTimeout) {
+    report.summary(Report::WARN,
+                   "no images, but simulated time has hardly moved since the last one, as while a "
+                   "bag is paused");
+  } else if (images_.problem.empty() && late > 0) {
     report.summary(Report::WARN, late_.problem);
   } else if (images_.problem.empty()) {
     report.summary(Report::OK, "images are coming");
@@ -218,11 +233,11 @@ void HealthMonitor::reportLocalization(Report& report) {
   report.add("markers predicted", last_status_->markers_predicted);
   report.add("markers detected", last_status_->markers_detected);
   report.add("markers used", last_status_->markers_used);
-  report.add("milliseconds per image", last_status_->total_ms);
+  report.addf("milliseconds per image", "%.1f", 1e3 * last_status_->total_time);
   report.addf("age of the image", "%.3f s", last_status_->image_age);
   report.addf("residuals, compared with what is expected", "%.2f", last_status_->residual_ratio);
   report.addf("blur", "%.2f pixels", last_status_->blur);
-  report.addf("turn during the exposure", "%.2f deg", last_status_->blur_turn);
+  report.addf("turn during the exposure", "%.2f deg", degrees(last_status_->blur_turn));
   report.add("exposure", last_status_->exposure.empty() ? "good" : last_status_->exposure);
   if (last_pose_) {
     report.addf("position", "%.3f m, %.3f m", last_pose_->pose.x, last_pose_->pose.y);

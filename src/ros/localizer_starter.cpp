@@ -10,6 +10,18 @@
 
 namespace omnitag {
 
+namespace {
+
+/// `camera_info` where it is remapped, else the one beside the images.
+std::string infoTopic(const ros::NodeHandle& node) {
+  constexpr bool kWithRemapping = false;
+  const std::string info = node.resolveName("camera_info");
+  const bool is_remapped = info != node.resolveName("camera_info", kWithRemapping);
+  return is_remapped ? info : image_transport::getCameraInfoTopic(node.resolveName("image"));
+}
+
+}  // namespace
+
 LocalizerStarter::LocalizerStarter(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
     : node_(node),
       private_node_(private_node),
@@ -34,7 +46,7 @@ LocalizerStarter::~LocalizerStarter() {
 }
 
 void LocalizerStarter::waitForInfo() {
-  topic_ = image_transport::getCameraInfoTopic(node_.resolveName("image"));
+  topic_ = infoTopic(node_);
   problem_ = "waiting for the first camera_info on " + topic_ + ", as there is no camera_file";
   ROS_INFO_STREAM(name_ << ": " << problem_);
   last_line_ = ros::WallTime::now();

@@ -61,11 +61,11 @@ ResultMessages toMessages(const LocalizedImage& localized, const MarkerMap& map,
   const std_msgs::Header& image_header = localized.input.header;
   ResultMessages messages;
   messages.detections = toMessage(image_header, localized.result.detections, map);
-  messages.status = toMessage(image_header, localized.result);
-  if (!localized.result.map_from_base) return messages;
-
   std_msgs::Header map_header = image_header;
   map_header.frame_id = frames.map;
+  messages.status = toMessage(map_header, localized.result);
+  if (!localized.result.map_from_base) return messages;
+
   const PoseEstimate estimate = localized.result.publishedPose();
   messages.pose.emplace();
   messages.pose->header = map_header;

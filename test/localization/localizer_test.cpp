@@ -92,6 +92,8 @@ TEST_P(LocalizerTest, BearingsAreThoseOfTheMarkersFromTheRobot) {
     const Eigen::Vector3d way = center - mirror;
     const double expected = std::atan2(way.y(), way.x()) - truth.yaw;
     EXPECT_NEAR(normalizeAngle(detection.bearing - expected), 0.0, 0.001);
+    const Eigen::Vector3d in_camera = map_from_camera.linear().transpose() * way.normalized();
+    EXPECT_LT((detection.sight - in_camera).norm(), 0.01);
     EXPECT_NEAR(detection.range, (center - map_from_camera.translation()).head<2>().norm(), 5e-3);
     EXPECT_LT(detection.residual, 0.3);
     EXPECT_EQ(detection.reason, "");

@@ -126,7 +126,9 @@ TEST(Conversions, Detections) {
   known.id = 7;
   known.map_entry = 1;
   known.accepted = true;
-  known.bearing = 0.5;
+  known.sight = {0.6, 0.0, -0.8};
+  known.hamming = 1;
+  known.margin = 50.0;
   known.range = 3.0;
   known.residual = 0.1;
   known.corners = {Eigen::Vector2d(1, 2), {3, 4}, {5, 6}, {7, 8}};
@@ -144,6 +146,10 @@ TEST(Conversions, Detections) {
   EXPECT_EQ(first.name, "door");
   EXPECT_EQ(first.map_entry, 1);
   EXPECT_TRUE(first.accepted);
+  EXPECT_EQ(first.bearing.x, 0.6);
+  EXPECT_EQ(first.bearing.z, -0.8);
+  EXPECT_EQ(first.hamming, 1);
+  EXPECT_EQ(first.margin, 50.0);
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_EQ(first.corners[i].x, static_cast<double>(2 * i + 1));
     EXPECT_EQ(first.corners[i].y, static_cast<double>(2 * i + 2));
@@ -153,16 +159,23 @@ TEST(Conversions, Detections) {
   EXPECT_FALSE(second.accepted);
   EXPECT_EQ(second.reason, "not expected here");
   EXPECT_TRUE(std::isnan(second.range));
+  EXPECT_TRUE(std::isnan(second.bearing.y)) << "no line of sight";
+  EXPECT_EQ(second.hamming, -1) << "not decoded";
+  EXPECT_TRUE(std::isnan(second.margin)) << "not decoded";
 }
 
 TEST(Conversions, Status) {
   FrameResult result;
   result.mode = Mode::kDeadReckoning;
   result.map_from_base.emplace();
+  result.map_from_base->covariance(0, 0) = 9e-4;
+  result.map_from_base->covariance(1, 1) = 1e-4;
+  result.map_from_base->covariance(2, 2) = 4e-4;
   result.predicted.resize(5);
   result.detections.resize(3);
   result.detections[0].accepted = true;
   result.timings.decode = 0.025;
+  result.blur.turn_square = 0.04;
   result.hypotheses.resize(2);
   result.hypotheses[0].probability = 0.7;
   result.hypotheses[1].probability = 0.2;
@@ -174,7 +187,10 @@ TEST(Conversions, Status) {
   EXPECT_EQ(message.markers_predicted, 5U);
   EXPECT_EQ(message.markers_detected, 3U);
   EXPECT_EQ(message.markers_used, 1U);
-  EXPECT_DOUBLE_EQ(message.decode_ms, 25.0);
+  EXPECT_NEAR(message.position_deviation, std::sqrt(1e-3), 1e-12);
+  EXPECT_NEAR(message.heading_deviation, 0.02, 1e-12);
+  EXPECT_DOUBLE_EQ(message.decode_time, 0.025) << "seconds";
+  EXPECT_DOUBLE_EQ(message.blur_turn, 0.2) << "radians";
   ASSERT_EQ(message.hypotheses.size(), 2U);
   EXPECT_DOUBLE_EQ(message.hypotheses[1].position.x, 3.0);
   EXPECT_DOUBLE_EQ(message.hypotheses[1].position.z, 0.0) << "on a floor";

@@ -61,8 +61,8 @@ class LocalizeBagTest(unittest.TestCase):
         values.update(options)
         command = ["rosrun", "omnitag", "localize_bag", *arguments]
         for name, value in values.items():
-            if value is not None:
-                command += ["--" + name.replace("_", "-"), value]
+            for each in value if isinstance(value, list) else [value] * (value is not None):
+                command += ["--" + name.replace("_", "-"), each]
         return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                               universal_newlines=True, timeout=200, check=False)
 
@@ -192,8 +192,20 @@ class LocalizeBagTest(unittest.TestCase):
         for topic, message, time in read_bag(self.path("out.bag")):
             topics.setdefault(topic, []).append(message)
         for topic in ("/camera/image/compressed", "/ground_truth/pose", "/pose",
-                      "/pose_with_covariance", "/detections", "/status"):
+                      "/pose_with_covariance", "/pose_measured", "/detections", "/status",
+                      "/debug_image/compressed"):
             self.assertEqual(len(topics[topic]), 66, topic)
+        (marker_map,) = topics["/marker_map"]
+        self.assertEqual(len(marker_map.markers), 17)
+        for array in topics["/detections"]:
+            for detection in array.detections:
+                self.assertEqual(marker_map.markers[detection.map_entry].name, detection.name)
+                self.assertGreater(detection.pose.covariance[0], 0.0)
+        with rosbag.Bag(self.path("out.bag")) as bag:
+            headers = {connection.topic: connection.header
+                       for connection in bag._get_connections()}  # pylint: disable=W0212
+        for topic in ("/marker_map", "/path"):
+            self.assertEqual(headers[topic]["latching"], b"1", topic)
         self.assertEqual(len(topics["/tf_static"]), 1)
         self.assertEqual({pose._type for pose in topics["/pose"]}, {"geometry_msgs/PoseStamped"})
         transforms = [t for message in topics["/tf"] for t in message.transforms]
@@ -206,6 +218,85 @@ class LocalizeBagTest(unittest.TestCase):
             self.assertAlmostEqual(transform.transform.translation.x, pose.position.x, 12)
             self.assertLess(angle_between(yaw_of(transform.transform.rotation),
                                           yaw_of(pose.orientation)), 1e-9)
+
+    def test_output_changes_no_result(self):
+        self.assert_runs()
+        expected = read_text(self.path("out.tum"))
+        self.assert_runs(output=self.path("out.bag"))
+        self.assertEqual(read_text(self.path("out.tum")), expected)
+        # The output is a recording, too; what is painted there is no image of the camera.
+        self.assert_runs(bag=self.path("out.bag"), output=self.path("again.bag"))
+        self.assertEqual(read_text(self.path("out.tum")), expected)
+        counts = [len([1 for topic, _, _ in read_bag(self.path(name)) if topic != "/tf"])
+                  for name in ("out.bag", "again.bag")]
+        self.assertEqual(*counts)
+
+    def test_several_bags(self):
+        self.assert_runs(poses=self.path("all.csv"))
+        expected = read_text(self.path("all.csv"))
+        messages = read_bag(BAG)
+        middle = len(messages) // 2
+        first = self.write_bag("first.bag", messages[:middle])
+        second = self.write_bag("second.bag", messages[middle:])
+        self.assertNotIn("/tf_static", [topic for topic, _, _ in messages[middle:]])
+        self.assert_runs(bag=[first, second], poses=self.path("poses.csv"))
+        self.assertEqual(read_text(self.path("poses.csv")), expected)
+
+        # As they are given, whenever they were recorded.
+        result = self.assert_runs(bag=[second, first], poses=self.path("poses.csv"),
+                                  initial_pose=None)
+        self.assertIn("stamps went back", result.stderr)
+        stamps = [line.split(",")[0] for line in read_text(self.path("poses.csv")).splitlines()]
+        self.assertEqual(len(stamps), 67)
+        self.assertGreater(stamps[1], stamps[-1])
+
+        # Images in one and transforms in another.
+        images = self.write_bag("images.bag", [each for each in messages if "image" in each[0]])
+        others = self.write_bag("others.bag", [each for each in messages if "image" not in each[0]])
+        self.assert_runs(bag=[images, others], poses=self.path("poses.csv"))
+        self.assertEqual(read_text(self.path("poses.csv")), expected)
+        self.assert_refused("is an input", bag=[first, second], output=second)
+        self.assert_refused("missing", bag=[first, self.path("missing")])
+
+    def test_a_part_of_a_bag(self):
+        messages = read_bag(BAG)
+        start = messages[0][2]
+        images = [(message.header.stamp, (time - start).to_sec()) for topic, message, time in messages
+                  if "image" in topic]
+        self.assertGreater(images[0][1], -1.0)
+        expected = [stamp for stamp, time in images if 1.5 <= time <= 3.25]
+        self.assertTrue(2 < len(expected) < len(images) - 2)
+        self.assert_runs("--from", "1.5", "--until", "3.25", initial_pose=None,
+                         poses=self.path("poses.csv"), output=self.path("out.bag"))
+        rows = list(csv.DictReader(read_text(self.path("poses.csv")).splitlines()))
+        self.assertEqual([row["stamp"] for row in rows],
+                         ["{}.{:09d}".format(stamp.secs, stamp.nsecs) for stamp in expected])
+        # Whoever plays the output has the mounting, which was sent before.
+        written = read_bag(self.path("out.bag"))
+        self.assertEqual([topic for topic, _, _ in written].count("/tf_static"), 1)
+        self.assertLessEqual(max((time - start).to_sec() for _, _, time in written), 3.25)
+        self.assertGreaterEqual(min((time - start).to_sec() for _, _, time in written), 1.5)
+
+        self.assert_refused("--from, --until: expected a part of the recording with images",
+                            **{"from": "1000"})
+        self.assert_refused("--from: expected seconds", **{"from": "-1"})
+        self.assert_refused("--until: expected seconds", until="nan")
+        self.assert_refused("--until: expected no less than --from", until="1", **{"from": "2"})
+
+    def test_rectified_images_beside_others(self):
+        self.assert_runs()
+        expected = read_text(self.path("out.tum"))
+        messages = []
+        for topic, message, time in read_bag(BAG):
+            messages.append((topic.replace("/camera/image", "/camera/image_rect"), message, time))
+            if "image" in topic:
+                small = Image(header=message.header, height=1, width=1, step=1, encoding="mono8",
+                              data=bytes(1))
+                messages.append(("/camera/image_raw", small, time))
+        bag = self.write_bag("rectified.bag", messages)
+        self.assert_refused("/camera/image_raw, /camera/image_rect/compressed", bag=bag)
+        self.assert_runs(bag=bag, image_topic="/camera/image_rect")
+        self.assertEqual(read_text(self.path("out.tum")), expected)
 
     def test_output_bag_has_one_parent_for_the_robot(self):
         odometry = TransformStamped()
@@ -305,7 +396,7 @@ class LocalizeBagTest(unittest.TestCase):
         result = subprocess.run(["rosrun", "omnitag", "localize_bag", "--help"],
                                 stdout=subprocess.PIPE, universal_newlines=True, check=True)
         for option in ("camera", "map", "bag", "trajectory", "image-topic", "initial-pose",
-                       "odom-frame", "params", "poses", "detections", "output"):
+                       "odom-frame", "params", "poses", "detections", "output", "from", "until"):
             self.assertIn("--" + option, result.stdout)
 
     def test_bad_options(self):

@@ -80,7 +80,8 @@ class LocalizerTest(unittest.TestCase):
         for status, detections in zip(harness.status.messages, harness.detections.messages):
             self.assertEqual(status.mode, LocalizationStatus.TRACKING)
             self.assertEqual(status.images_dropped, 0)
-            self.assertEqual(status.header.frame_id, "camera_optical_frame")
+            self.assertEqual(status.header.frame_id, "map")
+            self.assertEqual(detections.header.frame_id, "camera_optical_frame")
             self.assertEqual(status.markers_detected, len(detections.detections))
             accepted = [d for d in detections.detections if d.accepted]
             self.assertEqual(status.markers_used, len(accepted))

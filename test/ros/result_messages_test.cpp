@@ -30,7 +30,7 @@ TEST(ResultMessages, MapToBaseWithoutOdometry) {
   EXPECT_EQ(messages.pose->header.stamp, localized.input.header.stamp);
   EXPECT_EQ(messages.pose_with_covariance->header, messages.pose->header);
   EXPECT_EQ(messages.detections.header, localized.input.header);
-  EXPECT_EQ(messages.status.header, localized.input.header);
+  EXPECT_EQ(messages.status.header, messages.pose->header);
   EXPECT_TRUE(
       fromMessage(messages.transform->transform).isApprox(fromMessage(messages.pose->pose), 1e-12));
 }

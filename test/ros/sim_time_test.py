@@ -121,6 +121,17 @@ class SimTimeTest(unittest.TestCase):
         self.set_clock(self.harness.images[0].header.stamp)
         self.localize(0)
 
+    def test_6_a_bag_that_is_paused_is_no_fault(self):
+        start = len(self.log.messages)
+        self.diagnostics.wait_for_report(": images", DiagnosticStatus.WARN, "bag is paused")
+        self.assertFalse([line.msg for line in self.log.messages[start:]
+                          if "waiting for images" in line.msg])
+        self.localize(1)
+        self.diagnostics.wait_for_report(": images", DiagnosticStatus.OK, "images are coming")
+        # Once the clock goes on, images are missing.
+        self.set_clock(self.harness.images[1].header.stamp + rospy.Duration(10.0))
+        self.diagnostics.wait_for_report(": images", DiagnosticStatus.ERROR, "waiting for images")
+
 
 if __name__ == "__main__":
     rospy.init_node("sim_time_test")

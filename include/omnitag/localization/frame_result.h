@@ -62,7 +62,9 @@ struct MarkerDetection {
   /// Pixels of the panoramic image.
   Corners<Eigen::Vector2d> corners;
   Eigen::Vector2d center;
-  /// rad, direction of its centre's line of sight about z of base_link, counter-clockwise from x.
+  /// Unit vector along its centre's line of sight in the camera's optical frame; NaN without one.
+  Eigen::Vector3d sight = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  /// rad, the same about z of base_link, counter-clockwise from x.
   double bearing = 0.0;
   /// m, horizontal distance from the camera to the map entry at the frame's pose; NaN without one.
   double range = 0.0;

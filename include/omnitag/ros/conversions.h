@@ -59,7 +59,7 @@ MarkerDetectionArray toMessage(const std_msgs::Header& header,
                                const std::vector<MarkerDetection>& detections,
                                const MarkerMap& map);
 
-/// Without the counts of images, which the result does not know.
+/// `header`: with the map's frame. Without the counts of images, which the result does not know.
 LocalizationStatus toMessage(const std_msgs::Header& header, const FrameResult& result);
 
 }  // namespace omnitag

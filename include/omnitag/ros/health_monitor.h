@@ -61,6 +61,9 @@ class HealthMonitor {
     std::optional<Clock::time_point> last_line;
   };
 
+  void imageCame();
+  /// Whether by ROS's clock no image is missing: a bag is paused.
+  bool isPaused() const;
   void reportImages(Report& report);
   void reportTransforms(Report& report);
   void reportLocalization(Report& report);
@@ -95,6 +98,8 @@ class HealthMonitor {
   Clock::time_point last_report_;
   std::uint64_t received_at_last_report_ = 0;
   std::optional<Clock::time_point> last_image_;
+  /// The same by ROS's clock.
+  ros::Time last_image_time_;
   std::uint64_t refused_images_ = 0;
   std::uint64_t late_images_ = 0;
   std::uint64_t late_at_last_report_ = 0;

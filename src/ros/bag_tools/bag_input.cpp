@@ -10,6 +10,7 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include <algorithm>
+#include <boost/algorithm/string/join.hpp>
 #include <fstream>
 #include <map>
 #include <vector>
@@ -42,14 +43,28 @@ void open(const std::string& path, rosbag::Bag* bag) {
   }
 }
 
-/// The bag's topics and their types.
-std::map<std::string, std::string> topicsOf(const rosbag::Bag& bag) {
-  rosbag::View view(bag);
+using Bags = std::vector<std::unique_ptr<rosbag::Bag>>;
+
+/// Their messages in the order of recording.
+template <typename... Query>
+void addTo(rosbag::View* view, const Bags& bags, const Query&... query) {
+  for (const auto& bag : bags) view->addQuery(*bag, query...);
+}
+
+/// The bags' topics and their types.
+std::map<std::string, std::string> topicsOf(const Bags& bags) {
+  rosbag::View view;
+  addTo(&view, bags);
   std::map<std::string, std::string> topics;
   for (const rosbag::ConnectionInfo* connection : view.getConnections()) {
     topics[connection->topic] = connection->datatype;
   }
   return topics;
+}
+
+/// What the localizer has painted.
+bool isDebugImage(const std::string& topic) {
+  return endsWith(topic, "/debug_image") || endsWith(topic, "/debug_image" + kCompressed);
 }
 
 std::vector<std::string> imageTopicsOf(const std::map<std::string, std::string>& topics) {
@@ -58,20 +73,13 @@ std::vector<std::string> imageTopicsOf(const std::map<std::string, std::string>&
     const bool is_raw = type == "sensor_msgs/Image";
     const bool is_compressed =
         type == "sensor_msgs/CompressedImage" && !endsWith(topic, kCompressedDepth);
-    if (is_raw || is_compressed) names.push_back(topic);
+    if ((is_raw || is_compressed) && !isDebugImage(topic)) names.push_back(topic);
   }
   return names;
 }
 
-std::string join(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
-}
-
-std::string chooseImageTopic(const std::string& path, const rosbag::Bag& bag,
-                             const std::string& wanted) {
-  const std::map<std::string, std::string> topics = topicsOf(bag);
+std::string chooseImageTopic(const std::string& path, const Bags& bags, const std::string& wanted) {
+  const std::map<std::string, std::string> topics = topicsOf(bags);
   const std::vector<std::string> candidates = imageTopicsOf(topics);
   if (candidates.empty()) {
     throw InputError(path + ": has no images (sensor_msgs/Image or CompressedImage)");
@@ -81,8 +89,8 @@ std::string chooseImageTopic(const std::string& path, const rosbag::Bag& bag,
     const bool is_one = candidates.size() == 1 ||
                         (candidates.size() == 2 && candidates[1] == candidates[0] + kCompressed);
     if (is_one) return candidates.front();
-    throw InputError(
-        path + ": has several image topics, choose one with --image-topic: " + join(candidates));
+    throw InputError(path + ": has several image topics, choose one with --image-topic: " +
+                     boost::algorithm::join(candidates, ", "));
   }
   for (const std::string& name : {wanted, wanted + kCompressed}) {
     const auto found =
@@ -91,8 +99,8 @@ std::string chooseImageTopic(const std::string& path, const rosbag::Bag& bag,
         });
     if (found != candidates.end()) return *found;
   }
-  throw InputError(path + ": --image-topic: expected one of " + join(candidates) + ", found '" +
-                   wanted + "'");
+  throw InputError(path + ": --image-topic: expected one of " +
+                   boost::algorithm::join(candidates, ", ") + ", found '" + wanted + "'");
 }
 
 /// Of an image message.
@@ -106,20 +114,64 @@ std_msgs::Header headerOf(const rosbag::MessageInstance& message) {
 
 }  // namespace
 
-BagInput::BagInput(const std::string& path, const std::string& image_topic) : path_(path) {
-  open(path, &bag_);
-  image_topic_ = chooseImageTopic(path, bag_, image_topic);
-  try {
-    loadTransforms("");
-  } catch (const std::exception& error) {
-    throw InputError(path + ": " + error.what());
+BagInput::BagInput(const std::vector<std::string>& paths, const std::string& image_topic,
+                   const RecordedSpan& span)
+    : path_(boost::algorithm::join(paths, ", ")) {
+  for (const std::string& path : paths) {
+    open(path, bags_.emplace_back(std::make_unique<rosbag::Bag>()).get());
   }
+  image_topic_ = chooseImageTopic(path_, bags_, image_topic);
+  try {
+    setSpan(span);
+    loadTransforms("");
+  } catch (const rosbag::BagException& error) {
+    throw InputError(path_ + ": " + error.what());
+  }
+}
+
+void BagInput::setSpan(const RecordedSpan& span) {
+  rosbag::View view;
+  addTo(&view, bags_);
+  const ros::Time first = view.getBeginTime();
+  const double duration = (view.getEndTime() - first).toSec();
+  if (span.from > 0.0) begin_ = first + ros::Duration(std::min(span.from, duration + 1.0));
+  if (span.until < duration) end_ = first + ros::Duration(span.until);
+}
+
+std::size_t BagInput::imageCount() const {
+  rosbag::View view;
+  addTo(&view, bags_, rosbag::TopicQuery(image_topic_), begin_, end_);
+  return view.size();
+}
+
+void BagInput::forEachImage(const MessageUser& use) const {
+  const rosbag::TopicQuery images(image_topic_);
+  for (const auto& bag : bags_) {
+    for (const rosbag::MessageInstance& message : rosbag::View(*bag, images, begin_, end_)) {
+      use(message);
+    }
+  }
+}
+
+void BagInput::forEachMessage(const MessageUser& use) const {
+  for (const auto& bag : bags_) {
+    for (const rosbag::MessageInstance& message : rosbag::View(*bag, begin_, end_)) use(message);
+  }
+}
+
+void BagInput::forEachEarlierStatic(const MessageUser& use) const {
+  if (begin_ == ros::TIME_MIN) return;
+  rosbag::View view;
+  addTo(&view, bags_, rosbag::TopicQuery("/tf_static"), ros::TIME_MIN,
+        begin_ - ros::Duration(0, 1));
+  for (const rosbag::MessageInstance& message : view) use(message);
 }
 
 void BagInput::forEachTransform(
     const std::function<void(const geometry_msgs::TransformStamped&, bool)>& take) const {
   const std::vector<std::string> topics = {"/tf", "/tf_static", "tf", "tf_static"};
-  rosbag::View view(bag_, rosbag::TopicQuery(topics));
+  rosbag::View view;
+  addTo(&view, bags_, rosbag::TopicQuery(topics));
   for (const rosbag::MessageInstance& message : view) {
     const tf2_msgs::TFMessageConstPtr transforms = message.instantiate<tf2_msgs::TFMessage>();
     if (!transforms) continue;
@@ -165,7 +217,8 @@ void BagInput::replaceMounting(const std::string& base_frame,
 
 // Of the headers alone: an image that cannot be decoded is told of when it is its turn.
 std::string BagInput::cameraFrame() const {
-  rosbag::View view(bag_, rosbag::TopicQuery(image_topic_));
+  rosbag::View view;
+  addTo(&view, bags_, rosbag::TopicQuery(image_topic_));
   for (const rosbag::MessageInstance& message : view) {
     const std_msgs::Header header = headerOf(message);
     if (!header.frame_id.empty()) return header.frame_id;
@@ -180,7 +233,8 @@ DescribedCamera BagInput::describedCamera() const {
     image_topic.resize(image_topic.size() - kCompressed.size());
   }
   const std::string topic = image_transport::getCameraInfoTopic(image_topic);
-  rosbag::View view(bag_, rosbag::TopicQuery(topic));
+  rosbag::View view;
+  addTo(&view, bags_, rosbag::TopicQuery(topic));
   for (const rosbag::MessageInstance& message : view) {
     const auto info = message.instantiate<sensor_msgs::CameraInfo>();
     if (info) return cameraFromInfo(*info, path_ + ": " + topic);

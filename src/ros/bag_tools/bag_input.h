@@ -9,25 +9,50 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "omnitag/ros/camera_info.h"
 #include "omnitag/ros/parent_watch.h"
 
 namespace omnitag {
 
-/// A bag that is read: its images and its transforms.
+/// A part of a recording, in seconds of recording time since its first message.
+struct RecordedSpan {
+  double from = 0.0;
+  double until = std::numeric_limits<double>::infinity();
+};
+
+/// A recording that is read, in one bag or in several: its images and its transforms.
 class BagInput {
  public:
-  /// `image_topic`: with or without /compressed; empty for the bag's only one. Throws InputError
-  /// where the bag cannot be read or the topic is not there or not clear.
-  BagInput(const std::string& path, const std::string& image_topic);
+  using MessageUser = std::function<void(const rosbag::MessageInstance&)>;
 
-  const rosbag::Bag& bag() const { return bag_; }
+  /// `paths`: bags that are read one after another; what one has of transforms counts for all.
+  /// `image_topic`: with or without /compressed; empty for the only one. Throws InputError where a
+  /// bag cannot be read or the topic is not there or not clear.
+  BagInput(const std::vector<std::string>& paths, const std::string& image_topic,
+           const RecordedSpan& span = {});
+  BagInput(const std::string& path, const std::string& image_topic)
+      : BagInput(std::vector<std::string>{path}, image_topic) {}
+
   const std::string& imageTopic() const { return image_topic_; }
-  /// All transforms of /tf and /tf_static.
+  /// How many images the span has.
+  std::size_t imageCount() const;
+  /// Hands on the images of the span, bag by bag in the order of recording. Their messages live no
+  /// longer than this.
+  void forEachImage(const MessageUser& use) const;
+  /// The same for all messages.
+  void forEachMessage(const MessageUser& use) const;
+  /// Static transforms from before the span.
+  void forEachEarlierStatic(const MessageUser& use) const;
+  /// When the span begins.
+  ros::Time begin() const { return begin_; }
+
+  /// All transforms of /tf and /tf_static, also from beyond the span.
   const tf2::BufferCore& transforms() const { return *transforms_; }
 
   /// Why the bag has no place for a transform from the map, as ParentWatch has it; nothing where it
@@ -45,6 +70,7 @@ class BagInput {
   static cv_bridge::CvImageConstPtr grayImageOf(const rosbag::MessageInstance& message);
 
  private:
+  void setSpan(const RecordedSpan& span);
   /// The first that an image names. Throws InputError where none does.
   std::string cameraFrame() const;
   /// Hands on each transform of the bag, and whether it is static.
@@ -53,8 +79,12 @@ class BagInput {
   /// All but those to one frame, if it is named.
   void loadTransforms(const std::string& without_child);
 
+  /// For messages: the bags' paths.
   std::string path_;
-  rosbag::Bag bag_;
+  std::vector<std::unique_ptr<rosbag::Bag>> bags_;
+  /// The span in recording time.
+  ros::Time begin_ = ros::TIME_MIN;
+  ros::Time end_ = ros::TIME_MAX;
   std::string image_topic_;
   std::unique_ptr<tf2::BufferCore> transforms_;
 };

@@ -1,7 +1,5 @@
 #include "recorded_images.h"
 
-#include <rosbag/view.h>
-
 #include <algorithm>
 
 #include "omnitag/common/error.h"
@@ -12,8 +10,7 @@ namespace omnitag {
 void useImages(const BagInput& input, const FrameAssembler& assembler, std::size_t most,
                const std::string& what, const ImageUser& use) {
   constexpr std::size_t kMaxWarnings = 5;
-  rosbag::View view(input.bag(), rosbag::TopicQuery(input.imageTopic()));
-  const std::size_t all = view.size();
+  const std::size_t all = input.imageCount();
   if (all == 0) throw InputError(input.imageTopic() + ": has no images");
   const std::size_t wanted = std::min(all, most);
   Progress progress(wanted, what);
@@ -21,9 +18,9 @@ void useImages(const BagInput& input, const FrameAssembler& assembler, std::size
   std::size_t problems = 0;
   std::size_t index = 0;
   std::size_t done = 0;
-  for (const rosbag::MessageInstance& message : view) {
+  input.forEachImage([&](const rosbag::MessageInstance& message) {
     const bool is_wanted = done < wanted && index++ == done * all / wanted;
-    if (!is_wanted) continue;
+    if (!is_wanted) return;
     try {
       use(assembler.assemble(BagInput::grayImageOf(message), input.transforms()), message);
     } catch (const InputError& error) {
@@ -31,7 +28,7 @@ void useImages(const BagInput& input, const FrameAssembler& assembler, std::size
       if (problems++ < kMaxWarnings) progress.warn(input.imageTopic() + ": " + error.what());
     }
     progress.show(++done);
-  }
+  });
   if (problems == wanted) {
     throw InputError(input.imageTopic() + ": no image could be used: " + first_problem);
   }

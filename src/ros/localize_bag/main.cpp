@@ -1,6 +1,5 @@
-#include <rosbag/view.h>
-
 #include <algorithm>
+#include <boost/algorithm/string/join.hpp>
 #include <cmath>
 #include <cstdio>
 #include <exception>
@@ -108,23 +107,33 @@ bool hasPlaceForTransform(const BagOptions& options, const BagInput& input,
 
 /// Where one is asked for.
 void openOutput(const BagOptions& options, const LocalizerParameters& parameters,
-                const BagInput& input, const FrameNames& frames, std::optional<ResultBag>* output) {
+                const BagInput& input, const ImageLocalizer& localizer,
+                std::optional<ResultBag>* output) {
   if (options.output.empty()) return;
-  const bool sends_tf = parameters.publish_tf && hasPlaceForTransform(options, input, frames);
-  output->emplace(options.output, frames, parameters, sends_tf);
+  const bool sends_tf =
+      parameters.publish_tf && hasPlaceForTransform(options, input, localizer.frames());
+  output->emplace(options.output, parameters, localizer, sends_tf);
+}
+
+/// Throws InputError where a part is asked for that has no images.
+void checkSpan(const BagOptions& options, const BagInput& input) {
+  const bool is_part = options.span.from > 0.0 || std::isfinite(options.span.until);
+  if (!is_part || input.imageCount() > 0) return;
+  throw InputError("--from, --until: expected a part of the recording with images, found none in " +
+                   boost::algorithm::join(options.bags, ", "));
 }
 
 void run(const BagOptions& options) {
   const LocalizerParameters parameters = parametersOf(options);
-  BagInput input(options.bag, options.image_topic);
+  BagInput input(options.bags, options.image_topic, options.span);
+  checkSpan(options, input);
   mountCamera(options, parameters, &input);
   ImageLocalizer localizer(parameters, cameraOf(parameters, input));
   ResultFiles files(options.trajectory, options.poses, options.detections);
   std::optional<ResultBag> output;
-  openOutput(options, parameters, input, localizer.frames(), &output);
+  openOutput(options, parameters, input, localizer, &output);
 
-  const rosbag::TopicQuery images(input.imageTopic());
-  Progress progress(rosbag::View(input.bag(), images).size(), "images");
+  Progress progress(input.imageCount(), "images");
   Summary summary;
   std::size_t done = 0;
   const auto localize = [&](const rosbag::MessageInstance& message) {
@@ -133,7 +142,7 @@ void run(const BagOptions& options) {
       const cv_bridge::CvImageConstPtr image = BagInput::grayImageOf(message);
       stamp = image->header.stamp;
       const std::optional<LocalizedImage> localized =
-          localizer.localize(image, input.transforms(), {false, output.has_value()});
+          localizer.localize(image, input.transforms(), {output.has_value(), output.has_value()});
       if (localized) {
         if (localized->went_back > 0.0) {
           progress.warn(stampText(stamp) + ": stamps went back: started anew");
@@ -158,20 +167,21 @@ void run(const BagOptions& options) {
     progress.show(++done);
   };
 
-  rosbag::View view;
   if (output) {
-    view.addQuery(input.bag());
+    input.forEachEarlierStatic(
+        [&](const rosbag::MessageInstance& message) { output->copy(message, input.begin()); });
+    input.forEachMessage([&](const rosbag::MessageInstance& message) {
+      output->copy(message, message.getTime());
+      if (message.getTopic() == input.imageTopic()) localize(message);
+    });
   } else {
-    view.addQuery(input.bag(), images);
-  }
-  for (const rosbag::MessageInstance& message : view) {
-    if (output) output->copy(message);
-    if (message.getTopic() == input.imageTopic()) localize(message);
+    input.forEachImage(localize);
   }
   files.close();
   if (output) output->close();
   if (summary.milliseconds.empty()) {
-    throw InputError(options.bag + ": no image could be used: " + summary.first_problem);
+    throw InputError(boost::algorithm::join(options.bags, ", ") +
+                     ": no image could be used: " + summary.first_problem);
   }
   print(summary, localizer.lateImages());
   saveMap(options, localizer);

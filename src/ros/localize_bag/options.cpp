@@ -18,7 +18,15 @@ const char* const kUsage =
     "[options]\n"
     "\n"
     "Runs the localizer over every image of a bag, as fast as it can and with the same result\n"
-    "every time. Transforms come from the bag's /tf and /tf_static. Needs no roscore.\n";
+    "every time. Transforms come from the bag's /tf and /tf_static. Several bags are taken in the\n"
+    "order in which they are given; transforms of one count for all. Needs no roscore.\n";
+
+/// Of an option in seconds.
+double checkedSeconds(const char* option, double seconds) {
+  if (std::isfinite(seconds) && seconds >= 0.0) return seconds;
+  throw InputError(std::string(option) + ": expected seconds from 0 on, found " +
+                   std::to_string(seconds));
+}
 
 Pose parsePose(const std::string& text) {
   std::istringstream stream(text);
@@ -44,11 +52,20 @@ std::optional<BagOptions> parseOptions(int argc, char** argv) {
       "camera", textOption(&options.camera, "C.yaml"),
       "camera file; default: that of --params, else the bag's camera_info of a fisheye")(
       "map", textOption(&options.map, "M.yaml")->required(), "marker map")(
-      "bag", textOption(&options.bag, "IN.bag")->required(), "bag with images and transforms")(
+      "bag", po::value<std::vector<std::string>>(&options.bags)->required()->value_name("IN.bag"),
+      "bag with images and transforms; may be given several times")(
       "trajectory", textOption(&options.trajectory, "OUT.tum")->required(),
       "poses of base_link in the map: stamp x y z qx qy qz qw")(
       "image-topic", textOption(&options.image_topic, "T"),
       "with or without /compressed; default: the bag's only image topic")(
+      "from", po::value<double>()->value_name("S")->notifier([&options](double seconds) {
+        options.span.from = checkedSeconds("--from", seconds);
+      }),
+      "begin so many seconds after the first message was recorded")(
+      "until", po::value<double>()->value_name("S")->notifier([&options](double seconds) {
+        options.span.until = checkedSeconds("--until", seconds);
+      }),
+      "and end after so many")(
       "initial-pose",
       po::value<std::string>()->value_name("X,Y,YAW")->notifier(
           [&options](const std::string& text) { options.initial_pose = parsePose(text); }),
@@ -68,16 +85,21 @@ std::optional<BagOptions> parseOptions(int argc, char** argv) {
       "poses", textOption(&options.poses, "OUT.csv"), "every frame with its covariance and mode")(
       "detections", textOption(&options.detections, "OUT.csv"), "every marker that was read")(
       "output", textOption(&options.output, "OUT.bag"),
-      "the bag's messages and, with them, what the localizer publishes")(
+      "the bag's messages and, with them, what the localizer publishes on a robot, with "
+      "/debug_image compressed")(
       "save-map", textOption(&options.mapped, "OUT.yaml"),
       "map unknown markers, as with the parameter mapping, and write the map with them");
   if (!parseCommandLine(argc, argv, kUsage, description)) return std::nullopt;
-  checkOutputs({options.camera, options.map, options.bag, options.params},
-               {{"--trajectory", options.trajectory},
-                {"--poses", options.poses},
-                {"--detections", options.detections},
-                {"--output", options.output},
-                {"--save-map", options.mapped}});
+  if (options.span.until < options.span.from) {
+    throw InputError("--until: expected no less than --from");
+  }
+  std::vector<std::string> inputs = options.bags;
+  inputs.insert(inputs.end(), {options.camera, options.map, options.params});
+  checkOutputs(inputs, {{"--trajectory", options.trajectory},
+                        {"--poses", options.poses},
+                        {"--detections", options.detections},
+                        {"--output", options.output},
+                        {"--save-map", options.mapped}});
   return options;
 }
 

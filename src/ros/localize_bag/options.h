@@ -2,7 +2,9 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "../bag_tools/bag_input.h"
 #include "omnitag/common/pose.h"
 #include "omnitag/ros/parameters.h"
 
@@ -12,7 +14,9 @@ namespace omnitag {
 struct BagOptions {
   std::string camera;
   std::string map;
-  std::string bag;
+  /// In their order.
+  std::vector<std::string> bags;
+  RecordedSpan span;
   std::string trajectory;
   std::string image_topic;
   std::optional<Pose> initial_pose;

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "omnitag/marker/marker_map.h"
+#include "omnitag/ros/debug_image.h"
 #include "omnitag/ros/frame_markers.h"
 #include "omnitag/ros/image_localizer.h"
 #include "omnitag/ros/parameters.h"
@@ -13,18 +14,18 @@
 
 namespace omnitag {
 
-/// A copy of the input bag together with what the localizer publishes on its topics, but for the
-/// debug image and the diagnostics. Messages and transforms of the input that it publishes itself
-/// are left out.
+/// A copy of the input together with what the localizer publishes on a robot, the debug image in
+/// the form of image_transport's `compressed`; /diagnostics, which tell of a running node, stay as
+/// they are. Messages and transforms of the input that the localizer publishes itself are left out.
 class ResultBag {
  public:
   /// `sends_transform`: whether tf has a place for the robot's. Throws InputError where the bag
   /// cannot be written.
-  ResultBag(const std::string& path, const FrameNames& frames,
-            const LocalizerParameters& parameters, bool sends_transform);
+  ResultBag(const std::string& path, const LocalizerParameters& parameters,
+            const ImageLocalizer& localizer, bool sends_transform);
 
-  /// A message of the input.
-  void copy(const rosbag::MessageInstance& message);
+  /// A message of the input, to stand at `time`.
+  void copy(const rosbag::MessageInstance& message, const ros::Time& time);
 
   /// What an image gave; `time`: when it was recorded.
   void add(const ros::Time& time, const LocalizedImage& localized, const ImageLocalizer& localizer);
@@ -32,10 +33,16 @@ class ResultBag {
   void close() { bag_.close(); }
 
  private:
+  void addMap(const ros::Time& time, const ImageLocalizer& localizer);
+  void addDebugImage(const ros::Time& time, const LocalizedImage& localized);
+
   FrameNames frames_;
   double transform_tolerance_;
   bool sends_transform_;
+  bool sends_marker_transforms_;
+  EstimatorConfig estimation_;
   FrameMarkers frame_markers_;
+  DebugImagePainter debug_image_painter_;
   PathRecorder path_;
   bool has_map_markers_ = false;
   rosbag::Bag bag_;
