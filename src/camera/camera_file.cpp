@@ -1,17 +1,34 @@
 #include "omnitag/camera/camera_file.h"
 
+#include <string_view>
+#include <utility>
+
 #include "camera_reader.h"
 
 namespace omnitag {
 namespace {
 
+using Reader = std::shared_ptr<CameraModel> (*)(const YamlReader&);
+
+/// One for each `model`.
+constexpr std::pair<std::string_view, Reader> kReaders[] = {
+    {"catadioptric", readCatadioptric},
+    {"equidistant", readEquidistant},
+    {"unified", readUnified},
+    {"pinhole", readPinhole},
+    {"double_sphere", readDoubleSphere},
+    {"eucm", readEucm},
+    {"ocam", readOcam},
+    {"equirectangular", readEquirectangular}};
+
 std::shared_ptr<CameraModel> readModel(const YamlReader& camera) {
   const std::string model = camera.text("model");
-  if (model == "catadioptric") return readCatadioptric(camera);
-  if (model == "equidistant") return readEquidistant(camera);
-  if (model == "unified") return readUnified(camera);
-  if (model == "ocam") return readOcam(camera);
-  camera.refuse("model", "one of catadioptric, equidistant, unified, ocam");
+  std::string known;
+  for (const auto& [name, read] : kReaders) {
+    if (model == name) return read(camera);
+    known += (known.empty() ? "" : ", ") + std::string(name);
+  }
+  camera.refuse("model", "one of " + known);
 }
 
 std::shared_ptr<const CameraModel> readCamera(const YamlReader& camera) {

@@ -9,7 +9,7 @@ namespace omnitag {
 std::shared_ptr<CameraModel> readEquidistant(const YamlReader& camera) {
   camera.allowOnly({"model", "image", "lens", "distortion", "max_angle", "uncertainty"});
   const YamlReader lens = camera.mapping("lens");
-  lens.allowOnly({"fx", "fy", "cx", "cy"});
+  lens.allowOnly({"fx", "fy", "cx", "cy", "skew"});
   EquidistantCamera::Coefficients coefficients{};
   const std::vector<double> stated = camera.numbers("distortion", coefficients.size());
   std::copy(stated.begin(), stated.end(), coefficients.begin());

@@ -6,13 +6,9 @@
 
 #include "omnitag/camera/camera_uncertainty.h"
 #include "omnitag/camera/image_plane.h"
+#include "omnitag/camera/image_size.h"
 
 namespace omnitag {
-
-struct ImageSize {
-  int width = 0;
-  int height = 0;
-};
 
 /// A line of sight in the camera's optical frame, in metres: every point that images at its pixel
 /// is origin + s * direction, s > 0. The direction has length 1. A camera without a single
