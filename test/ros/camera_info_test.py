@@ -51,10 +51,10 @@ class CameraInfoTest(unittest.TestCase):
         uncalibrated.K = [0.0] * 9
         self.infos.publish(uncalibrated)
         self.wait_for_camera(DiagnosticStatus.ERROR, "K: expected")
-        pinhole = fisheye_info()
-        pinhole.distortion_model = "plumb_bob"
-        self.infos.publish(pinhole)
-        self.wait_for_camera(DiagnosticStatus.ERROR, "found 'plumb_bob'")
+        other = fisheye_info()
+        other.distortion_model = "fov"
+        self.infos.publish(other)
+        self.wait_for_camera(DiagnosticStatus.ERROR, "found 'fov'")
         self.assertNotIn("/save_map", rosservice.get_service_list())
         self.assertEqual(self.images.get_num_connections(), 0)
 

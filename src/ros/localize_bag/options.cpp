@@ -42,7 +42,7 @@ std::optional<BagOptions> parseOptions(int argc, char** argv) {
   po::options_description description("options");
   description.add_options()("help,h", "print this")(
       "camera", textOption(&options.camera, "C.yaml"),
-      "camera file; default: that of --params, else the bag's camera_info of a fisheye")(
+      "camera file; default: that of --params, else the bag's camera_info")(
       "map", textOption(&options.map, "M.yaml")->required(), "marker map")(
       "bag", textOption(&options.bag, "IN.bag")->required(), "bag with images and transforms")(
       "trajectory", textOption(&options.trajectory, "OUT.tum")->required(),
