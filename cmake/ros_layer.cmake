@@ -121,6 +121,7 @@ install(FILES nodelet_plugins.xml
   DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION}
 )
 catkin_install_python(PROGRAMS
+  tools/convert_map
   tools/disturb_files
   tools/evaluate_map
   tools/evaluate_trajectory
