@@ -37,6 +37,9 @@ std::shared_ptr<CameraModel> readModel(const YamlReader& camera) {
 std::shared_ptr<const CameraModel> readCamera(const YamlReader& camera) {
   std::shared_ptr<CameraModel> model = readModel(camera);
   model->setUncertainty(readUncertainty(camera, model->imageSize()));
+  bool scales_to_image = false;
+  camera.read("scale_to_image", &scales_to_image);
+  model->setScalesToImage(scales_to_image);
   return model;
 }
 

@@ -4,8 +4,8 @@
 namespace omnitag {
 
 std::shared_ptr<CameraModel> readDoubleSphere(const YamlReader& camera) {
-  camera.allowOnly(
-      {"model", "image", "lens", "xi", "alpha", "max_angle", "through_mirror", "uncertainty"});
+  camera.allowOnly({"model", "image", "lens", "xi", "alpha", "max_angle", "through_mirror",
+                    "uncertainty", "scale_to_image"});
   const YamlReader lens = camera.mapping("lens");
   lens.allowOnly({"fx", "fy", "cx", "cy", "skew"});
   constexpr Interval kXi{-1.0, std::numeric_limits<double>::max(), false};

@@ -4,7 +4,7 @@
 namespace omnitag {
 
 std::shared_ptr<CameraModel> readEquirectangular(const YamlReader& camera) {
-  camera.allowOnly({"model", "image", "uncertainty"});
+  camera.allowOnly({"model", "image", "uncertainty", "scale_to_image"});
   return std::make_shared<EquirectangularCamera>(readImageSize(camera));
 }
 

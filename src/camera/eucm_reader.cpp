@@ -4,8 +4,8 @@
 namespace omnitag {
 
 std::shared_ptr<CameraModel> readEucm(const YamlReader& camera) {
-  camera.allowOnly(
-      {"model", "image", "lens", "alpha", "beta", "max_angle", "through_mirror", "uncertainty"});
+  camera.allowOnly({"model", "image", "lens", "alpha", "beta", "max_angle", "through_mirror",
+                    "uncertainty", "scale_to_image"});
   const YamlReader lens = camera.mapping("lens");
   lens.allowOnly({"fx", "fy", "cx", "cy", "skew"});
   const EucmCamera::Parameters parameters{camera.number("alpha", {0.0, 1.0}),

@@ -27,6 +27,16 @@ ImagePlane ImagePlane::equirectangular(const ImageSize& size) {
   return plane;
 }
 
+ImagePlane ImagePlane::scaled(double factor) const {
+  ImagePlane plane = *this;
+  plane.affine_ *= factor;
+  plane.inverse_affine_ /= factor;
+  // The image begins half a pixel before the centre of its first one.
+  const Eigen::Vector2d half(0.5, 0.5);
+  plane.principal_point_ = factor * (principal_point_ + half) - half;
+  return plane;
+}
+
 Eigen::Vector2d ImagePlane::pixelFromIdeal(const Eigen::Vector2d& ideal,
                                            Eigen::Matrix2d* jacobian) const {
   if (!is_distorted_) {

@@ -26,15 +26,16 @@ std::shared_ptr<CameraModel> make(const YamlReader& camera, const ImagePlane& im
 }  // namespace
 
 std::shared_ptr<CameraModel> readUnified(const YamlReader& camera) {
-  camera.allowOnly(
-      {"model", "image", "lens", "xi", "distortion", "max_angle", "through_mirror", "uncertainty"});
+  camera.allowOnly({"model", "image", "lens", "xi", "distortion", "max_angle", "through_mirror",
+                    "uncertainty", "scale_to_image"});
   constexpr std::size_t kCoefficients = 4;
   const double xi = camera.number("xi", kNonNegative);
   return make(camera, readLens(camera, camera.numbers("distortion", kCoefficients)), xi);
 }
 
 std::shared_ptr<CameraModel> readPinhole(const YamlReader& camera) {
-  camera.allowOnly({"model", "image", "lens", "distortion", "max_angle", "uncertainty"});
+  camera.allowOnly(
+      {"model", "image", "lens", "distortion", "max_angle", "uncertainty", "scale_to_image"});
   std::vector<double> distortion;
   if (camera.has("distortion")) {
     distortion = camera.numbers("distortion");

@@ -57,6 +57,11 @@ YAML::Node nodeOf(const sensor_msgs::CameraInfo& info) {
 
 DescribedCamera cameraFromFile(const std::string& path) { return {path, loadCamera(path)}; }
 
+DescribedCamera cameraForImages(const DescribedCamera& camera, const ImageSize& size) {
+  const std::shared_ptr<const CameraModel> scaled = camera.model->ofImage(size);
+  return {camera.origin, scaled ? scaled : camera.model};
+}
+
 DescribedCamera cameraFromInfo(const sensor_msgs::CameraInfo& info, const std::string& topic) {
   checkCalibrated(info, topic);
   return {topic, cameraOf(cameraFileOfInfo(nodeOf(info), topic), topic)};

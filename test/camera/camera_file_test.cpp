@@ -294,6 +294,15 @@ TEST(CameraFile, isWhatTheDocumentationShows) {
   EXPECT_EQ(models.size(), 8u);
 }
 
+TEST(CameraFile, saysWhetherItsImagesMayBeScaled) {
+  EXPECT_FALSE(parseCamera(kEquidistant, "camera.yaml")->scalesToImage());
+  for (const std::string& text : {std::string(kSphere), std::string(kEquidistant),
+                                  std::string(kUnified), std::string(kEucm)}) {
+    EXPECT_TRUE(parseCamera(text + "scale_to_image: true\n", "camera.yaml")->scalesToImage());
+  }
+  EXPECT_THROW(parseCamera(std::string(kEucm) + "scale_to_image: 2\n", "camera.yaml"), InputError);
+}
+
 struct Refusal {
   std::string name;
   std::string text;
@@ -419,7 +428,8 @@ std::vector<Refusal> refusals() {
        {"camera.yaml:5: beta: expected a number > 0, found '0'"}},
       {"EquirectangularWithALens",
        replaced(kEucm, "eucm", "equirectangular"),
-       {"camera.yaml:3: lens: unknown key; expected one of: model, image, uncertainty"}},
+       {"camera.yaml:3: lens: unknown key; expected one of: model, image, uncertainty, "
+        "scale_to_image"}},
       {"OcamWithoutItsFile",
        "model: ocam\ncalibration_file: no/such.txt\n",
        {"camera.yaml:2: calibration_file: no/such.txt: expected a readable file, found none"}},

@@ -26,6 +26,10 @@ class DoubleSphereCamera final : public CentralCamera {
   const Parameters& parameters() const { return inverse_.function().parameters; }
 
  private:
+  std::shared_ptr<CameraModel> copy() const override {
+    return std::make_shared<DoubleSphereCamera>(*this);
+  }
+
   struct Radius {
     Parameters parameters;
     /// Without a slope where the model has no image.

@@ -22,6 +22,10 @@ class EquidistantCamera final : public CentralCamera {
   const Coefficients& coefficients() const { return inverse_.function().k; }
 
  private:
+  std::shared_ptr<CameraModel> copy() const override {
+    return std::make_shared<EquidistantCamera>(*this);
+  }
+
   struct Radius {
     Coefficients k;
     ValueAndSlope operator()(double angle) const;

@@ -17,6 +17,10 @@ class EquirectangularCamera final : public CentralCamera {
   explicit EquirectangularCamera(const ImageSize& image_size);
 
  private:
+  std::shared_ptr<CameraModel> copy() const override {
+    return std::make_shared<EquirectangularCamera>(*this);
+  }
+
   ValueAndSlope radiusAt(double angle) const override { return {angle, 1.0}; }
   double angleAt(double radius) const override { return radius; }
 };

@@ -25,6 +25,8 @@ class EucmCamera final : public CentralCamera {
   const Parameters& parameters() const { return inverse_.function().parameters; }
 
  private:
+  std::shared_ptr<CameraModel> copy() const override { return std::make_shared<EucmCamera>(*this); }
+
   struct Radius {
     Parameters parameters;
     /// Without a slope where the model has no image.

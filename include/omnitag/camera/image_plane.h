@@ -28,6 +28,9 @@ class ImagePlane {
   /// (rad). See EquirectangularCamera.
   static ImagePlane equirectangular(const ImageSize& size);
 
+  /// That of images with so many times as many pixels along each side.
+  ImagePlane scaled(double factor) const;
+
   /// The pixel of a point of the ideal plane and, on request, its derivative with respect to it.
   Eigen::Vector2d pixelFromIdeal(const Eigen::Vector2d& ideal,
                                  Eigen::Matrix2d* jacobian = nullptr) const;

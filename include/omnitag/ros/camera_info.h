@@ -18,6 +18,10 @@ struct DescribedCamera {
 /// The camera file's camera. Throws InputError.
 DescribedCamera cameraFromFile(const std::string& path);
 
+/// The same camera, or where its file says `scale_to_image` the one of images of this size. A
+/// camera that cannot have such images stays as it is: whoever gets one says what is wrong.
+DescribedCamera cameraForImages(const DescribedCamera& camera, const ImageSize& size);
+
 /// The camera that a driver describes beside its images: a fisheye by the distortion models
 /// "equidistant" or "fisheye", an ordinary lens by "plumb_bob". Where the images are binned, or a
 /// part of the sensor, it is the camera of these. `topic` is where the message came from. Throws

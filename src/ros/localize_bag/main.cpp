@@ -77,11 +77,6 @@ std::string stampText(const ros::Time& stamp) {
   return std::to_string(stamp.sec) + "." + std::to_string(stamp.nsec + 1000000000U).substr(1);
 }
 
-DescribedCamera cameraOf(const LocalizerParameters& parameters, const BagInput& input) {
-  return parameters.camera_file.empty() ? input.describedCamera()
-                                        : cameraFromFile(parameters.camera_file);
-}
-
 /// Where it is asked for: the map file's text with the markers that mapping has added.
 void saveMap(const BagOptions& options, const ImageLocalizer& localizer) {
   if (options.mapped.empty()) return;
@@ -118,7 +113,7 @@ void run(const BagOptions& options) {
   const LocalizerParameters parameters = parametersOf(options);
   BagInput input(options.bag, options.image_topic);
   mountCamera(options, parameters, &input);
-  ImageLocalizer localizer(parameters, cameraOf(parameters, input));
+  ImageLocalizer localizer(parameters, input.cameraOf(parameters.camera_file));
   ResultFiles files(options.trajectory, options.poses, options.detections);
   std::optional<ResultBag> output;
   openOutput(options, parameters, input, localizer.frames(), &output);
