@@ -1,5 +1,6 @@
 #include "omnitag/camera/camera_file.h"
 
+#include <array>
 #include <filesystem>
 #include <sstream>
 #include <string_view>
@@ -14,15 +15,15 @@ namespace {
 using Reader = std::shared_ptr<CameraModel> (*)(const YamlReader&);
 
 /// One for each `model`.
-constexpr std::pair<std::string_view, Reader> kReaders[] = {
-    {"catadioptric", readCatadioptric},
-    {"equidistant", readEquidistant},
-    {"unified", readUnified},
-    {"pinhole", readPinhole},
-    {"double_sphere", readDoubleSphere},
-    {"eucm", readEucm},
-    {"ocam", readOcam},
-    {"equirectangular", readEquirectangular}};
+constexpr std::array<std::pair<std::string_view, Reader>, 8> kReaders = {
+    {{"catadioptric", readCatadioptric},
+     {"equidistant", readEquidistant},
+     {"unified", readUnified},
+     {"pinhole", readPinhole},
+     {"double_sphere", readDoubleSphere},
+     {"eucm", readEucm},
+     {"ocam", readOcam},
+     {"equirectangular", readEquirectangular}}};
 
 std::shared_ptr<CameraModel> readModel(const YamlReader& camera) {
   const std::string model = camera.text("model");
