@@ -4,5 +4,5 @@ from distutils.core import setup
 
 from catkin_pkg.python_setup import generate_distutils_setup
 
-setup(**generate_distutils_setup(packages=["omnitag", "omnitag.rendering"],
+setup(**generate_distutils_setup(packages=["omnitag", "omnitag.foreign_maps", "omnitag.rendering"],
                                 package_dir={"": "python"}))

@@ -78,6 +78,9 @@ add_executable(calibrate_camera
 )
 target_link_libraries(calibrate_camera PRIVATE omnitag_bag_tools opencv_imgcodecs)
 
+add_executable(convert_camera src/ros/convert_camera/main.cpp)
+target_link_libraries(convert_camera PRIVATE omnitag_bag_tools)
+
 # Shared libraries and programs cannot share them: their code is compiled for different places.
 set(precompiled_ros_headers ${precompiled_headers}
   <cv_bridge/cv_bridge.h>
@@ -95,7 +98,7 @@ if(OMNITAG_PCH AND NOT OMNITAG_PCH STREQUAL TESTS)
   target_precompile_headers(omnitag_ros PRIVATE ${precompiled_ros_headers})
   target_precompile_headers(omnitag_nodelet REUSE_FROM omnitag_ros)
   target_precompile_headers(omnitag_bag_tools PRIVATE ${precompiled_ros_headers})
-  foreach(program localize_bag build_map calibrate_camera)
+  foreach(program localize_bag build_map calibrate_camera convert_camera)
     target_precompile_headers(${program} REUSE_FROM omnitag_bag_tools)
   endforeach()
 endif()
@@ -105,7 +108,7 @@ install(TARGETS omnitag_core omnitag_ros omnitag_nodelet
   LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
   RUNTIME DESTINATION ${CATKIN_GLOBAL_BIN_DESTINATION}
 )
-install(TARGETS localizer_node localize_bag build_map calibrate_camera
+install(TARGETS localizer_node localize_bag build_map calibrate_camera convert_camera
   RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION}
 )
 install(DIRECTORY include/${PROJECT_NAME}/
@@ -118,6 +121,7 @@ install(FILES nodelet_plugins.xml
   DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION}
 )
 catkin_install_python(PROGRAMS
+  tools/convert_map
   tools/disturb_files
   tools/evaluate_map
   tools/evaluate_trajectory

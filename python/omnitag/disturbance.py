@@ -1,12 +1,14 @@
 """Maps and cameras that are off: files whose numbers are not quite the true ones."""
 
 import re
+from dataclasses import replace
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from omnitag.marker_map import Marker, MarkerMap
+from omnitag.marker_map import MarkerMap
 from omnitag.rendering.camera import CAMERA_KEYS, CONIC_KEYS
+from omnitag.rotation import rotation_from_vector
 from omnitag.yaml_file import Mapping, read_yaml
 
 LENS_KEYS = ("fx", "fy", "cx", "cy", "distortion")
@@ -36,30 +38,21 @@ class CameraErrors(NamedTuple):
         return self.principal_point, self.principal_point, self.scale, self.apex
 
 
-def displaced(marker_map: MarkerMap, deviations: MapDeviations, seed: int) -> MarkerMap:
-    """The map with each marker elsewhere; what one draws depends on the seed and its place."""
+def displaced(marker_map: MarkerMap, deviations: MapDeviations, seed: int,
+              said: Optional[MapDeviations] = None) -> MarkerMap:
+    """The map with each marker elsewhere; what one draws depends on the seed and its place.
+
+    It says that its markers deviate by as much as `said`, if anything.
+    """
     markers = []
     for index, marker in enumerate(marker_map.markers):
         draws = np.random.default_rng([seed, index]).standard_normal((2, 3))
         pose = marker.map_from_marker.copy()
         pose[:3, 3] += deviations.position * draws[0]
-        pose[:3, :3] = pose[:3, :3] @ _rotation(deviations.orientation * draws[1])
-        markers.append(Marker(marker.id, marker.family, marker.name, marker.size, pose))
+        pose[:3, :3] = pose[:3, :3] @ rotation_from_vector(deviations.orientation * draws[1])
+        markers.append(replace(marker, map_from_marker=pose, deviation=said.position if said else None,
+                               orientation_deviation=said.orientation if said else None))
     return MarkerMap(tuple(markers), marker_map.frame_id, marker_map.defaults)
-
-
-def map_text(marker_map: MarkerMap, said: Optional[MapDeviations]) -> str:
-    """A map file, which says that its markers deviate by as much as `said`, if anything."""
-    lines = [f"frame_id: {_quoted(marker_map.frame_id)}"]
-    if said:
-        lines += [f"deviation: {said.position:g}", f"orientation_deviation: {said.orientation:g}"]
-    lines.append("markers:")
-    for marker in marker_map.markers:
-        name = f"name: {_quoted(marker.name)}, " if marker.name else ""
-        lines.append(f"  - {{id: {marker.id}, {name}family: {marker.family}, "
-                     f"size: {marker.size:.9g}, position: {_numbers(marker.position, 6)}, "
-                     f"orientation: {_numbers(_quaternion(marker.map_from_marker[:3, :3]), 9)}}}")
-    return "\n".join(lines) + "\n"
 
 
 def camera_text(path: str, errors: Tuple[float, float, float, float],
@@ -106,32 +99,3 @@ def _uncertainty(root: Mapping, said: CameraErrors) -> str:
         share = np.hypot(share, said.apex / distance)
     return (f"{{principal_point: {said.principal_point:.6g}, scale: {share * rim:.6g}, "
             "tilt: 0, rim: 0}")
-
-
-def _rotation(vector: np.ndarray) -> np.ndarray:
-    """(3, 3) rotation about `vector` by its length in rad."""
-    angle = np.linalg.norm(vector)
-    if angle == 0.0:
-        return np.eye(3)
-    x, y, z = vector / angle
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross
-
-
-def _quaternion(rotation: np.ndarray) -> np.ndarray:
-    """x, y, z, w of a rotation: the eigenvector that it leaves alone."""
-    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = rotation
-    matrix = np.array([[xx - yy - zz, xy + yx, xz + zx, zy - yz],
-                       [xy + yx, yy - xx - zz, yz + zy, xz - zx],
-                       [xz + zx, yz + zy, zz - xx - yy, yx - xy],
-                       [zy - yz, xz - zx, yx - xy, xx + yy + zz]]) / 3.0
-    quaternion = np.linalg.eigh(matrix)[1][:, -1]
-    return quaternion if quaternion[3] >= 0.0 else -quaternion
-
-
-def _numbers(values: np.ndarray, decimals: int) -> str:
-    return "[" + ", ".join(f"{value + 0.0:.{decimals}f}" for value in values) + "]"
-
-
-def _quoted(text: str) -> str:
-    return "'" + text.replace("'", "''") + "'"

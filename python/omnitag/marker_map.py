@@ -5,6 +5,7 @@ from typing import Dict, NamedTuple, Optional, Tuple
 
 import numpy as np
 
+from omnitag.rotation import rotation_from_quaternion
 from omnitag.tag_bitmap import FAMILIES, tag_family
 from omnitag.yaml_file import Mapping, Value, read_yaml
 
@@ -30,6 +31,8 @@ class Marker:
     name: str  # empty where the map gives none
     size: float  # m, edge of the square between the corners that the detector reports
     map_from_marker: np.ndarray  # (4, 4)
+    deviation: Optional[float] = None  # m, about each axis; None: the map does not say
+    orientation_deviation: Optional[float] = None  # rad
 
     @property
     def position(self) -> np.ndarray:
@@ -63,6 +66,8 @@ class MarkerDefaults(NamedTuple):
 
     family: Optional[str] = None
     size: Optional[float] = None  # m
+    deviation: Optional[float] = None  # m
+    orientation_deviation: Optional[float] = None  # rad
 
 
 @dataclass(frozen=True)
@@ -79,7 +84,8 @@ def load_marker_map(path: str) -> MarkerMap:
     root = read_yaml(path).mapping(MAP_KEYS)
     frame_id = root["frame_id"].text() if "frame_id" in root else MarkerMap.frame_id
     defaults = MarkerDefaults(_family(root["family"]) if "family" in root else None,
-                              _size(root["size"]) if "size" in root else None)
+                              _size(root["size"]) if "size" in root else None,
+                              *_deviations(root))
     markers = []
     names: Dict[str, int] = {}
     for value in root["markers"].items("a list of markers"):
@@ -111,18 +117,9 @@ def yaw_and_roll_from_rotation(map_from_marker: np.ndarray) -> Tuple[float, floa
             float(np.arctan2(map_from_marker[2, 0], map_from_marker[2, 1])))
 
 
-def rotation_from_quaternion(quaternion: np.ndarray) -> np.ndarray:
-    """(3, 3), of a unit quaternion x, y, z, w."""
-    x, y, z, w = quaternion
-    return np.array([
-        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
-        [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
-        [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)]])
-
-
 def read_marker(entry: Mapping, defaults: MarkerDefaults) -> Marker:
     """An entry of the map's format; raises InputError naming file, line and key."""
-    family, size = defaults
+    family, size = defaults.family, defaults.size
     if "family" in entry or family is None:
         family = _family(entry["family"])
     if "size" in entry or size is None:
@@ -135,7 +132,11 @@ def read_marker(entry: Mapping, defaults: MarkerDefaults) -> Marker:
     map_from_marker[:3, :3] = read_rotation(entry)
     map_from_marker[:3, 3] = entry["position"].reals(3)
     name = entry["name"].text() if "name" in entry else ""
-    return Marker(tag_id, family, name, size, map_from_marker)
+    deviation, orientation_deviation = _deviations(entry)
+    return Marker(tag_id, family, name, size, map_from_marker,
+                  defaults.deviation if deviation is None else deviation,
+                  defaults.orientation_deviation if orientation_deviation is None
+                  else orientation_deviation)
 
 
 def read_rotation(entry: Mapping) -> np.ndarray:
@@ -154,6 +155,16 @@ def read_rotation(entry: Mapping) -> np.ndarray:
         raise entry["orientation"].error("a quaternion of length 1",
                                          "length {:.6g}".format(length))
     return rotation_from_quaternion(quaternion / length)
+
+
+def _deviations(entry: Mapping) -> Tuple[Optional[float], Optional[float]]:
+    deviations = []
+    for key in ("deviation", "orientation_deviation"):
+        number = entry[key].real() if key in entry else None
+        if number is not None and number < 0.0:
+            raise entry[key].error("a number of at least 0")
+        deviations.append(number)
+    return deviations[0], deviations[1]
 
 
 def _family(value: Value) -> str:

@@ -104,6 +104,12 @@ class Value:
             values[name] = Value(self._join(name), node)
         return Mapping(self, values)
 
+    def any_mapping(self) -> "Mapping":
+        """A mapping with whatever keys, as of a file that other programs write."""
+        if not self.is_mapping():
+            raise self.error("a mapping of keys to values")
+        return self.mapping([key.value for key, _ in self._node.value])
+
     def with_key(self, keys: Sequence[str], value: yaml.Node) -> "Value":
         """This mapping with `value` at the place that `keys` lead to, which may be new."""
         if not keys:
@@ -143,6 +149,10 @@ class Mapping:
     def __contains__(self, key: str) -> bool:
         return key in self._values
 
+    def keys(self) -> List[str]:
+        """In the order of the file."""
+        return list(self._values)
+
     def get(self, key: str) -> Optional[Value]:
         """The value of a key that may be missing."""
         return self._values.get(key)
@@ -174,6 +184,17 @@ class Mapping:
     def error(self, expected: str, found: str) -> InputError:
         """The error to raise about the mapping as a whole."""
         return self._place.error(expected, found)
+
+
+def read_text(path: str) -> str:
+    """The text of a file; raises InputError where it cannot be read or is none."""
+    try:
+        with open(path, encoding="utf-8") as file:
+            return file.read()
+    except UnicodeDecodeError:
+        raise InputError("{}: expected a text, found characters that are none".format(path))
+    except OSError as error:
+        raise InputError("{}: cannot be read: {}".format(path, error.strerror))
 
 
 def read_yaml(path: str) -> Value:

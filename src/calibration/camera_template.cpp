@@ -61,8 +61,15 @@ void addEquidistant(const YamlReader& camera, std::vector<CalibrationParameter>*
   }
 }
 
-void addUnified(const YamlReader& camera, std::vector<CalibrationParameter>* parameters) {
-  parameters->push_back({"xi", "", camera.number("xi"), 0.2, 0.2});
+/// What is beside the lens of a central camera: xi, alpha, beta.
+void addShape(const YamlReader& camera, std::vector<CalibrationParameter>* parameters) {
+  for (const char* name : {"xi", "alpha", "beta"}) {
+    if (camera.has(name)) parameters->push_back({name, "", camera.number(name), 0.2, 0.2});
+  }
+}
+
+void addPinhole(const YamlReader& camera, std::vector<CalibrationParameter>* parameters) {
+  if (!camera.has("distortion")) return;
   const std::vector<double> distortion = camera.numbers("distortion");
   const std::vector<CalibrationParameter> kinds = {{"k1", "", 0.0, 0.05, 0.05},
                                                    {"k2", "", 0.0, 0.05, 0.05},
@@ -95,8 +102,8 @@ void setValue(const std::string& name, double value, YAML::Node* file) {
   YAML::Node lens = (*file)["lens"];
   if (lens[name]) {
     lens[name] = value;
-  } else if (name == "xi") {
-    (*file)["xi"] = value;
+  } else if (name == "xi" || name == "alpha" || name == "beta") {
+    (*file)[name] = value;
   } else if (name == "conic_constant") {
     YAML::Node mirror = (*file)["mirror"];
     setConicConstant(value, &mirror);
@@ -144,9 +151,7 @@ YAML::Node nodeOf(const CameraUncertainty& uncertainty) {
 }  // namespace
 
 CameraTemplate CameraTemplate::fromFile(const std::string& path) {
-  // The reader refuses what cannot be opened or parsed.
-  YamlReader::fromFile(path);
-  return {YAML::LoadFile(path), path};
+  return {readCameraFile(path), path};
 }
 
 CameraTemplate CameraTemplate::fromText(const std::string& text, const std::string& origin) {
@@ -158,10 +163,10 @@ CameraTemplate::CameraTemplate(const YAML::Node& file, std::string origin)
     : file_(file), origin_(std::move(origin)) {
   const YamlReader reader(file_, origin_);
   const std::string model = reader.text("model");
-  if (model == "ocam") {
+  if (model == "ocam" || model == "equirectangular") {
     reader.refuse("model",
-                  "one that is calibrated (catadioptric, equidistant or unified; an ocam file is "
-                  "calibrated with its own toolbox)");
+                  "one that is calibrated (catadioptric, equidistant, unified, pinhole, "
+                  "double_sphere or eucm; an ocam file is calibrated with its own toolbox)");
   }
   const auto camera = parseCamera(emitted(file_), origin_);
   circle_ = camera->rimPixels();
@@ -176,7 +181,8 @@ CameraTemplate::CameraTemplate(const YAML::Node& file, std::string origin)
   } else if (model == "equidistant") {
     addEquidistant(reader, &parameters_);
   } else {
-    addUnified(reader, &parameters_);
+    addShape(reader, &parameters_);
+    addPinhole(reader, &parameters_);
   }
 }
 

@@ -14,7 +14,35 @@ Ray inSpace(const MeridionalRay& ray, const Eigen::Vector2d& ideal, double radiu
           {ray.direction.x() * radial.x(), ray.direction.x() * radial.y(), ray.direction.y()}};
 }
 
+/// By which factor an image of a size is larger than a camera's; nothing where it is not by an
+/// integer one, nor smaller by one.
+std::optional<double> factorOf(const ImageSize& camera, const ImageSize& image) {
+  if (image.width < 1 || image.height < 1) return std::nullopt;
+  const int times = image.width / camera.width;
+  if (times >= 1 && image.width == times * camera.width && image.height == times * camera.height) {
+    return times;
+  }
+  const int part = camera.width / image.width;
+  if (part >= 1 && camera.width / part == image.width && camera.height / part == image.height) {
+    return 1.0 / part;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
+
+std::shared_ptr<const CameraModel> CameraModel::ofImage(const ImageSize& size) const {
+  const std::optional<double> factor =
+      scales_to_image_ ? factorOf(image_size_, size) : std::optional(1.0);
+  if (!factor) return nullptr;
+  std::shared_ptr<CameraModel> camera = copy();
+  if (*factor == 1.0) return camera;
+  camera->image_size_ = size;
+  camera->image_plane_ = image_plane_.scaled(*factor);
+  camera->uncertainty_ = uncertainty_.scaled(*factor);
+  camera->tabulateRays();
+  return camera;
+}
 
 std::optional<Eigen::Vector2d> CameraModel::pixelFromPoint(
     const Eigen::Vector3d& point, Eigen::Matrix<double, 2, 3>* jacobian) const {

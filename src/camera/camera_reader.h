@@ -36,6 +36,10 @@ std::shared_ptr<CameraModel> madeFor(const YamlReader& camera, const Make& make)
 std::shared_ptr<CameraModel> readCatadioptric(const YamlReader& camera);
 std::shared_ptr<CameraModel> readEquidistant(const YamlReader& camera);
 std::shared_ptr<CameraModel> readUnified(const YamlReader& camera);
+std::shared_ptr<CameraModel> readPinhole(const YamlReader& camera);
+std::shared_ptr<CameraModel> readDoubleSphere(const YamlReader& camera);
+std::shared_ptr<CameraModel> readEucm(const YamlReader& camera);
+std::shared_ptr<CameraModel> readEquirectangular(const YamlReader& camera);
 std::shared_ptr<CameraModel> readOcam(const YamlReader& camera);
 
 }  // namespace omnitag

@@ -63,7 +63,7 @@ MirrorProfile readProfile(const YamlReader& mirror) {
 }  // namespace
 
 std::shared_ptr<CameraModel> readCatadioptric(const YamlReader& camera) {
-  camera.allowOnly({"model", "image", "lens", "mirror", "uncertainty"});
+  camera.allowOnly({"model", "image", "lens", "mirror", "uncertainty", "scale_to_image"});
   const YamlReader lens = camera.mapping("lens");
   lens.allowOnly({"fx", "fy", "cx", "cy", "distortion", "housing_radius"});
   const YamlReader mirror = camera.mapping("mirror");

@@ -7,9 +7,10 @@
 namespace omnitag {
 
 std::shared_ptr<CameraModel> readEquidistant(const YamlReader& camera) {
-  camera.allowOnly({"model", "image", "lens", "distortion", "max_angle", "uncertainty"});
+  camera.allowOnly(
+      {"model", "image", "lens", "distortion", "max_angle", "uncertainty", "scale_to_image"});
   const YamlReader lens = camera.mapping("lens");
-  lens.allowOnly({"fx", "fy", "cx", "cy"});
+  lens.allowOnly({"fx", "fy", "cx", "cy", "skew"});
   EquidistantCamera::Coefficients coefficients{};
   const std::vector<double> stated = camera.numbers("distortion", coefficients.size());
   std::copy(stated.begin(), stated.end(), coefficients.begin());

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "omnitag/common/angle.h"
+#include "plate_carree.h"
 
 namespace omnitag {
 
@@ -16,6 +17,25 @@ ImagePlane::ImagePlane(const Eigen::Matrix2d& affine, const Eigen::Vector2d& pri
       distortion_(distortion),
       is_distorted_(std::any_of(distortion.begin(), distortion.end(),
                                 [](double coefficient) { return coefficient != 0.0; })) {}
+
+ImagePlane ImagePlane::equirectangular(const ImageSize& size) {
+  // Pixels per radian, and the middle of the image.
+  ImagePlane plane(Eigen::Vector2d(0.5 * size.width / kPi, size.height / kPi).asDiagonal(),
+                   {0.5 * (size.width - 1), 0.5 * (size.height - 1)});
+  plane.is_distorted_ = true;
+  plane.is_equirectangular_ = true;
+  return plane;
+}
+
+ImagePlane ImagePlane::scaled(double factor) const {
+  ImagePlane plane = *this;
+  plane.affine_ *= factor;
+  plane.inverse_affine_ /= factor;
+  // The image begins half a pixel before the centre of its first one.
+  const Eigen::Vector2d half(0.5, 0.5);
+  plane.principal_point_ = factor * (principal_point_ + half) - half;
+  return plane;
+}
 
 Eigen::Vector2d ImagePlane::pixelFromIdeal(const Eigen::Vector2d& ideal,
                                            Eigen::Matrix2d* jacobian) const {
@@ -31,6 +51,7 @@ Eigen::Vector2d ImagePlane::pixelFromIdeal(const Eigen::Vector2d& ideal,
 std::optional<Eigen::Vector2d> ImagePlane::idealFromPixel(const Eigen::Vector2d& pixel) const {
   const Eigen::Vector2d distorted = inverse_affine_ * (pixel - principal_point_);
   if (!is_distorted_) return distorted;
+  if (is_equirectangular_) return azimuthalFromPlateCarree(distorted);
   // Newton from the centre, where nothing is distorted. A step that crosses the distortion's fold,
   // or does not bring half of what it promises, is halved.
   constexpr int kMaxIterations = 100;
@@ -59,6 +80,7 @@ std::optional<Eigen::Vector2d> ImagePlane::idealFromPixel(const Eigen::Vector2d&
 }
 
 bool ImagePlane::isInvertibleUpTo(double radius) const {
+  if (is_equirectangular_) return radius < kPi;
   constexpr int kRadii = 64;
   constexpr int kAzimuths = 32;
   for (int i = 0; i <= kRadii && is_distorted_; ++i) {
@@ -77,6 +99,7 @@ bool ImagePlane::isInvertibleUpTo(double radius) const {
 double ImagePlane::scale() const { return std::sqrt(std::abs(affine_.determinant())); }
 
 Eigen::Vector2d ImagePlane::distort(const Eigen::Vector2d& ideal, Eigen::Matrix2d* jacobian) const {
+  if (is_equirectangular_) return plateCarreeFromAzimuthal(ideal, jacobian);
   const auto& [k1, k2, p1, p2, k3] = distortion_;
   const double x = ideal.x();
   const double y = ideal.y();

@@ -7,7 +7,8 @@
 namespace omnitag {
 
 std::shared_ptr<CameraModel> readOcam(const YamlReader& camera) {
-  camera.allowOnly({"model", "calibration_file", "max_angle", "through_mirror", "uncertainty"});
+  camera.allowOnly({"model", "calibration_file", "max_angle", "through_mirror", "uncertainty",
+                    "scale_to_image"});
   const std::string stated = camera.text("calibration_file");
   const bool is_path = !stated.empty() && std::none_of(stated.begin(), stated.end(),
                                                        [](unsigned char c) { return c < ' '; });

@@ -80,7 +80,9 @@ std::string Interval::description(const std::string& kind) const {
   return text;
 }
 
-YamlReader YamlReader::fromFile(const std::string& path) {
+YamlReader YamlReader::fromFile(const std::string& path) { return fromText(textOf(path), path); }
+
+std::string YamlReader::textOf(const std::string& path) {
   std::ifstream file(path);
   if (!file.is_open() || std::filesystem::is_directory(path)) {
     throw InputError(path + ": expected a readable file, found " +
@@ -88,7 +90,7 @@ YamlReader YamlReader::fromFile(const std::string& path) {
   }
   std::ostringstream text;
   text << file.rdbuf();
-  return fromText(text.str(), path);
+  return text.str();
 }
 
 YamlReader YamlReader::fromText(const std::string& text, const std::string& origin) {
@@ -122,6 +124,14 @@ YamlReader::YamlReader(const YAML::Node& node, std::string origin, std::string p
 bool YamlReader::has(const std::string& key) const { return node_[key].IsDefined(); }
 
 bool YamlReader::isText(const std::string& key) const { return has(key) && node_[key].IsScalar(); }
+
+bool YamlReader::isMapping(const std::string& key) const { return has(key) && node_[key].IsMap(); }
+
+std::vector<std::string> YamlReader::keys() const {
+  std::vector<std::string> keys;
+  for (const auto& entry : node_) keys.push_back(entry.first.Scalar());
+  return keys;
+}
 
 void YamlReader::refuseReplaced(const std::string& key, const std::string& replacement) const {
   if (has(key)) throw InputError(where(key) + ": is no more; use " + replacement);

@@ -34,6 +34,10 @@ Changes changeBySector(const cv::Mat& panorama, const Annulus& annulus, const Im
     middles.row(i) << std::cos(azimuthOf(i)), std::sin(azimuthOf(i));
   }
   const Eigen::Matrix2d ideal_from_offset = plane.affine().inverse();
+  const auto idealOf = [&](const Eigen::Vector2d& pixel) -> Eigen::Vector2d {
+    if (plane.isEquirectangular()) return *plane.idealFromPixel(pixel);
+    return ideal_from_offset * (pixel - plane.principalPoint());
+  };
   Changes changes = Changes::Zero();
   for (int y = 0; y + step < panorama.rows; y += step) {
     const auto* row = panorama.ptr<std::uint8_t>(y);
@@ -41,8 +45,7 @@ Changes changeBySector(const cv::Mat& panorama, const Annulus& annulus, const Im
     for (int x = 0; x + step < panorama.cols; x += step) {
       const int change = std::max(std::abs(row[x] - row[x + step]), std::abs(row[x] - next_row[x]));
       if (change < kFlat) continue;
-      const Eigen::Vector2d ideal =
-          ideal_from_offset * (Eigen::Vector2d(x, y) - plane.principalPoint());
+      const Eigen::Vector2d ideal = idealOf({x, y});
       const double radius = ideal.norm();
       if (radius < annulus.min_radius || radius > annulus.max_radius) continue;
       Eigen::Index nearest = 0;

@@ -1,10 +1,12 @@
 #include "omnitag/ros/camera_info.h"
 
+#include <yaml-cpp/yaml.h>
+
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "omnitag/camera/camera_file.h"
-#include "omnitag/camera/equidistant_camera.h"
 #include "omnitag/common/error.h"
 
 namespace omnitag {
@@ -28,45 +30,41 @@ void checkCalibrated(const sensor_msgs::CameraInfo& info, const std::string& top
   }
 }
 
-/// Throws where pixels of the images are not those of the calibration.
-void checkWhole(const sensor_msgs::CameraInfo& info, const std::string& topic) {
-  const auto& roi = info.roi;
-  const bool is_whole = roi.x_offset == 0 && roi.y_offset == 0 &&
-                        (roi.width == 0 || roi.width == info.width) &&
-                        (roi.height == 0 || roi.height == info.height);
-  if (!is_whole) throw InputError(topic + ": roi: expected whole images, found a part of them");
-  if (info.binning_x > 1 || info.binning_y > 1) {
-    throw InputError(topic + ": binning: expected none, found " + std::to_string(info.binning_x) +
-                     " x " + std::to_string(info.binning_y));
-  }
+YAML::Node nodeOf(const sensor_msgs::RegionOfInterest& roi) {
+  YAML::Node node(YAML::NodeType::Map);
+  node["x_offset"] = roi.x_offset;
+  node["y_offset"] = roi.y_offset;
+  node["width"] = roi.width;
+  node["height"] = roi.height;
+  return node;
+}
+
+/// The message as a file would have it.
+YAML::Node nodeOf(const sensor_msgs::CameraInfo& info) {
+  YAML::Node node(YAML::NodeType::Map);
+  node["width"] = info.width;
+  node["height"] = info.height;
+  node["distortion_model"] = info.distortion_model;
+  node["D"] = info.D;
+  node["K"] = std::vector<double>(info.K.begin(), info.K.end());
+  node["binning_x"] = info.binning_x;
+  node["binning_y"] = info.binning_y;
+  node["roi"] = nodeOf(info.roi);
+  return node;
 }
 
 }  // namespace
 
 DescribedCamera cameraFromFile(const std::string& path) { return {path, loadCamera(path)}; }
 
+DescribedCamera cameraForImages(const DescribedCamera& camera, const ImageSize& size) {
+  const std::shared_ptr<const CameraModel> scaled = camera.model->ofImage(size);
+  return {camera.origin, scaled ? scaled : camera.model};
+}
+
 DescribedCamera cameraFromInfo(const sensor_msgs::CameraInfo& info, const std::string& topic) {
   checkCalibrated(info, topic);
-  checkWhole(info, topic);
-  EquidistantCamera::Coefficients coefficients{};
-  if (info.distortion_model != "equidistant") {
-    throw InputError(topic + ": distortion_model: expected 'equidistant', found '" +
-                     info.distortion_model + "'" + kInstead);
-  }
-  if (info.D.size() != coefficients.size()) {
-    throw InputError(topic + ": D: expected 4 numbers, found " + std::to_string(info.D.size()) +
-                     kInstead);
-  }
-  std::copy(info.D.begin(), info.D.end(), coefficients.begin());
-  const ImageSize image_size{static_cast<int>(info.width), static_cast<int>(info.height)};
-  Eigen::Matrix2d affine;
-  affine << info.K[0], info.K[1], info.K[3], info.K[4];
-  const ImagePlane image_plane(affine, {info.K[2], info.K[5]});
-  try {
-    return {topic, std::make_shared<EquidistantCamera>(image_size, image_plane, coefficients)};
-  } catch (const InputError& error) {
-    throw InputError(topic + ": " + error.what());
-  }
+  return {topic, cameraOf(cameraFileOfInfo(nodeOf(info), topic), topic)};
 }
 
 }  // namespace omnitag

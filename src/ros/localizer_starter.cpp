@@ -4,8 +4,6 @@
 
 #include <optional>
 
-#include "omnitag/ros/camera_info.h"
-#include "omnitag/ros/image_input.h"
 #include "omnitag/ros/image_localizer.h"
 
 namespace omnitag {
@@ -33,27 +31,51 @@ LocalizerStarter::LocalizerStarter(const ros::NodeHandle& node, const ros::NodeH
     ImageLocalizer::checkMap(parameters_);
     ImageInput(node_, private_node_, parameters_.image_transport, parameters_.queue_size).close();
     waitForInfo();
+    return;
+  }
+  const DescribedCamera camera = cameraFromFile(parameters_.camera_file);
+  if (camera.model->scalesToImage()) {
+    ImageLocalizer::checkMap(parameters_);
+    waitForImage(camera);
   } else {
-    server_ = std::make_unique<LocalizerServer>(node_, private_node_, parameters_,
-                                                cameraFromFile(parameters_.camera_file));
+    server_ = std::make_unique<LocalizerServer>(node_, private_node_, parameters_, camera);
   }
 }
 
 LocalizerStarter::~LocalizerStarter() {
   // Each waits for a callback that is running.
   timer_.stop();
+  image_timer_.stop();
   info_subscriber_.shutdown();
 }
 
 void LocalizerStarter::waitForInfo() {
   topic_ = infoTopic(node_);
-  problem_ = "waiting for the first camera_info on " + topic_ + ", as there is no camera_file";
+  described_ = "described by camera_info";
+  beginWaiting("waiting for the first camera_info on " + topic_ + ", as there is no camera_file");
+  info_subscriber_ = node_.subscribe(topic_, 1, &LocalizerStarter::onInfo, this);
+}
+
+void LocalizerStarter::waitForImage(const DescribedCamera& camera) {
+  camera_ = camera;
+  images_ = std::make_unique<ImageInput>(node_, private_node_, parameters_.image_transport,
+                                         parameters_.queue_size);
+  topic_ = images_->topic();
+  described_ = "scaled to the images";
+  beginWaiting("waiting for the first image on " + topic_ + ", to whose size " + camera.origin +
+               " is scaled");
+  constexpr double kPeriod = 0.05;
+  image_timer_ = node_.createWallTimer(ros::WallDuration(kPeriod),
+                                       [this](const ros::WallTimerEvent&) { onImageTimer(); });
+}
+
+void LocalizerStarter::beginWaiting(const std::string& problem) {
+  problem_ = problem;
   ROS_INFO_STREAM(name_ << ": " << problem_);
   last_line_ = ros::WallTime::now();
   updater_ = std::make_unique<diagnostic_updater::Updater>(node_, private_node_, name_);
   updater_->setHardwareID("none");
   updater_->add("camera", this, &LocalizerStarter::report);
-  info_subscriber_ = node_.subscribe(topic_, 1, &LocalizerStarter::onInfo, this);
   timer_ = node_.createWallTimer(ros::WallDuration(1.0),
                                  [this](const ros::WallTimerEvent&) { onTimer(); });
 }
@@ -68,10 +90,31 @@ void LocalizerStarter::onInfo(const sensor_msgs::CameraInfo& info) {
     complain(error.what());
     return;
   }
+  start(*camera);
+}
+
+void LocalizerStarter::onImageTimer() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!is_waiting_) return;
+  ImageSize size;
+  try {
+    const std::optional<ReceivedImage> received = images_->next(0.0);
+    if (!received) return;
+    const cv_bridge::CvImageConstPtr image = received->decode();
+    size = {image->image.cols, image->image.rows};
+  } catch (const std::exception& error) {
+    complain(error.what());
+    return;
+  }
+  images_.reset();
+  start(cameraForImages(*camera_, size));
+}
+
+void LocalizerStarter::start(const DescribedCamera& camera) {
   // What is wrong beside the camera, the next message would not mend.
   is_waiting_ = false;
   try {
-    server_ = std::make_unique<LocalizerServer>(node_, private_node_, parameters_, *camera);
+    server_ = std::make_unique<LocalizerServer>(node_, private_node_, parameters_, camera);
     problem_.clear();
   } catch (const std::exception& error) {
     problem_ = error.what();
@@ -84,7 +127,9 @@ void LocalizerStarter::onInfo(const sensor_msgs::CameraInfo& info) {
 // wait for that, nor while the mutex is held, for which a callback may be waiting.
 void LocalizerStarter::onTimer() {
   updater_->force_update();
-  if (!isWaiting()) info_subscriber_.shutdown();
+  if (isWaiting()) return;
+  info_subscriber_.shutdown();
+  image_timer_.stop();
 }
 
 bool LocalizerStarter::isWaiting() {
@@ -96,10 +141,12 @@ void LocalizerStarter::report(diagnostic_updater::DiagnosticStatusWrapper& repor
   const std::lock_guard<std::mutex> lock(mutex_);
   report.add("topic", topic_);
   if (server_) {
-    report.summary(diagnostic_updater::DiagnosticStatusWrapper::OK, "described by camera_info");
+    report.summary(diagnostic_updater::DiagnosticStatusWrapper::OK, described_);
     return;
   }
-  if (is_waiting_) report.add("publishers", info_subscriber_.getNumPublishers());
+  if (is_waiting_) {
+    report.add("publishers", images_ ? images_->publishers() : info_subscriber_.getNumPublishers());
+  }
   report.summary(diagnostic_updater::DiagnosticStatusWrapper::ERROR, problem_);
   complain(problem_);
 }

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "drive.h"
 #include "omnitag/camera/camera_file.h"
@@ -67,6 +69,25 @@ TEST(CameraTemplateTest, ReplacesWhatItsNamesSay) {
   const auto found = camera.camera(values)->pixelFromPoint(point);
   ASSERT_TRUE(found);
   EXPECT_LT((*found - *expected).norm(), 1e-9);
+}
+
+TEST(CameraTemplateTest, KnowsEveryModelsNumbers) {
+  const std::string lens =
+      "image: {width: 700, height: 700}\nlens: {fx: 440, fy: 442, cx: 347.7, cy: 351.2}\n";
+  const std::vector<std::pair<std::string, std::string>> changes = {
+      {"model: double_sphere\n" + lens + "xi: -0.2\nalpha: 0.6\n", "alpha"},
+      {"model: eucm\n" + lens + "alpha: 0.6\nbeta: 1.1\n", "beta"},
+      {"model: pinhole\n" + lens + "distortion: [-0.1, 0.02, 0.001, 0, 0.3]\n", "k2"},
+      {"model: pinhole\n" + lens, "fx"}};
+  for (const auto& [text, name] : changes) {
+    const CameraTemplate camera = CameraTemplate::fromText(text, "guess");
+    Eigen::VectorXd values = valuesOf(camera);
+    const Eigen::Vector3d point(0.5, -0.4, 1.0);
+    const auto before = parseCamera(text, "guess")->pixelFromPoint(point);
+    EXPECT_EQ(camera.camera(values)->pixelFromPoint(point), before) << text;
+    values(indexOf(camera, name)) *= 1.01;
+    EXPECT_NE(camera.camera(values)->pixelFromPoint(point), before) << text;
+  }
 }
 
 TEST(CameraTemplateTest, NamesTheProfileOfAConicConstant) {

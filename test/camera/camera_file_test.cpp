@@ -11,7 +11,10 @@
 #include <vector>
 
 #include "omnitag/camera/catadioptric_camera.h"
+#include "omnitag/camera/double_sphere_camera.h"
 #include "omnitag/camera/equidistant_camera.h"
+#include "omnitag/camera/equirectangular_camera.h"
+#include "omnitag/camera/eucm_camera.h"
 #include "omnitag/camera/ocam_camera.h"
 #include "omnitag/camera/unified_camera.h"
 #include "omnitag/common/error.h"
@@ -124,6 +127,21 @@ constexpr char kUnified[] =
     "xi: 1.1\n"
     "distortion: [-0.05, 0.01, 0.001, -0.002]\n";
 
+constexpr char kDoubleSphere[] =
+    "model: double_sphere\n"
+    "image: {width: 500, height: 400}\n"
+    "lens: {fx: 150, fy: 151, cx: 249.5, cy: 199.5}\n"
+    "xi: -0.2\n"
+    "alpha: 0.6\n";
+
+constexpr char kEucm[] =
+    "model: eucm\n"
+    "image: {width: 500, height: 400}\n"
+    "lens: {fx: 210, fy: 211, cx: 249.5, cy: 199.5, skew: 0.25}\n"
+    "alpha: 0.6\n"
+    "beta: 1.1\n"
+    "max_angle: 1.5\n";
+
 constexpr char kOcam[] =
     "model: ocam\n"
     "calibration_file: calib_results.txt\n";
@@ -165,6 +183,44 @@ TEST(CameraFile, describesAUnifiedCamera) {
             (ImagePlane::Distortion{-0.05, 0.01, 0.001, -0.002, 0.0}));
   EXPECT_TRUE(
       loaded<UnifiedCamera>(std::string(kUnified) + "through_mirror: true\n")->throughMirror());
+}
+
+TEST(CameraFile, describesAPinhole) {
+  const std::string text =
+      "model: pinhole\n"
+      "image: {width: 500, height: 400}\n"
+      "lens: {fx: 400, fy: 401, cx: 249.5, cy: 199.5}\n";
+  const auto plain = loaded<UnifiedCamera>(text);
+  ASSERT_TRUE(plain);
+  EXPECT_EQ(plain->xi(), 0.0);
+  EXPECT_FALSE(plain->imagePlane().isDistorted());
+  const auto four = loaded<UnifiedCamera>(text + "distortion: [-0.1, 0.01, 0.001, -0.002]\n");
+  EXPECT_EQ(four->imagePlane().distortion(),
+            (ImagePlane::Distortion{-0.1, 0.01, 0.001, -0.002, 0.0}));
+  const auto five = loaded<UnifiedCamera>(text + "distortion: [-0.1, 0.01, 0.001, -0.002, 0.3]\n");
+  EXPECT_EQ(five->imagePlane().distortion()[4], 0.3);
+}
+
+TEST(CameraFile, describesSpheresAndEllipsoids) {
+  const auto spheres = loaded<DoubleSphereCamera>(kDoubleSphere);
+  ASSERT_TRUE(spheres);
+  EXPECT_EQ(spheres->parameters().xi, -0.2);
+  EXPECT_EQ(spheres->parameters().alpha, 0.6);
+  EXPECT_EQ(spheres->imagePlane().affine()(1, 1), 151.0);
+  const auto ellipsoid = loaded<EucmCamera>(kEucm);
+  ASSERT_TRUE(ellipsoid);
+  EXPECT_EQ(ellipsoid->parameters().alpha, 0.6);
+  EXPECT_EQ(ellipsoid->parameters().beta, 1.1);
+  EXPECT_EQ(ellipsoid->imagePlane().affine()(0, 1), 0.25);
+  EXPECT_EQ(ellipsoid->maxAngle(), 1.5);
+}
+
+TEST(CameraFile, describesAPanorama) {
+  const auto camera = loaded<EquirectangularCamera>(
+      "model: equirectangular\nimage: {width: 1000, height: 500}\nuncertainty: none\n");
+  ASSERT_TRUE(camera);
+  EXPECT_EQ(camera->imageSize().width, 1000);
+  EXPECT_TRUE(camera->uncertainty().isNone());
 }
 
 TEST(CameraFile, findsTheToolboxsFileBesideIt) {
@@ -235,7 +291,16 @@ TEST(CameraFile, isWhatTheDocumentationShows) {
     EXPECT_NO_THROW(parseCamera(example, origin)) << example;
   }
   EXPECT_EQ(profiles.size(), 5u);
-  EXPECT_EQ(models.size(), 4u);
+  EXPECT_EQ(models.size(), 8u);
+}
+
+TEST(CameraFile, saysWhetherItsImagesMayBeScaled) {
+  EXPECT_FALSE(parseCamera(kEquidistant, "camera.yaml")->scalesToImage());
+  for (const std::string& text : {std::string(kSphere), std::string(kEquidistant),
+                                  std::string(kUnified), std::string(kEucm)}) {
+    EXPECT_TRUE(parseCamera(text + "scale_to_image: true\n", "camera.yaml")->scalesToImage());
+  }
+  EXPECT_THROW(parseCamera(std::string(kEucm) + "scale_to_image: 2\n", "camera.yaml"), InputError);
 }
 
 struct Refusal {
@@ -313,15 +378,15 @@ std::vector<Refusal> refusals() {
        {"camera.yaml:2: image.width: expected an integer >= 1", "found '500.5'"}},
       {"NoPixels", sphereWith("500", "0"), {"image.width: expected an integer >= 1", "found '0'"}},
       {"UnknownModel",
-       sphereWith("catadioptric", "pinhole"),
-       {"camera.yaml:1: model: expected one of catadioptric, equidistant, unified, ocam, found "
-        "'pinhole'"}},
+       sphereWith("catadioptric", "spherical"),
+       {"camera.yaml:1: model: expected one of catadioptric, equidistant, unified, pinhole, "
+        "double_sphere, eucm, ocam, equirectangular, found 'spherical'"}},
       {"EquidistantDistortionTooShort",
        replaced(kEquidistant, ", 0.0001]", "]"),
        {"camera.yaml:4: distortion: expected a list of 4 numbers, found a list of 3"}},
-      {"EquidistantWithSkew",
-       replaced(kEquidistant, "199.5}", "199.5, skew: 1}"),
-       {"camera.yaml:3: lens.skew: unknown key"}},
+      {"EquidistantWithADistortionOfItsLens",
+       replaced(kEquidistant, "199.5}", "199.5, distortion: [0]}"),
+       {"camera.yaml:3: lens.distortion: unknown key"}},
       {"EquidistantThatFolds",
        replaced(kEquidistant, "-0.01", "-0.5"),
        {"camera.yaml: distortion: expected", "up to max_angle, 1.66 rad", "found one that folds"}},
@@ -340,6 +405,31 @@ std::vector<Refusal> refusals() {
       {"UnifiedThroughMaybe",
        std::string(kUnified) + "through_mirror: 3\n",
        {"camera.yaml:6: through_mirror: expected", "found '3'"}},
+      {"PinholeDistortionTooLong",
+       replaced(replaced(kEquidistant, "equidistant", "pinhole"), "0.0001", "0, 0, 0.0001"),
+       {"camera.yaml:4: distortion: expected a list of 4 or 5 numbers, found a list of 6"}},
+      {"PinholeBeyondNinetyDegrees",
+       replaced(kEquidistant, "equidistant", "pinhole"),
+       {"camera.yaml: xi: expected", "max_angle, 1.66 rad"}},
+      {"DoubleSphereWithoutXi",
+       replaced(kDoubleSphere, "xi: -0.2\n", ""),
+       {"camera.yaml:1: xi: expected a number > -1, found nothing"}},
+      {"DoubleSphereOutOfItsDomain",
+       replaced(kDoubleSphere, "alpha: 0.6", "alpha: 1.01"),
+       {"camera.yaml:5: alpha: expected a number >= 0 and <= 1, found '1.01'"}},
+      {"DoubleSphereBeyondItsFold",
+       std::string(kDoubleSphere) + "max_angle: 3\n",
+       {"camera.yaml: xi, alpha: expected an image", "max_angle, 3 rad", "found one that folds"}},
+      {"EucmWithoutBeta",
+       replaced(kEucm, "beta: 1.1\n", ""),
+       {"camera.yaml:1: beta: expected a number > 0, found nothing"}},
+      {"EucmOutOfItsDomain",
+       replaced(kEucm, "beta: 1.1", "beta: 0"),
+       {"camera.yaml:5: beta: expected a number > 0, found '0'"}},
+      {"EquirectangularWithALens",
+       replaced(kEucm, "eucm", "equirectangular"),
+       {"camera.yaml:3: lens: unknown key; expected one of: model, image, uncertainty, "
+        "scale_to_image"}},
       {"OcamWithoutItsFile",
        "model: ocam\ncalibration_file: no/such.txt\n",
        {"camera.yaml:2: calibration_file: no/such.txt: expected a readable file, found none"}},

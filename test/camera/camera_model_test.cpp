@@ -101,6 +101,40 @@ TEST_P(EveryCamera, hasTheDerivativesOfItsProjection) {
   RecordProperty("largest_error", testing::PrintToString(worst));
 }
 
+TEST_P(EveryCamera, scalesToImagesOfItsPixelsPutTogether) {
+  const ImageSize size = camera().imageSize();
+  EXPECT_EQ(camera().ofImage({2 * size.width, 2 * size.height})->imageSize().width, size.width);
+  const auto scalable = std::const_pointer_cast<CameraModel>(camera().ofImage(size));
+  scalable->setScalesToImage(true);
+  scalable->setUncertainty({1.0, 2.0, 3.0, 4.0});
+  EXPECT_FALSE(scalable->ofImage({size.width, size.height - 1}));
+  EXPECT_FALSE(scalable->ofImage({2 * size.width, 3 * size.height}));
+  EXPECT_FALSE(scalable->ofImage({0, 0}));
+  for (const double factor : {1.0 / 3.0, 0.5, 1.0, 2.0}) {
+    // What an odd number of pixels leaves at the end is cut off.
+    const ImageSize scaled{static_cast<int>(factor * size.width + 1e-9),
+                           static_cast<int>(factor * size.height + 1e-9)};
+    const auto other = scalable->ofImage(scaled);
+    ASSERT_TRUE(other) << factor;
+    EXPECT_EQ(other->imageSize().height, scaled.height);
+    EXPECT_NEAR(other->uncertainty().rim, 4.0 * factor, 1e-12);
+    int compared = 0;
+    forEachPixel(31.7, [&](const Eigen::Vector2d& pixel) {
+      const std::optional<Ray> ray = camera().rayFromPixel(pixel);
+      // Positions from the image's corner scale; the first pixel's centre is half a pixel off.
+      const Eigen::Vector2d half(0.5, 0.5);
+      const Eigen::Vector2d expected = factor * (pixel + half) - half;
+      if (!ray || !other->isInImage(expected)) return;
+      const auto image = other->pixelFromPoint(ray->origin + 2.0 * ray->direction);
+      ASSERT_TRUE(image);
+      EXPECT_LT((*image - expected).norm(), 1e-6);
+      EXPECT_TRUE(other->tabulatedRayFromPixel(expected));
+      ++compared;
+    });
+    EXPECT_GT(compared, 50);
+  }
+}
+
 TEST_P(EveryCamera, seesNothingWhereNothingIsNumber) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInfinity = std::numeric_limits<double>::infinity();

@@ -130,6 +130,46 @@ TEST(Ocam, looksAlongTheToolboxsRays) {
   EXPECT_GT(backwards, 10);
 }
 
+/// Rays of all over the image, and the angles off the axis that a formula gives for radii of the
+/// ideal plane.
+void expectAngles(const CentralCamera& camera, const std::function<double(double)>& angle_of) {
+  int compared = 0;
+  for (double radius = 0.003; radius < camera.maxRadius(); radius += 0.0071) {
+    const auto ray = camera.rayFromRadius(radius);
+    ASSERT_TRUE(ray);
+    EXPECT_NEAR(std::atan2(ray->direction.x(), ray->direction.y()), angle_of(radius), 1e-9);
+    ++compared;
+  }
+  EXPECT_GT(compared, 100);
+}
+
+TEST(DoubleSphere, looksAlongItsAuthorsRays) {
+  // Equations 46 to 50 of the paper.
+  constexpr double kXi = -0.2, kAlpha = 0.6;
+  const DoubleSphereCamera camera({1024, 1024}, lensOf(300, 300, 511.5, 511.5), {kXi, kAlpha});
+  EXPECT_GT(camera.maxAngle(), 1.7);
+  expectAngles(camera, [&](double radius) {
+    const double square = radius * radius;
+    const double z = (1.0 - kAlpha * kAlpha * square) /
+                     (kAlpha * std::sqrt(1.0 - (2.0 * kAlpha - 1.0) * square) + 1.0 - kAlpha);
+    const double scale =
+        (z * kXi + std::sqrt(z * z + (1.0 - kXi * kXi) * square)) / (z * z + square);
+    return std::atan2(scale * radius, scale * z - kXi);
+  });
+}
+
+TEST(Eucm, looksAlongItsAuthorsRays) {
+  constexpr double kAlpha = 0.6, kBeta = 1.1;
+  const EucmCamera camera({1024, 1024}, lensOf(430, 430, 511.5, 511.5), {kAlpha, kBeta});
+  EXPECT_GT(camera.maxAngle(), 1.5);
+  expectAngles(camera, [&](double radius) {
+    const double square = kBeta * radius * radius;
+    const double z = (1.0 - kAlpha * kAlpha * square) /
+                     (kAlpha * std::sqrt(1.0 - (2.0 * kAlpha - 1.0) * square) + 1.0 - kAlpha);
+    return std::atan2(radius, z);
+  });
+}
+
 std::string refusalOf(const std::function<void()>& make) {
   try {
     make();
@@ -162,6 +202,19 @@ TEST(Field, isRefusedWhereTheDistortionFoldsWithinIt) {
             }).find("distortion:"),
             std::string::npos);
   EXPECT_EQ(refusalOf([&] { UnifiedCamera(size, barrel, 1.0, {1.5, false}); }), "");
+  // alpha > 1 / 2 folds where (2 alpha - 1) beta r^2 = 1.
+  EXPECT_NE(refusalOf([&] {
+              EucmCamera(size, lens, {0.8, 1.0}, {2.5, false});
+            })
+                .find("alpha, beta: expected an image that grows with the angle off the axis up to "
+                      "max_angle, 2.5 rad, found one that folds the image at 1.82"),
+            std::string::npos);
+  EXPECT_EQ(refusalOf([&] { EucmCamera(size, lens, {0.8, 1.0}, {1.82, false}); }), "");
+  EXPECT_NE(refusalOf([&] {
+              DoubleSphereCamera(size, lens, {0.0, 0.8}, {2.5, false});
+            }).find("xi, alpha: expected an image"),
+            std::string::npos);
+  EXPECT_EQ(refusalOf([&] { DoubleSphereCamera(size, lens, {0.0, 0.8}, {1.82, false}); }), "");
   const OcamCalibration backwards{{100.0, 0.0, 1e-3}, 240, 320, 1, 0, 0, {640, 480}};
   EXPECT_NE(refusalOf([&] { OcamCamera camera(backwards); }).find("polynomial: expected"),
             std::string::npos);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <opencv2/calib3d.hpp>
@@ -8,9 +9,12 @@
 #include <optional>
 #include <ostream>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "omnitag/camera/double_sphere_camera.h"
 #include "omnitag/camera/equidistant_camera.h"
+#include "omnitag/camera/eucm_camera.h"
 #include "omnitag/camera/ocam_camera.h"
 #include "omnitag/camera/unified_camera.h"
 #include "toolbox_ocam.h"
@@ -58,17 +62,75 @@ inline CentralSample equidistantSample(const std::string& name, const ImageSize&
   return {name, std::make_shared<EquidistantCamera>(size, plane, k, limits), oracle};
 }
 
+/// A point by OpenCV's omnidir module.
+inline Eigen::Vector2d byOmnidir(const Eigen::Vector3d& p, const cv::Matx33d& matrix, double xi,
+                                 const cv::Vec4d& distortion = {}) {
+  std::vector<cv::Point2d> pixels;
+  cv::omnidir::projectPoints(std::vector<cv::Point3d>{{p.x(), p.y(), p.z()}}, pixels,
+                             cv::Vec3d(0, 0, 0), cv::Vec3d(0, 0, 0), matrix, xi, distortion);
+  return {pixels[0].x, pixels[0].y};
+}
+
+/// With focal lengths larger by a factor.
+inline cv::Matx33d enlarged(cv::Matx33d matrix, double factor) {
+  for (const auto& [row, column] : {std::pair{0, 0}, {0, 1}, {1, 1}}) matrix(row, column) *= factor;
+  return matrix;
+}
+
+/// From the first sphere to the second by hand; from there on it is the unified model, whose
+/// parameter is alpha / (1 - alpha) and whose focal length 1 / (1 - alpha) times as long.
+inline CentralSample doubleSphereSample(const std::string& name, const ImageSize& size,
+                                        const ImagePlane& plane,
+                                        const DoubleSphereCamera::Parameters& parameters,
+                                        const FieldLimits& limits = {}) {
+  const auto oracle = [=](const Eigen::Vector3d& p) {
+    const double sign = limits.through_mirror ? -1.0 : 1.0;
+    const Eigen::Vector3d first = Eigen::Vector3d(p.x(), p.y(), sign * p.z()).normalized();
+    const double rest = 1.0 - parameters.alpha;
+    return std::optional(byOmnidir(first + Eigen::Vector3d(0.0, 0.0, parameters.xi),
+                                   enlarged(matrixOf(plane), 1.0 / rest), parameters.alpha / rest));
+  };
+  return {name, std::make_shared<DoubleSphereCamera>(size, plane, parameters, limits), oracle};
+}
+
+/// The ellipsoid becomes a sphere, and the model the unified one, where what is across the axis is
+/// stretched by the root of beta; the image is stretched as much.
+inline CentralSample eucmSample(const std::string& name, const ImageSize& size,
+                                const ImagePlane& plane, const EucmCamera::Parameters& parameters,
+                                const FieldLimits& limits = {}) {
+  const auto oracle = [=](const Eigen::Vector3d& p) {
+    const double sign = limits.through_mirror ? -1.0 : 1.0;
+    const double stretch = std::sqrt(parameters.beta);
+    const double rest = 1.0 - parameters.alpha;
+    return std::optional(byOmnidir({stretch * p.x(), stretch * p.y(), sign * p.z()},
+                                   enlarged(matrixOf(plane), 1.0 / (rest * stretch)),
+                                   parameters.alpha / rest));
+  };
+  return {name, std::make_shared<EucmCamera>(size, plane, parameters, limits), oracle};
+}
+
+/// A lens without any of these spheres.
+inline CentralSample pinholeSample(const std::string& name, const ImageSize& size,
+                                   const ImagePlane& plane, const FieldLimits& limits = {}) {
+  const auto oracle = [plane](const Eigen::Vector3d& p) -> std::optional<Eigen::Vector2d> {
+    if (p.z() < 1e-3 * p.norm()) return std::nullopt;
+    const ImagePlane::Distortion& d = plane.distortion();
+    std::vector<cv::Point2d> pixels;
+    cv::projectPoints(std::vector<cv::Point3d>{{p.x(), p.y(), p.z()}}, cv::Vec3d(0, 0, 0),
+                      cv::Vec3d(0, 0, 0), matrixOf(plane), std::vector<double>(d.begin(), d.end()),
+                      pixels);
+    return Eigen::Vector2d(pixels[0].x, pixels[0].y);
+  };
+  return {name, std::make_shared<UnifiedCamera>(size, plane, 0.0, limits), oracle};
+}
+
 inline CentralSample unifiedSample(const std::string& name, const ImageSize& size,
                                    const ImagePlane& plane, double xi,
                                    const FieldLimits& limits = {}) {
   const auto oracle = [plane, xi, limits](const Eigen::Vector3d& p) {
     const ImagePlane::Distortion& d = plane.distortion();
-    std::vector<cv::Point2d> pixels;
-    cv::omnidir::projectPoints(
-        std::vector<cv::Point3d>{{p.x(), p.y(), limits.through_mirror ? -p.z() : p.z()}}, pixels,
-        cv::Vec3d(0, 0, 0), cv::Vec3d(0, 0, 0), matrixOf(plane), xi,
-        cv::Vec4d(d[0], d[1], d[2], d[3]));
-    return std::optional<Eigen::Vector2d>(Eigen::Vector2d(pixels[0].x, pixels[0].y));
+    return std::optional(byOmnidir({p.x(), p.y(), limits.through_mirror ? -p.z() : p.z()},
+                                   matrixOf(plane), xi, {d[0], d[1], d[2], d[3]}));
   };
   return {name, std::make_shared<UnifiedCamera>(size, plane, xi, limits), oracle};
 }
@@ -101,6 +163,18 @@ inline std::vector<CentralSample> centralSamples() {
       unifiedSample("UnifiedThroughAMirror", small, lensOf(260, 262, 251.0, 246.0), 0.93,
                     {1.9, true}),
       unifiedSample("UnifiedPinhole", small, lensOf(300, 300, 249.5, 249.5), 0.0),
+      pinholeSample(
+          "PinholeDistorted", wide,
+          lensOf(702.1, 698.4, 643.9, 391.5, 0.0, {-0.21, 0.07, 0.0008, -0.0011, -0.004})),
+      doubleSphereSample("DoubleSphere", wide, lensOf(313.7, 312.9, 638.2, 401.7), {-0.182, 0.591}),
+      doubleSphereSample("DoubleSphereSkewed", small, lensOf(151.0, 150.2, 253.0, 247.1, 0.4),
+                         {0.31, 0.42}, upTo(1.75)),
+      doubleSphereSample("DoubleSphereThroughAMirror", small, lensOf(120.0, 121.0, 251.0, 246.0),
+                         {-0.2, 0.61}, {1.9, true}),
+      eucmSample("Eucm", wide, lensOf(431.5, 432.6, 641.1, 397.9), {0.631, 1.118}),
+      eucmSample("EucmWide", small, lensOf(141.0, 140.0, 250.1, 248.2), {0.57, 1.31}, upTo(1.7)),
+      eucmSample("EucmThroughAMirror", small, lensOf(150.0, 150.0, 249.5, 249.5), {0.55, 0.92},
+                 {1.8, true}),
       ocamSample("Ocam", {{-289.5569, 0.0, 1.538894e-3, -3.140320e-6, 7.206996e-9},
                           390.949324,
                           423.714757,

@@ -109,6 +109,8 @@ INSTANTIATE_TEST_SUITE_P(, FisheyeTest,
                                          Setup{"EquidistantDown", test::equidistantCamera, false},
                                          Setup{"UnifiedUp", test::unifiedCamera, true},
                                          Setup{"UnifiedDown", test::unifiedCamera, false},
+                                         Setup{"DoubleSphereUp", test::doubleSphereCamera, true},
+                                         Setup{"EucmDown", test::eucmCamera, false},
                                          Setup{"OcamUp", test::ocamCamera, true},
                                          Setup{"OcamDown", test::ocamCamera, false}),
                          [](const auto& test) { return test.param.name; });

@@ -45,6 +45,38 @@ TEST(CameraInfo, mayStateThatItsImagesAreWhole) {
   EXPECT_TRUE(cameraFromInfo(info, "/eye/camera_info").model);
 }
 
+TEST(CameraInfo, describesTheImagesWhereTheyAreBinnedOrAPart) {
+  sensor_msgs::CameraInfo info = fisheyeInfo();
+  info.roi.x_offset = 20;
+  info.roi.y_offset = 10;
+  info.roi.width = 600;
+  info.roi.height = 460;
+  info.binning_x = info.binning_y = 2;
+  const auto whole = cameraFromInfo(fisheyeInfo(), "/eye/camera_info").model;
+  const auto part = cameraFromInfo(info, "/eye/camera_info").model;
+  EXPECT_EQ(part->imageSize().width, 300);
+  EXPECT_EQ(part->imageSize().height, 230);
+  // A pixel of the image is the mean of four, whose middle lies between them.
+  const Eigen::Vector3d point(0.7, -0.4, 1.0);
+  const Eigen::Vector2d expected =
+      (*whole->pixelFromPoint(point) - Eigen::Vector2d(20.5, 10.5)) / 2.0;
+  EXPECT_LT((*part->pixelFromPoint(point) - expected).norm(), 1e-9);
+}
+
+TEST(CameraInfo, describesLensesByTheirOtherNames) {
+  sensor_msgs::CameraInfo info = fisheyeInfo();
+  info.distortion_model = "fisheye";
+  EXPECT_TRUE(std::dynamic_pointer_cast<const EquidistantCamera>(
+      cameraFromInfo(info, "/eye/camera_info").model));
+  info.distortion_model = "plumb_bob";
+  info.D = {-0.2, 0.05, 0.001, -0.002, 0.03};
+  const auto camera = cameraFromInfo(info, "/eye/camera_info").model;
+  EXPECT_EQ(camera->imagePlane().distortion(),
+            (ImagePlane::Distortion{-0.2, 0.05, 0.001, -0.002, 0.03}));
+  // As uncertain as any calibration of which nothing is said.
+  EXPECT_NEAR(camera->uncertainty().scale, 0.48, 1e-12);
+}
+
 TEST(CameraInfo, isRefusedInOneLineThatTellsWhy) {
   const auto refusal = [](const std::function<void(sensor_msgs::CameraInfo*)>& spoil) {
     sensor_msgs::CameraInfo info = fisheyeInfo();
@@ -68,13 +100,13 @@ TEST(CameraInfo, isRefusedInOneLineThatTellsWhy) {
   EXPECT_PRED2(has,
                refusal([](Info* info) { info->K[2] = std::numeric_limits<double>::quiet_NaN(); }),
                "K: expected");
-  EXPECT_PRED2(has, refusal([](Info* info) { info->distortion_model = "plumb_bob"; }),
-               "distortion_model: expected 'equidistant', found 'plumb_bob'");
+  EXPECT_PRED2(has, refusal([](Info* info) { info->distortion_model = "fov"; }),
+               "/eye/camera_info: distortion_model: expected one of equidistant, fisheye, "
+               "plumb_bob, rational_polynomial, found 'fov'");
   EXPECT_PRED2(has, refusal([](Info* info) { info->D.push_back(0.0); }),
                "D: expected 4 numbers, found 5");
-  EXPECT_PRED2(has, refusal([](Info* info) { info->roi.x_offset = 8; }), "roi: expected whole");
-  EXPECT_PRED2(has, refusal([](Info* info) { info->binning_x = 2; }),
-               "binning: expected none, found 2 x 0");
+  EXPECT_PRED2(has, refusal([](Info* info) { info->roi.x_offset = 640; }),
+               "/eye/camera_info: roi: expected a part of the image of 640 pixels");
   EXPECT_PRED2(has, refusal([](Info* info) { info->D[0] = -1e300; }),
                "/eye/camera_info: distortion: expected one that grows");
 }

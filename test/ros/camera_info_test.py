@@ -51,10 +51,10 @@ class CameraInfoTest(unittest.TestCase):
         uncalibrated.K = [0.0] * 9
         self.infos.publish(uncalibrated)
         self.wait_for_camera(DiagnosticStatus.ERROR, "K: expected")
-        pinhole = fisheye_info()
-        pinhole.distortion_model = "plumb_bob"
-        self.infos.publish(pinhole)
-        self.wait_for_camera(DiagnosticStatus.ERROR, "found 'plumb_bob'")
+        other = fisheye_info()
+        other.distortion_model = "fov"
+        self.infos.publish(other)
+        self.wait_for_camera(DiagnosticStatus.ERROR, "found 'fov'")
         self.assertNotIn("/save_map", rosservice.get_service_list())
         self.assertEqual(self.images.get_num_connections(), 0)
 
@@ -85,6 +85,35 @@ class CameraInfoTest(unittest.TestCase):
             return self.status.wait_for(lambda status: not status.has_pose, 0.5) is not None
 
         self.assertTrue(wait_until(is_answered))
+
+    def test_a_camera_that_scales_waits_for_an_image(self):
+        directory = tempfile.TemporaryDirectory()
+        self.addCleanup(directory.cleanup)
+        camera_file = os.path.join(directory.name, "camera.yaml")
+        shutil.copy(os.path.join(PACKAGE, "config", "cameras", "fisheye.yaml"), camera_file)
+        with open(camera_file, "a", encoding="utf-8") as file:
+            file.write("\nscale_to_image: true\n")
+        rospy.set_param("/small/camera_file", camera_file)
+        rospy.set_param("/small/map_file", os.path.join(PACKAGE, "maps", "fisheye.yaml"))
+        node = subprocess.Popen(["rosrun", "omnitag", "localizer_node", "__name:=small",
+                                 "image:=/small_camera/image", "status:=/small/status"])
+        self.addCleanup(node.wait)
+        self.addCleanup(node.terminate)
+        self.diagnostics.wait_for_report("small: camera", DiagnosticStatus.ERROR,
+                                         "waiting for the first image on /small_camera/image")
+        images = rospy.Publisher("/small_camera/image", Image, queue_size=10)
+        image = Image(height=250, width=250, encoding="mono8", step=250, data=bytes(62500))
+        image.header.frame_id = "small_eye"
+
+        def is_started():
+            image.header.stamp = rospy.Time.now()
+            images.publish(image)
+            return any(status.name.endswith("small: camera")
+                       and status.level == DiagnosticStatus.OK
+                       and status.message == "scaled to the images"
+                       for message in self.diagnostics.messages for status in message.status)
+
+        self.assertTrue(wait_until(is_started))
 
     def test_what_is_wrong_beside_the_camera_is_said_once(self):
         directory = tempfile.TemporaryDirectory()

@@ -8,6 +8,7 @@ import sys
 import tempfile
 import unittest
 
+import numpy as np
 import rosbag
 import rospy
 from geometry_msgs.msg import TransformStamped
@@ -43,6 +44,16 @@ def read_bag(path):
 def read_text(path):
     with open(path, encoding="utf-8") as file:
         return file.read()
+
+
+def enlarged(message):
+    """The same image with each pixel as a block of four."""
+    pixels = np.frombuffer(message.data, dtype=np.uint8).reshape(message.height, message.step)
+    channels = message.step // message.width
+    pixels = pixels.reshape(message.height, message.width, channels)
+    larger = np.repeat(np.repeat(pixels, 2, axis=0), 2, axis=1)
+    return Image(header=message.header, height=2 * message.height, width=2 * message.width,
+                 encoding=message.encoding, step=2 * message.step, data=larger.tobytes())
 
 
 class LocalizeBagTest(unittest.TestCase):
@@ -368,14 +379,32 @@ class LocalizeBagTest(unittest.TestCase):
                         "--world", os.path.join(PACKAGE, "worlds", "fisheye.yaml"),
                         "--trajectory", os.path.join(PACKAGE, "worlds", "paper_route.csv"),
                         "--frames", "0:1", "--output", bag], stderr=subprocess.PIPE, check=True)
-        results = []
-        for camera in (None, fisheye):
-            self.assert_runs(camera=camera, map=fisheye_map, bag=bag, initial_pose=None)
-            fields = read_text(self.path("out.tum")).split()
-            results.append([float(field) for field in fields[1:3]])
         true_pose = read_truth()[min(read_truth())]
-        for x, y in results:
-            self.assertLess(abs(x - true_pose[0]) + abs(y - true_pose[1]), 2e-3)
+
+        def assert_finds_its_pose(camera, images=bag):
+            self.assert_runs(camera=camera, map=fisheye_map, bag=images, initial_pose=None)
+            x, y = (float(field) for field in read_text(self.path("out.tum")).split()[1:3])
+            self.assertLess(abs(x - true_pose[0]) + abs(y - true_pose[1]), 2e-3, camera)
+
+        for camera in (None, fisheye):
+            assert_finds_its_pose(camera)
+        for kind in ("omnitag", "kalibr", "opencv", "camera_info", "ocam"):
+            converted = self.path("fisheye." + kind)
+            subprocess.run(["rosrun", "omnitag", "convert_camera", fisheye, converted,
+                            "--to", kind], stdout=subprocess.PIPE, check=True)
+            assert_finds_its_pose(converted + ("#cam0" if kind == "kalibr" else ""))
+
+        # Each pixel as four: only a camera that may be scaled fits them.
+        larger = self.write_bag("larger.bag", [
+            (topic, enlarged(message) if topic == "/camera/image" else message, time)
+            for topic, message, time in read_bag(bag)])
+        self.assertIn("the image has 1000 x 1000 pixels, expected 500 x 500 pixels",
+                      self.run_tool(camera=fisheye, map=fisheye_map, bag=larger).stderr)
+        scalable = self.path("scalable.yaml")
+        with open(scalable, "w", encoding="utf-8") as file:
+            file.write(read_text(fisheye) + "\nscale_to_image: true\n")
+        assert_finds_its_pose(scalable, larger)
+        assert_finds_its_pose(scalable)
 
         def spoil(message):
             message.K = [0.0] * 9

@@ -72,6 +72,38 @@ max_angle: 1.6
                      "unified");
 }
 
+inline std::shared_ptr<const CameraModel> doubleSphereCamera() {
+  return parseCamera(R"(
+model: double_sphere
+image: {width: 700, height: 700}
+uncertainty: none
+lens: {fx: 182, fy: 183, cx: 348.9, cy: 350.6}
+xi: -0.18
+alpha: 0.59
+max_angle: 1.65
+)",
+                     "double sphere");
+}
+
+inline std::shared_ptr<const CameraModel> eucmCamera() {
+  return parseCamera(R"(
+model: eucm
+image: {width: 700, height: 700}
+uncertainty: none
+lens: {fx: 225, fy: 224, cx: 350.2, cy: 348.1}
+alpha: 0.62
+beta: 1.08
+max_angle: 1.62
+)",
+                     "eucm");
+}
+
+/// A panorama of the whole sphere.
+inline std::shared_ptr<const CameraModel> equirectangularCamera() {
+  return parseCamera(
+      "{model: equirectangular, image: {width: 1440, height: 720}, uncertainty: none}", "panorama");
+}
+
 inline std::shared_ptr<const CameraModel> ocamCamera() {
   return std::make_shared<OcamCamera>(
       OcamCalibration{

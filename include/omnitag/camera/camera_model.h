@@ -1,18 +1,15 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "omnitag/camera/camera_uncertainty.h"
 #include "omnitag/camera/image_plane.h"
+#include "omnitag/camera/image_size.h"
 
 namespace omnitag {
-
-struct ImageSize {
-  int width = 0;
-  int height = 0;
-};
 
 /// A line of sight in the camera's optical frame, in metres: every point that images at its pixel
 /// is origin + s * direction, s > 0. The direction has length 1. A camera without a single
@@ -97,6 +94,15 @@ class CameraModel {
   /// images at a pixel.
   Eigen::Matrix<double, 2, kCameraModes> displacementByError(const Eigen::Vector2d& pixel) const;
 
+  /// Whether images may also be larger or smaller than the camera's by an integer factor.
+  bool scalesToImage() const { return scales_to_image_; }
+  void setScalesToImage(bool scales) { scales_to_image_ = scales; }
+
+  /// The camera of images of another size: the same where the size is, or where it may not scale;
+  /// its pixels and deviations scaled where both sides are an integer multiple of the camera's, or
+  /// an integer part of them, less than a pixel that is cut off. Nothing for any other size.
+  std::shared_ptr<const CameraModel> ofImage(const ImageSize& size) const;
+
   const ImageSize& imageSize() const { return image_size_; }
   const ImagePlane& imagePlane() const { return image_plane_; }
 
@@ -110,6 +116,9 @@ class CameraModel {
   CameraModel(const CameraModel&) = default;
   CameraModel& operator=(const CameraModel&) = default;
 
+  /// A copy of the whole model.
+  virtual std::shared_ptr<CameraModel> copy() const = 0;
+
   /// For the constructor of every model, at its end.
   void tabulateRays();
 
@@ -119,6 +128,7 @@ class CameraModel {
   ImageSize image_size_;
   ImagePlane image_plane_;
   CameraUncertainty uncertainty_;
+  bool scales_to_image_ = false;
   /// In equal steps from minRadius() to maxRadius().
   std::vector<MeridionalRay> rays_;
   double radius_step_ = 1.0;

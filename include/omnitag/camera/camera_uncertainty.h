@@ -23,6 +23,11 @@ struct CameraUncertainty {
     return principal_point == 0.0 && scale == 0.0 && tilt == 0.0 && rim == 0.0;
   }
 
+  /// That of images with so many times as many pixels along each side.
+  CameraUncertainty scaled(double factor) const {
+    return {factor * principal_point, factor * scale, factor * tilt, factor * rim};
+  }
+
   /// Pixels, standard deviation of what no smooth mode tells, from marker to marker and from corner
   /// to corner. Calibrations that people publish leave 1 to 2 pixels near the rim of a fisheye of
   /// 1600 pixels, most of which is smooth.

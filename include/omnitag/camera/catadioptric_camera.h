@@ -46,6 +46,10 @@ class CatadioptricCamera final : public CameraModel {
   const Mirror& mirror() const { return mirror_; }
 
  private:
+  std::shared_ptr<CameraModel> copy() const override {
+    return std::make_shared<CatadioptricCamera>(*this);
+  }
+
   /// The ray of the lens that meets the mirror at some rho, after its reflection. Vectors are
   /// (distance from the axis, height along it); the ray's length is of no meaning.
   struct Reflection {

@@ -14,20 +14,23 @@ class EquidistantCamera final : public CentralCamera {
   /// k1 to k4.
   using Coefficients = std::array<double, 4>;
 
-  /// `image_plane` has no distortion of its own. Throws InputError where the radius does not grow
-  /// up to the angle that `limits` gives, or does not grow at all.
+  /// `image_plane` has no distortion of its own, but may have skew. Throws InputError where the
+  /// radius does not grow up to the angle that `limits` gives, or does not grow at all.
   EquidistantCamera(const ImageSize& image_size, const ImagePlane& image_plane,
                     const Coefficients& coefficients, const FieldLimits& limits = {});
 
   const Coefficients& coefficients() const { return inverse_.function().k; }
 
  private:
+  std::shared_ptr<CameraModel> copy() const override {
+    return std::make_shared<EquidistantCamera>(*this);
+  }
+
   struct Radius {
     Coefficients k;
     ValueAndSlope operator()(double angle) const;
   };
 
-  static CentralField fieldOf(const Radius& radius, double image_radius, const FieldLimits& limits);
   ValueAndSlope radiusAt(double angle) const override { return inverse_.function()(angle); }
   double angleAt(double radius) const override { return inverse_(radius); }
 

@@ -4,6 +4,8 @@
 #include <array>
 #include <optional>
 
+#include "omnitag/camera/image_size.h"
+
 namespace omnitag {
 
 /// From the ideal image plane of a radially symmetric camera to the pixels of its sensor:
@@ -20,6 +22,14 @@ class ImagePlane {
   /// `affine`: pixels per unit of the ideal plane, not singular; without skew diag(fx, fy).
   ImagePlane(const Eigen::Matrix2d& affine, const Eigen::Vector2d& principal_point,
              const Distortion& distortion = {});
+
+  /// That of a panorama of the whole sphere, whose ideal plane is the azimuthal equidistant one
+  /// about the optical axis: points lie as far from its origin as directions lie off the axis
+  /// (rad). See EquirectangularCamera.
+  static ImagePlane equirectangular(const ImageSize& size);
+
+  /// That of images with so many times as many pixels along each side.
+  ImagePlane scaled(double factor) const;
 
   /// The pixel of a point of the ideal plane and, on request, its derivative with respect to it.
   Eigen::Vector2d pixelFromIdeal(const Eigen::Vector2d& ideal,
@@ -40,6 +50,7 @@ class ImagePlane {
   const Eigen::Vector2d& principalPoint() const { return principal_point_; }
   const Distortion& distortion() const { return distortion_; }
   bool isDistorted() const { return is_distorted_; }
+  bool isEquirectangular() const { return is_equirectangular_; }
 
  private:
   Eigen::Vector2d distort(const Eigen::Vector2d& ideal, Eigen::Matrix2d* jacobian) const;
@@ -49,6 +60,7 @@ class ImagePlane {
   Eigen::Vector2d principal_point_;
   Distortion distortion_;
   bool is_distorted_;
+  bool is_equirectangular_ = false;
 };
 
 }  // namespace omnitag

@@ -22,6 +22,8 @@ class OcamCamera final : public CentralCamera {
   explicit OcamCamera(const OcamCalibration& calibration, const FieldLimits& limits = {});
 
  private:
+  std::shared_ptr<CameraModel> copy() const override { return std::make_shared<OcamCamera>(*this); }
+
   /// Angle off the axis as a function of the radius.
   struct Angle {
     std::vector<double> polynomial;

@@ -17,6 +17,10 @@ class UnifiedCamera final : public CentralCamera {
   double xi() const { return xi_; }
 
  private:
+  std::shared_ptr<CameraModel> copy() const override {
+    return std::make_shared<UnifiedCamera>(*this);
+  }
+
   static CentralField fieldOf(const ImagePlane& image_plane, double image_radius, double xi,
                               const FieldLimits& limits);
   ValueAndSlope radiusAt(double angle) const override;

@@ -35,6 +35,9 @@ class YamlReader {
   /// Reads a file whose top level is a mapping. Throws InputError if it cannot be read or parsed.
   static YamlReader fromFile(const std::string& path);
 
+  /// The text of a file. Throws InputError if it cannot be read.
+  static std::string textOf(const std::string& path);
+
   /// Reads text, `origin` standing for the file name in errors.
   static YamlReader fromText(const std::string& text, const std::string& origin);
 
@@ -43,10 +46,14 @@ class YamlReader {
   YamlReader(const YAML::Node& node, std::string origin, std::string path = "");
 
   const std::string& origin() const { return origin_; }
+  const YAML::Node& node() const { return node_; }
   /// Whether the key is there, be it with an empty value.
   bool has(const std::string& key) const;
   /// Whether the key's value is a single word or number, neither a list nor a mapping.
   bool isText(const std::string& key) const;
+  bool isMapping(const std::string& key) const;
+  /// In the order of the file.
+  std::vector<std::string> keys() const;
 
   /// Refuses every key that is not listed, so that a misspelt one does not go unnoticed.
   void allowOnly(std::initializer_list<std::string_view> keys) const;

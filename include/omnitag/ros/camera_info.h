@@ -18,9 +18,14 @@ struct DescribedCamera {
 /// The camera file's camera. Throws InputError.
 DescribedCamera cameraFromFile(const std::string& path);
 
-/// The fisheye that a driver describes beside its images, with the distortion model "equidistant".
-/// `topic` is where the message came from. Throws InputError where the camera is not calibrated,
-/// its distortion another one, or the images only a part of its sensor.
+/// The same camera, or where its file says `scale_to_image` the one of images of this size. A
+/// camera that cannot have such images stays as it is: whoever gets one says what is wrong.
+DescribedCamera cameraForImages(const DescribedCamera& camera, const ImageSize& size);
+
+/// The camera that a driver describes beside its images: a fisheye by the distortion models
+/// "equidistant" or "fisheye", an ordinary lens by "plumb_bob". Where the images are binned, or a
+/// part of the sensor, it is the camera of these. `topic` is where the message came from. Throws
+/// InputError where the camera is not calibrated, or its distortion another one.
 DescribedCamera cameraFromInfo(const sensor_msgs::CameraInfo& info, const std::string& topic);
 
 }  // namespace omnitag

@@ -6,15 +6,19 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
+#include "omnitag/ros/camera_info.h"
+#include "omnitag/ros/image_input.h"
 #include "omnitag/ros/localizer_server.h"
 #include "omnitag/ros/parameters.h"
 
 namespace omnitag {
 
 /// Starts the localizer as soon as its camera is known: at once where there is a camera file, else
-/// when `camera_info`, beside the images, describes one. While it waits it says so, in the log and
+/// when `camera_info`, beside the images, describes one; of a camera that is scaled to its images
+/// when the first of them has come. While it waits it says so, in the log and
 /// in /diagnostics. A wrong parameter or map is refused at once in both cases.
 class LocalizerStarter {
  public:
@@ -26,7 +30,12 @@ class LocalizerStarter {
 
  private:
   void waitForInfo();
+  void waitForImage(const DescribedCamera& camera);
+  void beginWaiting(const std::string& problem);
   void onInfo(const sensor_msgs::CameraInfo& info);
+  void onImageTimer();
+  /// With what the lock guards.
+  void start(const DescribedCamera& camera);
   void onTimer();
   bool isWaiting();
   void report(diagnostic_updater::DiagnosticStatusWrapper& report);
@@ -36,19 +45,25 @@ class LocalizerStarter {
   ros::NodeHandle private_node_;
   std::string name_;
   LocalizerParameters parameters_;
-  /// Of camera_info.
+  /// Of camera_info, or of the images.
   std::string topic_;
+  /// What told the camera, in words.
+  std::string described_;
 
-  /// For a camera_info that describes a camera.
+  /// For a camera_info that describes a camera, or for an image.
   bool is_waiting_ = true;
   /// Why there is no localizer yet; empty once there is.
   std::string problem_;
   ros::WallTime last_line_;
   std::mutex mutex_;
+  /// The camera that is to be scaled, and the images that tell to what size.
+  std::optional<DescribedCamera> camera_;
+  std::unique_ptr<ImageInput> images_;
   std::unique_ptr<LocalizerServer> server_;
   std::unique_ptr<diagnostic_updater::Updater> updater_;
   ros::Subscriber info_subscriber_;
   ros::WallTimer timer_;
+  ros::WallTimer image_timer_;
 };
 
 }  // namespace omnitag

@@ -11,8 +11,8 @@ from omnitag.yaml_file import Mapping, Value, read_yaml
 
 CONIC_CONSTANTS = {"spherical": 0.0, "parabolic": -1.0}
 PROFILES = ("spherical", "parabolic", "hyperbolic", "aspheric", "tabulated")
-CAMERA_KEYS = ("model", "image", "uncertainty", "lens", "mirror", "xi", "distortion", "max_angle",
-               "calibration_file", "through_mirror")
+CAMERA_KEYS = ("model", "image", "uncertainty", "lens", "mirror", "xi", "alpha", "beta",
+               "distortion", "max_angle", "calibration_file", "through_mirror", "scale_to_image")
 CONIC_KEYS = ("profile", "radius_of_curvature", "conic_constant", "apex_distance", "rim_radius")
 MINIMUM_SAMPLES = 4
 
@@ -104,7 +104,9 @@ def _image_size(value: Value) -> Tuple[int, int]:
 
 def _fisheye(root: Mapping) -> FisheyeCamera:
     width, height = _image_size(root["image"])
-    entry = root["lens"].mapping(("fx", "fy", "cx", "cy"))
+    entry = root["lens"].mapping(("fx", "fy", "cx", "cy", "skew"))
+    if "skew" in entry and entry["skew"].real() != 0.0:
+        raise entry["skew"].error("0, since POV-Ray's fisheye has none")
     lens = Lens(positive(entry["fx"]), positive(entry["fy"]), entry["cx"].real(),
                 entry["cy"].real())
     for key, center in (("cx", lens.cx), ("cy", lens.cy)):

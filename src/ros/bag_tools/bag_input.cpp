@@ -243,6 +243,25 @@ DescribedCamera BagInput::describedCamera() const {
                    " as there is no --camera, found none");
 }
 
+DescribedCamera BagInput::cameraOf(const std::string& file) const {
+  if (file.empty()) return describedCamera();
+  const DescribedCamera camera = cameraFromFile(file);
+  const std::optional<ImageSize> size = camera.model->scalesToImage() ? imageSize() : std::nullopt;
+  return size ? cameraForImages(camera, *size) : camera;
+}
+
+std::optional<ImageSize> BagInput::imageSize() const {
+  rosbag::View view;
+  addTo(&view, bags_, rosbag::TopicQuery(image_topic_));
+  if (view.begin() == view.end()) return std::nullopt;
+  try {
+    const cv::Mat& image = grayImageOf(*view.begin())->image;
+    return ImageSize{image.cols, image.rows};
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
 cv_bridge::CvImageConstPtr BagInput::grayImageOf(const rosbag::MessageInstance& message) {
   if (const auto raw = message.instantiate<sensor_msgs::Image>()) return grayImage(raw);
   if (const auto compressed = message.instantiate<sensor_msgs::CompressedImage>()) {

@@ -66,11 +66,17 @@ class BagInput {
   /// InputError where there is none, or it describes no camera.
   DescribedCamera describedCamera() const;
 
+  /// The camera of a file, or the bag's camera_info where `file` is empty; scaled to the bag's
+  /// images where the file says so.
+  DescribedCamera cameraOf(const std::string& file) const;
+
   /// An image message in grey. Throws InputError where it cannot be read.
   static cv_bridge::CvImageConstPtr grayImageOf(const rosbag::MessageInstance& message);
 
  private:
   void setSpan(const RecordedSpan& span);
+  /// Of the first image; nothing where there is none that can be read.
+  std::optional<ImageSize> imageSize() const;
   /// The first that an image names. Throws InputError where none does.
   std::string cameraFrame() const;
   /// Hands on each transform of the bag, and whether it is static.

@@ -28,14 +28,15 @@ po::typed_value<std::string>* textOption(std::string* value, const char* name) {
 }
 
 bool parseCommandLine(int argc, char** argv, const std::string& usage,
-                      const po::options_description& description) {
+                      const po::options_description& description,
+                      const po::positional_options_description& positional) {
   const auto style = static_cast<int>(po::command_line_style::default_style) &
                      ~static_cast<int>(po::command_line_style::allow_guessing);
   try {
     po::variables_map values;
     po::store(po::command_line_parser(argc, argv)
                   .options(description)
-                  .positional(po::positional_options_description())
+                  .positional(positional)
                   .style(style)
                   .run(),
               values);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <boost/program_options/options_description.hpp>
+#include <boost/program_options/positional_options.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,11 +14,13 @@ using PathOption = std::pair<std::string, std::string>;
 /// A tool's option of one text, which goes to `*value`. `name` stands for it in the help.
 boost::program_options::typed_value<std::string>* textOption(std::string* value, const char* name);
 
-/// Reads a command line of long options. False where help was asked for, which is then printed:
-/// `usage` and the options. Throws InputError for an option that is missing, unknown or has a bad
-/// value.
-bool parseCommandLine(int argc, char** argv, const std::string& usage,
-                      const boost::program_options::options_description& description);
+/// Reads a command line of long options and of what may stand by itself. False where help was asked
+/// for, which is then printed: `usage` and the options. Throws InputError for an option that is
+/// missing, unknown or has a bad value.
+bool parseCommandLine(
+    int argc, char** argv, const std::string& usage,
+    const boost::program_options::options_description& description,
+    const boost::program_options::positional_options_description& positional = {});
 
 /// Results are written over what was there, but never over an input or another result: throws
 /// InputError.

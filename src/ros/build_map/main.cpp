@@ -130,8 +130,7 @@ void run(const BuildOptions& options) {
   const LocalizerParameters parameters = parametersOf(options);
   const MapBuilderConfig config = builderConfig(options, parameters, seed);
   const BagInput input(options.bag, options.image_topic);
-  const DescribedCamera camera =
-      options.camera.empty() ? input.describedCamera() : cameraFromFile(options.camera);
+  const DescribedCamera camera = input.cameraOf(options.camera);
   const FrameAssembler assembler(camera.origin, camera.model->imageSize(), parameters.frames);
   const ReadRecording recording =
       readRecording(input, camera.model, assembler, parameters.localizer, familiesOf(options, seed),

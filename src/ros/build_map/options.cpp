@@ -30,7 +30,7 @@ std::optional<BuildOptions> parseBuildOptions(int argc, char** argv) {
   description.add_options()("help,h", "print this")(
       "bag", textOption(&options.bag, "B.bag")->required(), "bag with images and transforms")(
       "camera", textOption(&options.camera, "C.yaml"),
-      "camera file; default: the bag's camera_info beside the images, of a fisheye")(
+      "camera file; default: the bag's camera_info beside the images")(
       "map", textOption(&options.seed, "SEED.yaml"), "marker map with some of the markers")(
       "output", textOption(&options.output, "M.yaml")->required(),
       "the map: the seed's text with the new markers at its end")(

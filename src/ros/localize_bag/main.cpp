@@ -76,11 +76,6 @@ std::string stampText(const ros::Time& stamp) {
   return std::to_string(stamp.sec) + "." + std::to_string(stamp.nsec + 1000000000U).substr(1);
 }
 
-DescribedCamera cameraOf(const LocalizerParameters& parameters, const BagInput& input) {
-  return parameters.camera_file.empty() ? input.describedCamera()
-                                        : cameraFromFile(parameters.camera_file);
-}
-
 /// Where it is asked for: the map file's text with the markers that mapping has added.
 void saveMap(const BagOptions& options, const ImageLocalizer& localizer) {
   if (options.mapped.empty()) return;
@@ -128,7 +123,7 @@ void run(const BagOptions& options) {
   BagInput input(options.bags, options.image_topic, options.span);
   checkSpan(options, input);
   mountCamera(options, parameters, &input);
-  ImageLocalizer localizer(parameters, cameraOf(parameters, input));
+  ImageLocalizer localizer(parameters, input.cameraOf(parameters.camera_file));
   ResultFiles files(options.trajectory, options.poses, options.detections);
   std::optional<ResultBag> output;
   openOutput(options, parameters, input, localizer, &output);

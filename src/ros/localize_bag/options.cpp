@@ -50,7 +50,7 @@ std::optional<BagOptions> parseOptions(int argc, char** argv) {
   po::options_description description("options");
   description.add_options()("help,h", "print this")(
       "camera", textOption(&options.camera, "C.yaml"),
-      "camera file; default: that of --params, else the bag's camera_info of a fisheye")(
+      "camera file; default: that of --params, else the bag's camera_info")(
       "map", textOption(&options.map, "M.yaml")->required(), "marker map")(
       "bag", po::value<std::vector<std::string>>(&options.bags)->required()->value_name("IN.bag"),
       "bag with images and transforms; may be given several times")(

@@ -1,0 +1,1 @@
+"""Maps of markers as other packages keep them."""

@@ -1,0 +1,105 @@
+"""What the formats of all packages have in common."""
+
+from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
+
+import numpy as np
+
+from omnitag.command_line import InputError
+from omnitag.marker_map import Marker, MarkerMap
+from omnitag.tag_bitmap import FAMILIES, tag_family
+
+QUATERNION_TOLERANCE = 1e-3
+
+# For a map that does not say: a careful survey with a tape.
+USUAL_DEVIATION = 0.005  # m
+USUAL_ORIENTATION_DEVIATION = 0.0175  # rad
+
+
+class Given(NamedTuple):
+    """What the command line says of a map whose format does not."""
+
+    family: Optional[str] = None
+    size: Optional[float] = None  # m
+
+
+class ReadMap(NamedTuple):
+    """A map, and what a person should know of how it was read; lines."""
+
+    marker_map: MarkerMap
+    remarks: Tuple[str, ...] = ()
+
+
+def pose_of(rotation: np.ndarray, position: Sequence[float]) -> np.ndarray:
+    """(4, 4)."""
+    pose = np.eye(4)
+    pose[:3, :3] = rotation
+    pose[:3, 3] = position
+    return pose
+
+
+def unit_quaternion(quaternion: Sequence[float], error) -> np.ndarray:
+    """The same of length 1; raises what `error` makes where its length is not nearly that."""
+    length = float(np.linalg.norm(quaternion))
+    if abs(length - 1.0) > QUATERNION_TOLERANCE:
+        raise error("a quaternion of length 1", "length {:.6g}".format(length))
+    return np.asarray(quaternion) / length
+
+
+def checked_family(family: str) -> str:
+    """A family of the AprilTag library, or one of OpenCV's dictionaries by its name."""
+    if family not in FAMILIES and not family.startswith("DICT_"):
+        raise InputError("--family: expected one of {} or OpenCV's name of a dictionary, DICT_..., "
+                         "found '{}'".format(", ".join(FAMILIES), family))
+    return family
+
+
+def check_id(tag_id: int, family: str, error) -> int:
+    """The id, where the family has it; raises what `error` makes else."""
+    last = tag_family(family).number_of_ids - 1 if family in FAMILIES else None
+    if tag_id < 0 or (last is not None and tag_id > last):
+        raise error("an id of {}{}".format(family, "" if last is None else ", 0 to %d" % last))
+    return tag_id
+
+
+def unique_ids(markers: Sequence[Marker], path: str, format_name: str) -> None:
+    """Raises InputError where an id stands on two markers, which the format cannot tell apart."""
+    seen: Dict[int, Marker] = {}
+    for marker in markers:
+        if marker.id in seen:
+            raise InputError("{}: expected each id once, as {} needs it, found {} twice".format(
+                path, format_name, marker.id))
+        seen[marker.id] = marker
+
+
+def only_family(markers: Sequence[Marker], path: str, format_name: str) -> str:
+    """The family of all; raises InputError where there are several."""
+    families: List[str] = sorted({marker.family for marker in markers})
+    if len(families) > 1:
+        raise InputError("{}: expected markers of one family, as {} needs it, found {}".format(
+            path, format_name, ", ".join(families)))
+    return families[0]
+
+
+def only_size(markers: Sequence[Marker], path: str, format_name: str) -> float:
+    """The size of all, in m; raises InputError where there are several."""
+    sizes = sorted({marker.size for marker in markers})
+    if len(sizes) > 1:
+        raise InputError("{}: expected markers of one size, as {} needs it, found {}".format(
+            path, format_name, ", ".join("{:g}".format(size) for size in sizes)))
+    return sizes[0]
+
+
+def deviation_of(marker: Marker) -> float:
+    """In m, about each axis."""
+    return USUAL_DEVIATION if marker.deviation is None else marker.deviation
+
+
+def orientation_deviation_of(marker: Marker) -> float:
+    """In rad, about each axis."""
+    return (USUAL_ORIENTATION_DEVIATION if marker.orientation_deviation is None
+            else marker.orientation_deviation)
+
+
+def number(value: float) -> str:
+    """To a billionth."""
+    return "{:.9f}".format(round(float(value), 9) + 0.0)

@@ -1,0 +1,116 @@
+"""TagSLAM's tagslam.yaml, and its poses.yaml, which has the same bodies.
+
+A body has tags at poses in its own frame; a static one has a pose in the map. Rotations are
+vectors: axis times angle. A tag's frame is that of a marker here: x to the right and y up as a
+person sees it, z out of its face.
+"""
+
+from typing import List, Optional, Tuple
+
+import numpy as np
+
+from omnitag.command_line import InputError
+from omnitag.foreign_maps.placed_tags import (
+    Given, ReadMap, check_id, checked_family, deviation_of, number, only_family,
+    orientation_deviation_of, pose_of, unique_ids)
+from omnitag.marker_map import Marker, MarkerMap
+from omnitag.rotation import rotation_from_vector, vector_from_rotation
+from omnitag.yaml_file import Mapping, Value
+
+NAME = "tagslam"
+FAMILY = "tag36h11"
+BODY = "map"
+
+
+def recognizes(root: Mapping) -> bool:
+    """Whether a file is one."""
+    return "bodies" in root
+
+
+def read(root: Mapping, given: Given) -> ReadMap:
+    """The map of all static bodies; raises InputError naming file, line and key."""
+    family = checked_family(given.family or FAMILY)
+    markers: List[Marker] = []
+    left_out: List[str] = []
+    for value in root["bodies"].items("a list of bodies"):
+        item = value.any_mapping()
+        for name in item.keys():
+            body = item[name].any_mapping()
+            if "tags" not in body:
+                continue
+            if "is_static" not in body or body["is_static"].text() != "true":
+                left_out.append("tags of '{}', which moves".format(name))
+                continue
+            map_from_body = _pose(body["pose"])
+            for tag_value in body["tags"].items("a list of tags"):
+                tag = tag_value.any_mapping()
+                if "pose" not in tag:
+                    left_out.append("tag {}, which has no pose".format(tag["id"].integer()))
+                    continue
+                markers.append(_marker(tag, body, map_from_body, Given(family, given.size)))
+    if not markers:
+        raise root["bodies"].error("a static body that has a tag with a pose", "none")
+    remarks = ("left out: " + ", ".join(left_out),) if left_out else ()
+    return ReadMap(MarkerMap(tuple(markers)), remarks)
+
+
+def text_of(marker_map: MarkerMap, path: str) -> str:
+    """One static body, at the map's origin, that has all markers."""
+    unique_ids(marker_map.markers, path, NAME)
+    only_family(marker_map.markers, path, NAME)
+    lines = ["default_body: " + BODY, "bodies:", " - " + BODY + ":", "     type: simple",
+             "     is_static: true",
+             "     default_tag_size: " + number(marker_map.markers[0].size), "     pose:"]
+    lines += _pose_lines("       ", np.eye(4), 1e-6, 1e-6)
+    lines.append("     tags:")
+    for marker in marker_map.markers:
+        lines += ["     - id: {}".format(marker.id), "       size: " + number(marker.size),
+                  "       pose:"]
+        lines += _pose_lines("         ", marker.map_from_marker, deviation_of(marker),
+                             orientation_deviation_of(marker))
+    return "\n".join(lines) + "\n"
+
+
+def _marker(tag: Mapping, body: Mapping, map_from_body: np.ndarray, given: Given) -> Marker:
+    size = tag["size"] if "size" in tag else body.get("default_tag_size")
+    if size is None and given.size is None:
+        raise tag.error("'size' or the body's 'default_tag_size', or --size", "none")
+    metres = given.size if size is None else size.real()
+    if metres <= 0.0:
+        raise size.error("a positive number of metres")
+    noise = tag["pose"].any_mapping()
+    return Marker(check_id(tag["id"].integer(), given.family, tag["id"].error), given.family, "",
+                  metres, map_from_body @ _pose(tag["pose"]), _deviation(noise, "position_noise"),
+                  _deviation(noise, "rotation_noise"))
+
+
+def _pose(value: Value) -> np.ndarray:
+    pose = value.any_mapping()
+    return pose_of(rotation_from_vector(_vector(pose["rotation"])), _vector(pose["position"]))
+
+
+def _vector(value: Value) -> Tuple[float, float, float]:
+    entry = value.any_mapping()
+    return entry["x"].real(), entry["y"].real(), entry["z"].real()
+
+
+def _deviation(pose: Mapping, key: str) -> Optional[float]:
+    if key not in pose:
+        return None
+    noise = np.array(_vector(pose[key]))
+    if np.any(noise < 0.0):
+        raise InputError(str(pose[key].error("numbers of at least 0", "one below")))
+    return float(np.sqrt(np.mean(noise ** 2)))
+
+
+def _pose_lines(indent: str, pose: np.ndarray, deviation: float,
+                orientation_deviation: float) -> List[str]:
+    vectors = (("position", pose[:3, 3]), ("rotation", vector_from_rotation(pose[:3, :3])),
+               ("position_noise", [max(deviation, 1e-6)] * 3),
+               ("rotation_noise", [max(orientation_deviation, 1e-6)] * 3))
+    lines = []
+    for name, vector in vectors:
+        lines.append(indent + name + ":")
+        lines += ["{}  {}: {}".format(indent, axis, number(value))
+                  for axis, value in zip("xyz", vector)]
+    return lines

@@ -1,0 +1,74 @@
+"""The text of a marker map's file."""
+
+from typing import Callable, List, Optional, Tuple
+
+import numpy as np
+
+from omnitag.marker_map import Marker, MarkerMap, yaw_and_roll_from_rotation
+from omnitag.rotation import quaternion_from_rotation
+
+VERTICAL = 1e-9
+"""By how much the normal of a marker on a vertical surface may lean, in rad."""
+
+
+def map_text(marker_map: MarkerMap, remark: str = "") -> str:
+    """A map file; what all markers have alike stands at its top, below a remark if there is one."""
+    lines = ["# " + line for line in remark.splitlines()]
+    lines.append("frame_id: " + _quoted(marker_map.frame_id))
+    markers = marker_map.markers
+    shared = [_Shared("family", markers, lambda marker: marker.family),
+              _Shared("size", markers, lambda marker: "{:.9g}".format(marker.size)),
+              _Shared("deviation", markers, lambda marker: _said(marker.deviation)),
+              _Shared("orientation_deviation", markers,
+                      lambda marker: _said(marker.orientation_deviation))]
+    lines += [line for each in shared for line in each.top()]
+    lines.append("markers:")
+    for marker in markers:
+        words = ["id: {}".format(marker.id)]
+        if marker.name:
+            words.append("name: " + _quoted(marker.name))
+        words += [word for each in shared for word in each.of(marker)]
+        words += ["position: " + _numbers(marker.position, 6), _orientation(marker)]
+        lines.append("  - {" + ", ".join(words) + "}")
+    return "\n".join(lines) + "\n"
+
+
+class _Shared:
+    """A key that stands at the top where all markers have the same value, else at each."""
+
+    def __init__(self, key: str, markers: Tuple[Marker, ...],
+                 text_of: Callable[[Marker], Optional[str]]) -> None:
+        self._key = key
+        self._text_of = text_of
+        texts = {text_of(marker) for marker in markers}
+        self._is_shared = len(texts) == 1
+        self._text = texts.pop() if self._is_shared else None
+
+    def top(self) -> List[str]:
+        return [self._key + ": " + self._text] if self._text is not None else []
+
+    def of(self, marker: Marker) -> List[str]:
+        text = self._text_of(marker)
+        return [] if self._is_shared or text is None else [self._key + ": " + text]
+
+
+def _said(deviation: Optional[float]) -> Optional[str]:
+    return None if deviation is None else "{:g}".format(deviation)
+
+
+def _orientation(marker: Marker) -> str:
+    rotation = marker.map_from_marker[:3, :3]
+    if abs(rotation[2, 2]) > VERTICAL:
+        return "orientation: " + _numbers(quaternion_from_rotation(rotation), 9)
+    yaw, roll = yaw_and_roll_from_rotation(rotation)
+    text = "yaw: {:.9f}".format(yaw + 0.0)
+    return text if abs(roll) < 1e-9 else text + ", roll: {:.9f}".format(roll)
+
+
+def _numbers(values: np.ndarray, decimals: int) -> str:
+    return "[" + ", ".join("{:.{}f}".format(round(value, decimals) + 0.0, decimals)
+                           for value in values) + "]"
+
+
+def _quoted(text: str) -> str:
+    return "'" + text.replace("'", "''") + "'"
