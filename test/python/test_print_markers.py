@@ -6,6 +6,8 @@ from source_tree import FileTest
 
 import cv2
 import numpy as np
+from omnitag.marker_map import load_marker_map
+from omnitag.printing.checklist import row_of
 from omnitag.tag_bitmap import FAMILIES, tag_bitmap, tag_family
 
 MM_PER_POINT = 25.4 / 72.0
@@ -125,6 +127,53 @@ class PrintMarkersTest(FileTest):
         (width, height), = self.pages(big, "--paper", "fit")[0]
         self.assertTrue(250.0 < width < 280.0 and 290.0 < height < 320.0)
 
+    def test_a_poster_shows_every_part_at_its_place(self):
+        # 0.5 m at the corners: more than an a4 page in either direction.
+        big = "  - {id: 0, size: 0.5, position: [0, 0, 0], yaw: 0}\n"
+        sizes, boxes = self.pages(big, "--poster")
+        (whole_size,), (whole,) = self.pages(big, "--paper", "fit")
+        printed = np.array(sizes[0]) - 16.0
+        covered = np.zeros(np.ceil(whole_size).astype(int), dtype=bool)
+        for size, page in zip(sizes, boxes):
+            np.testing.assert_allclose(sorted(size), (210.0, 297.0), atol=0.01)
+            # All of the page is drawn on each sheet, shifted, and cut off at its margins.
+            shift = page[-1, :2] - whole[-1, :2]
+            np.testing.assert_allclose(page[-40:] - whole[-40:], np.tile(shift, (40, 2)),
+                                       atol=0.01)
+            left, bottom = np.rint(8.0 - shift).astype(int)
+            covered[max(left, 0):left + int(printed[0]), max(bottom, 0):bottom + int(printed[1])] = True
+        self.assertTrue(covered[8:-8, 8:-8].all())
+
+    def test_one_picture_for_each_page(self):
+        two = ("  - {id: 0, position: [0, 0, 0], yaw: 0}\n"
+               "  - {id: 3, position: [1, 0, 0], yaw: 0}\n")
+        result = self.run_tool("print_markers", "--map", self.write("map.yaml", HEAD + two),
+                               "--output", self.path("m.png"))
+        self.assertEqual(result.returncode, 0, result.stderr)
+        picture = cv2.imread(self.path("m-tag36h11-0.png"), cv2.IMREAD_GRAYSCALE)
+        # a4 at 300 dots per inch
+        np.testing.assert_allclose(picture.shape, (297.0 / 25.4 * 300.0, 210.0 / 25.4 * 300.0), atol=1.0)
+        black = np.argwhere(picture < 64)
+        modules = picture[black[:, 0].min():black[:, 0].min() + 1181,
+                          black[:, 1].min():black[:, 1].min() + 1181]
+        sampled = cv2.resize(modules, (8, 8), interpolation=cv2.INTER_AREA) > 127
+        np.testing.assert_array_equal(sampled, white_modules_of_tag36h11_0()[1:-1, 1:-1])
+        self.assertIsNotNone(cv2.imread(self.path("m-tag36h11-3.png")))
+
+    def test_the_checklist_says_where_markers_hang(self):
+        hung = ("  - {id: 0, name: door, position: [1, -2, 1.5], yaw: 1.5708}\n"
+                "  - {id: 3, position: [1, 0, 1.2], yaw: 0, roll: 0.7854}\n"
+                "  - {id: 4, position: [0, 0, 3], orientation: [1, 0, 0, 0]}\n")
+        path = self.write("map.yaml", HEAD + hung)
+        rows = [row_of(marker) for marker in load_marker_map(path).markers]
+        self.assertEqual(rows[0], ("door", "tag36h11 0", "0.1", "1.000", "-2.000", "1.500", "1.450",
+                                   "90.0°"))
+        # Its lowest point is a corner, half a diagonal below the centre.
+        self.assertEqual(rows[1][6:], ("{:.3f}".format(1.2 - 0.05 * 2 ** 0.5), "0.0°, turned 45.0°"))
+        self.assertEqual(rows[2][7], "down")
+        sizes, boxes = self.pages(hung, "--checklist")
+        self.assertEqual((len(sizes), len(boxes)), (4, 3))
+
     def test_bad_input(self):
         good = self.write("map.yaml", HEAD + "  - {id: 5, position: [0, 0, 0], yaw: 0}\n")
         self.assert_refused(self.run_tool("print_markers", "--map", "none.yaml", "--output",
@@ -132,6 +181,8 @@ class PrintMarkersTest(FileTest):
         self.assert_refused(self.run_tool("print_markers", "--map", good, "--output",
                                           self.path("none/m.pdf")), "none/m.pdf")
         output = ("--output", self.path("m.pdf"))
+        self.assert_refused(self.run_tool("print_markers", "--map", good, "--output", "m.jpg"),
+                            "--output", ".png", "m.jpg")
         for arguments in ((), ("--map", good), ("--map", good, *output, "--paper", "b5")):
             self.assertEqual(self.run_tool("print_markers", *arguments).returncode, 2)
 

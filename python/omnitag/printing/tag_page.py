@@ -5,23 +5,14 @@ from typing import Dict, List, Tuple
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch, Rectangle
 from matplotlib.path import Path
 
-from omnitag.command_line import InputError, Progress
 from omnitag.marker_map import Marker
+from omnitag.printing.paper import MARGIN, MM_PER_INCH, points
 from omnitag.tag_bitmap import TagBitmap, tag_bitmap
 
-# Width and height in mm, upright, by increasing area.
-PAPERS: Dict[str, Tuple[float, float]] = {
-    "a4": (210.0, 297.0), "letter": (215.9, 279.4), "a3": (297.0, 420.0), "a2": (420.0, 594.0),
-    "a1": (594.0, 841.0), "a0": (841.0, 1189.0),
-}
-
-MM_PER_INCH = 25.4
-MARGIN = 8.0  # mm, what printers leave blank
 CAPTION_HEIGHT = 42.0  # mm, below the cut line
 RULER_LENGTH = 100.0  # mm
 SMALLEST_WIDTH = RULER_LENGTH + 30.0  # mm, of a page without margins, for the ruler's sake
@@ -73,32 +64,6 @@ def sheets(markers: Tuple[Marker, ...]) -> List[Sheet]:
             for same in served.values()]
 
 
-def page_size(sheet: Sheet, paper: str) -> Tuple[float, float]:
-    """Width and height of the page in mm; raises InputError where the paper is too small."""
-    least = sheet.least_page
-    if paper == "fit":
-        return least
-    if _holds(PAPERS[paper], least):
-        return PAPERS[paper]
-    enough = next((name for name in PAPERS if _holds(PAPERS[name], least)), "fit")
-    raise InputError(
-        "{} id {}: a size of {:g} m needs {:.0f} x {:.0f} mm of paper, {} has {:g} x {:g}; the "
-        "smallest paper that fits is {}".format(sheet.marker.family, sheet.marker.id,
-                                                sheet.marker.size, *least, paper, *PAPERS[paper],
-                                                enough))
-
-
-def write_pages(path: str, markers: Tuple[Marker, ...], paper: str) -> int:
-    """Write the PDF; gives the number of its pages. Nothing is written where one does not fit."""
-    pages = [(sheet, page_size(sheet, paper)) for sheet in sheets(markers)]
-    with Progress("pages", len(pages)) as progress, PdfPages(
-            path, metadata={"Title": "Markers", "CreationDate": None}) as pdf:
-        for sheet, size in pages:
-            pdf.savefig(draw_page(sheet, size))
-            progress.advance()
-    return len(pages)
-
-
 def draw_page(sheet: Sheet, size: Tuple[float, float]) -> Figure:
     """The page as a figure whose data coordinates are millimetres from its lower left."""
     width, height = size
@@ -106,7 +71,13 @@ def draw_page(sheet: Sheet, size: Tuple[float, float]) -> Figure:
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     axes.set(xlim=(0.0, width), ylim=(0.0, height))
     axes.set_axis_off()
+    draw_on(axes, sheet, size)
+    return figure
 
+
+def draw_on(axes: Axes, sheet: Sheet, size: Tuple[float, float]) -> None:
+    """What is on a page of that width and height, in millimetres from its lower left."""
+    width, height = size
     left = 0.5 * (width - sheet.cut_width)
     bottom = 0.5 * (height - sheet.cut_width - CAPTION_HEIGHT) + CAPTION_HEIGHT
     axes.add_patch(Rectangle((left, bottom), sheet.cut_width, sheet.cut_width, fill=False,
@@ -116,11 +87,6 @@ def draw_page(sheet: Sheet, size: Tuple[float, float]) -> Figure:
     _draw_dimension(axes, sheet, 0.5 * width, bottom - 5.0)
     _draw_caption(axes, sheet, 0.5 * width, bottom - 13.0)
     _draw_ruler(axes, 0.5 * (width - RULER_LENGTH), bottom - CAPTION_HEIGHT + 6.0)
-    return figure
-
-
-def _holds(paper: Tuple[float, float], least: Tuple[float, float]) -> bool:
-    return paper[0] >= least[0] and paper[1] >= least[1]
 
 
 def _draw_pattern(axes: Axes, sheet: Sheet, left: float, bottom: float) -> None:
@@ -139,7 +105,7 @@ def _draw_note(axes: Axes, sheet: Sheet, centre: float, bottom: float) -> None:
     """What it is and how it hangs, small and pale on the quiet zone: it stays after cutting."""
     height = min(2.5, 0.3 * sheet.module)
     axes.text(centre, bottom + 0.1 * sheet.module, "{} id {}  ·  lower edge".format(
-        sheet.marker.family, sheet.marker.id), fontsize=_points(height), color="0.55",
+        sheet.marker.family, sheet.marker.id), fontsize=points(height), color="0.55",
         ha="center", va="bottom")
 
 
@@ -150,19 +116,19 @@ def _draw_dimension(axes: Axes, sheet: Sheet, centre: float, y: float) -> None:
     for x in (centre - half, centre + half):
         axes.plot([x, x], [y - 2.0, y + 4.0], color="0.35", linewidth=0.5)
     axes.text(centre, y - 2.4, "size {:.9g} mm".format(1e3 * sheet.marker.size),
-              fontsize=_points(2.8), color="0.35", ha="center", va="top")
+              fontsize=points(2.8), color="0.35", ha="center", va="top")
 
 
 def _draw_caption(axes: Axes, sheet: Sheet, centre: float, y: float) -> None:
     names = ", ".join(sheet.labels)
     title = "{}   id {}{}".format(sheet.marker.family, sheet.marker.id,
                                   "   " + names if names else "")
-    axes.text(centre, y, title, fontsize=_points(4.6), fontweight="bold", ha="center", va="top")
+    axes.text(centre, y, title, fontsize=points(4.6), fontweight="bold", ha="center", va="top")
     explanation = (
         "Print at 100 %, not fitted to the page. Its size in the map is {:.9g} m: the edge,\n"
         "{} modules, of the square between the corners that the detector reports."
     ).format(sheet.marker.size, sheet.bitmap.family.width_at_border)
-    axes.text(centre, y - 7.5, explanation, fontsize=_points(2.6), color="0.25", ha="center",
+    axes.text(centre, y - 7.5, explanation, fontsize=points(2.6), color="0.25", ha="center",
               va="top", linespacing=1.3)
 
 
@@ -173,9 +139,4 @@ def _draw_ruler(axes: Axes, left: float, y: float) -> None:
         axes.plot([left + x, left + x], [y, y + (4.0 if x % 50.0 == 0.0 else 2.5)], color="black",
                   linewidth=0.5)
     axes.text(left + 0.5 * RULER_LENGTH, y - 1.2, "this line is {:g} mm long".format(RULER_LENGTH),
-              fontsize=_points(2.6), color="0.25", ha="center", va="top")
-
-
-def _points(millimetres: float) -> float:
-    """A font size whose letters are about that high."""
-    return millimetres / MM_PER_INCH * 72.0 * 1.3
+              fontsize=points(2.6), color="0.25", ha="center", va="top")

@@ -1,0 +1,87 @@
+"""A list of the markers with their places, to hang them by and to tick off."""
+
+import math
+from typing import List, NamedTuple, Sequence, Tuple
+
+from matplotlib.figure import Figure
+
+from omnitag.marker_map import Marker, MarkerMap
+from omnitag.printing.paper import MARGIN, MM_PER_INCH, points
+
+ROW = 7.0  # mm
+HEAD = 22.0  # mm
+TITLES = ("", "marker", "family, id", "size", "x", "y", "centre", "lower edge", "faces")
+
+
+class Part(NamedTuple):
+    """What one page has of the list."""
+
+    title: str
+    markers: Sequence[Marker]
+
+
+def checklist_pages(marker_map: MarkerMap, paper: Tuple[float, float]) -> List[Part]:
+    """The pages of the list, on sheets of that width and height in mm."""
+    markers = marker_map.markers
+    per_page = max(1, int((paper[1] - 2.0 * MARGIN - HEAD) / ROW))
+    count = math.ceil(len(markers) / per_page)
+    title = "Markers in the frame '{}', in metres".format(marker_map.frame_id)
+    return [Part(title + (" ({} of {})".format(page + 1, count) if count > 1 else ""),
+                 markers[page * per_page:(page + 1) * per_page]) for page in range(count)]
+
+
+def row_of(marker: Marker) -> Tuple[str, ...]:
+    """What the list says of a marker, from its name on."""
+    lowest = float(marker.corners[:, 2].min())
+    x, y, height = marker.position
+    return (marker.name, "{} {}".format(marker.family, marker.id), "{:g}".format(marker.size),
+            "{:.3f}".format(x), "{:.3f}".format(y), "{:.3f}".format(height),
+            "{:.3f}".format(lowest), _facing(marker))
+
+
+def _facing(marker: Marker) -> str:
+    """Where the face looks, and how it is turned."""
+    x, y, up = marker.normal
+    if abs(up) > math.sin(math.radians(80.0)):
+        return "up" if up > 0.0 else "down"
+    text = "{:.1f}°".format(math.degrees(math.atan2(y, x)))
+    right, top = marker.map_from_marker[2, :2]
+    roll = math.degrees(math.atan2(right, top))
+    tilt = math.degrees(math.asin(max(-1.0, min(1.0, up))))
+    if abs(roll) > 0.05:
+        text += ", turned {:.1f}°".format(roll)
+    if abs(tilt) > 0.05:
+        text += ", tilted {:.1f}°".format(tilt)
+    return text
+
+
+def draw_checklist(part: Part, paper: Tuple[float, float]) -> Figure:
+    """One of its pages."""
+    width, height = paper
+    figure = Figure(figsize=(width / MM_PER_INCH, height / MM_PER_INCH))
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    axes.set(xlim=(0.0, width), ylim=(0.0, height))
+    axes.set_axis_off()
+    left, right = MARGIN, width - MARGIN
+    # Where columns begin, as shares of the width.
+    columns = [left + share * (right - left)
+               for share in (0.0, 0.04, 0.22, 0.44, 0.52, 0.60, 0.68, 0.77, 0.87)]
+    y = height - MARGIN - 6.0
+    axes.text(left, y, part.title, fontsize=points(3.6), fontweight="bold", va="center")
+    axes.text(left, y - 6.0, "Heights are of the centre and of the lower edge of the pattern above "
+              "the floor; 'faces' is the heading of the face, from x to y.", fontsize=points(2.2),
+              color="0.3", va="center")
+    y = height - MARGIN - HEAD
+    style = {"fontsize": points(2.2), "va": "center"}
+    for x, words in zip(columns, TITLES):
+        axes.text(x, y + 4.0, words, fontweight="bold", **style)
+    for marker in part.markers:
+        axes.plot([left, right], [y, y], color="0.8", linewidth=0.3)
+        middle = y - 0.5 * ROW
+        axes.plot([left, left + 3.0, left + 3.0, left, left],
+                  [middle - 1.5, middle - 1.5, middle + 1.5, middle + 1.5, middle - 1.5],
+                  color="0.3", linewidth=0.5)
+        for x, words in zip(columns[1:], row_of(marker)):
+            axes.text(x, middle, words, **style)
+        y -= ROW
+    return figure

@@ -1,0 +1,45 @@
+"""Sizes of paper."""
+
+from typing import Dict, Tuple
+
+from omnitag.command_line import InputError
+
+MM_PER_INCH = 25.4
+MARGIN = 8.0  # mm, what printers leave blank
+
+# Width and height in mm, upright, by increasing area.
+_ISO: Dict[str, Tuple[float, float]] = {
+    "a6": (105.0, 148.0), "a5": (148.0, 210.0), "a4": (210.0, 297.0), "a3": (297.0, 420.0),
+    "a2": (420.0, 594.0), "a1": (594.0, 841.0), "a0": (841.0, 1189.0),
+}
+_US: Dict[str, Tuple[float, float]] = {
+    "letter": (215.9, 279.4), "legal": (215.9, 355.6), "tabloid": (279.4, 431.8),
+    "ansi_c": (431.8, 558.8), "ansi_d": (558.8, 863.6), "ansi_e": (863.6, 1117.6),
+}
+PAPERS = {**_ISO, **_US}
+
+
+def page_size(least: Tuple[float, float], paper: str, what: str) -> Tuple[float, float]:
+    """Width and height in mm of the page for what needs `least`; `fit` is just that.
+
+    Raises InputError, which begins with `what`, where the paper is too small.
+    """
+    if paper == "fit":
+        return least
+    if _holds(PAPERS[paper], least):
+        return PAPERS[paper]
+    alike = _ISO if paper in _ISO else _US
+    enough = next((name for name in alike if _holds(PAPERS[name], least)), "fit")
+    raise InputError(
+        "{} needs {:.0f} x {:.0f} mm of paper, {} has {:g} x {:g}; the smallest paper that fits is "
+        "{}, and --poster cuts it over several sheets".format(what, *least, paper, *PAPERS[paper],
+                                                              enough))
+
+
+def points(millimetres: float) -> float:
+    """A font size whose letters are about that high."""
+    return millimetres / MM_PER_INCH * 72.0 * 1.3
+
+
+def _holds(paper: Tuple[float, float], least: Tuple[float, float]) -> bool:
+    return paper[0] >= least[0] and paper[1] >= least[1]

@@ -1,0 +1,70 @@
+"""A page that is larger than the paper, cut over several sheets."""
+
+import math
+from dataclasses import dataclass
+from typing import List, Tuple
+
+from matplotlib.figure import Figure
+
+from omnitag.printing.paper import MARGIN, MM_PER_INCH, points
+
+OVERLAP = 10.0  # mm, that neighbouring sheets share, to be cut off one of them and glued over
+
+
+@dataclass(frozen=True)
+class Tile:
+    """The part of the page that one sheet has; in mm, from the page's lower left."""
+
+    paper: Tuple[float, float]  # width and height
+    left: float
+    bottom: float
+    row: int  # from 0, the upper one
+    column: int
+    rows: int
+    columns: int
+
+    @property
+    def printed(self) -> Tuple[float, float]:
+        """Width and height of what is printed."""
+        return self.paper[0] - 2.0 * MARGIN, self.paper[1] - 2.0 * MARGIN
+
+    @property
+    def name(self) -> str:
+        """Which sheet it is."""
+        return "row {} of {}, column {} of {}".format(self.row + 1, self.rows, self.column + 1,
+                                                      self.columns)
+
+
+def tiles(page: Tuple[float, float], paper: Tuple[float, float]) -> List[Tile]:
+    """The sheets for a page, row by row; upright or not, whichever takes fewer of them."""
+    upright, across = (_tiles(page, side) for side in (paper, paper[::-1]))
+    return across if len(across) < len(upright) else upright
+
+
+def tile_figure(tile: Tile) -> Figure:
+    """An empty sheet, whose axes have the page's coordinates, with lines to cut along."""
+    width, height = tile.paper
+    figure = Figure(figsize=(width / MM_PER_INCH, height / MM_PER_INCH))
+    printed = tile.printed
+    axes = figure.add_axes((MARGIN / width, MARGIN / height, printed[0] / width,
+                            printed[1] / height))
+    right, top = tile.left + printed[0], tile.bottom + printed[1]
+    axes.set(xlim=(tile.left, right), ylim=(tile.bottom, top))
+    axes.set_axis_off()
+    cut = {"color": "0.6", "linewidth": 0.4}
+    if tile.column > 0:
+        axes.plot([tile.left + OVERLAP] * 2, [tile.bottom, top], **cut)
+    if tile.row > 0:
+        axes.plot([tile.left, right], [top - OVERLAP] * 2, **cut)
+    figure.text(MARGIN / width, 0.3 * MARGIN / height, tile.name + ": cut along the lines, glue over "
+                "the sheets to the left and above", fontsize=points(2.2), color="0.4")
+    return figure
+
+
+def _tiles(page: Tuple[float, float], paper: Tuple[float, float]) -> List[Tile]:
+    printed = [side - 2.0 * MARGIN for side in paper]
+    step = [side - OVERLAP for side in printed]
+    columns, rows = (max(1, math.ceil((whole - OVERLAP) / each)) for whole, each in zip(page, step))
+    return [Tile((paper[0], paper[1]), column * step[0], page[1] - printed[1] - row * step[1], row,
+                 column, rows, columns)
+            for row in range(rows) for column in range(columns)]
