@@ -56,8 +56,8 @@ def read_result_bag(path: str) -> List[FilmFrame]:
     except rosbag.ROSBagException as error:
         raise InputError("{}: expected a bag: {}".format(path, error))
     if not images:
-        raise InputError("{}: expected /debug_image/compressed, as localize_bag --output writes it, "
-                         "found none".format(path))
+        raise InputError("{}: expected /debug_image/compressed, as localize_bag --output writes "
+                         "it, found none".format(path))
     return [FilmFrame(stamp, images[stamp], poses.get(stamp), used.get(stamp, []))
             for stamp in sorted(images)]
 
@@ -144,7 +144,7 @@ def write_gif(path: str, pictures: Sequence[np.ndarray], rate: float) -> None:
 
 
 def _palette() -> np.ndarray:
-    """Red, green, blue: greys, and what is drawn in colour, which an adaptive palette would lose."""
+    """Red, green, blue: greys, and what is drawn in colour: an adaptive palette would lose it."""
     greys = np.repeat(np.linspace(0.0, 255.0, GREY_LEVELS)[:, None], 3, axis=1)
     # Smoothed edges are between a colour and the ground.
     edges = [share * np.array(colour) + (1.0 - share) * np.array(GROUND)

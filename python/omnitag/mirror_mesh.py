@@ -11,8 +11,8 @@ THICKNESS = 0.002  # m, of the mirror's edge
 
 
 def mirror_triangles(mirror) -> np.ndarray:
-    """(n, 3, 3) in metres in the camera's optical frame: each triangle's corners, counter-clockwise as
-    seen from outside. `mirror`: with a profile `sag`, as omnitag.rendering.mirror has them."""
+    """(n, 3, 3) in metres in the camera's optical frame: each triangle's corners, counter-clockwise
+    as seen from outside. `mirror`: with a profile `sag`, as omnitag.rendering.mirror has them."""
     radii = np.linspace(0.0, mirror.rim_radius, RINGS + 1)
     heights = mirror.apex_distance + mirror.sag(radii)
     # The back: over the edge, and to the axis again.

@@ -93,7 +93,8 @@ class FilmTest(FileTest):
         pictures = film_pictures(self.frames, self.map, None, 200)
         write_gif(self.path("film.gif"), pictures, 5.0)
         with Image.open(self.path("film.gif")) as film:
-            self.assertEqual((film.n_frames, film.size, film.info["duration"]), (3, (360, 200), 200))
+            self.assertEqual((film.n_frames, film.size, film.info["duration"]),
+                             (3, (360, 200), 200))
             film.seek(2)
             last = np.asarray(film.convert("RGB")).astype(float)
         self.assertLess(np.abs(last[:, :, ::-1] - pictures[2]).mean(), 3.0)

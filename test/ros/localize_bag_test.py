@@ -272,8 +272,8 @@ class LocalizeBagTest(unittest.TestCase):
     def test_a_part_of_a_bag(self):
         messages = read_bag(BAG)
         start = messages[0][2]
-        images = [(message.header.stamp, (time - start).to_sec()) for topic, message, time in messages
-                  if "image" in topic]
+        images = [(message.header.stamp, (time - start).to_sec())
+                  for topic, message, time in messages if "image" in topic]
         self.assertGreater(images[0][1], -1.0)
         expected = [stamp for stamp, time in images if 1.5 <= time <= 3.25]
         self.assertTrue(2 < len(expected) < len(images) - 2)

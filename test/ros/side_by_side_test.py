@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Two localizers side by side, started by the launch file as a user does; a table of what one of them
-saw; and simulated time that is taken back."""
+"""Two localizers side by side, started by the launch file as a user does; a table of what one of
+them saw; and simulated time that is taken back."""
 
 import csv
 import os
@@ -87,7 +87,8 @@ class SideBySideTest(unittest.TestCase):
         rospy.set_param("/use_sim_time", True)
         self.addCleanup(lambda: rospy.has_param("/use_sim_time") and
                         rospy.delete_param("/use_sim_time"))
-        node = subprocess.Popen(["rosrun", "omnitag", "take_back_sim_time"], stdout=subprocess.PIPE, universal_newlines=True)
+        node = subprocess.Popen(["rosrun", "omnitag", "take_back_sim_time"],
+                                stdout=subprocess.PIPE, universal_newlines=True)
         self.addCleanup(node.wait)
         self.addCleanup(node.terminate)
         self.assertTrue(wait_until(lambda: "/front/take_back_sim_time" in rosnode.get_node_names()))
