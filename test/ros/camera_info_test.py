@@ -86,35 +86,6 @@ class CameraInfoTest(unittest.TestCase):
 
         self.assertTrue(wait_until(is_answered))
 
-    def test_a_camera_that_scales_waits_for_an_image(self):
-        directory = tempfile.TemporaryDirectory()
-        self.addCleanup(directory.cleanup)
-        camera_file = os.path.join(directory.name, "camera.yaml")
-        shutil.copy(os.path.join(PACKAGE, "config", "cameras", "fisheye.yaml"), camera_file)
-        with open(camera_file, "a", encoding="utf-8") as file:
-            file.write("\nscale_to_image: true\n")
-        rospy.set_param("/small/camera_file", camera_file)
-        rospy.set_param("/small/map_file", os.path.join(PACKAGE, "maps", "fisheye.yaml"))
-        node = subprocess.Popen(["rosrun", "omnitag", "localizer_node", "__name:=small",
-                                 "image:=/small_camera/image", "status:=/small/status"])
-        self.addCleanup(node.wait)
-        self.addCleanup(node.terminate)
-        self.diagnostics.wait_for_report("small: camera", DiagnosticStatus.ERROR,
-                                         "waiting for the first image on /small_camera/image")
-        images = rospy.Publisher("/small_camera/image", Image, queue_size=10)
-        image = Image(height=250, width=250, encoding="mono8", step=250, data=bytes(62500))
-        image.header.frame_id = "small_eye"
-
-        def is_started():
-            image.header.stamp = rospy.Time.now()
-            images.publish(image)
-            return any(status.name.endswith("small: camera")
-                       and status.level == DiagnosticStatus.OK
-                       and status.message == "scaled to the images"
-                       for message in self.diagnostics.messages for status in message.status)
-
-        self.assertTrue(wait_until(is_started))
-
     def test_what_is_wrong_beside_the_camera_is_said_once(self):
         directory = tempfile.TemporaryDirectory()
         self.addCleanup(directory.cleanup)
@@ -137,6 +108,35 @@ class CameraInfoTest(unittest.TestCase):
         self.assertTrue(log.wait_for_line(Log.FATAL, map_file, 0))
         lines = [line.msg for line in log.messages if line.level == Log.FATAL]
         self.assertEqual(len(lines), 1, lines)
+
+    def test_with_scale_to_image_it_waits_for_an_image(self):
+        directory = tempfile.TemporaryDirectory()
+        self.addCleanup(directory.cleanup)
+        camera_file = os.path.join(directory.name, "camera.yaml")
+        shutil.copy(os.path.join(PACKAGE, "config", "cameras", "fisheye.yaml"), camera_file)
+        with open(camera_file, "a", encoding="utf-8") as file:
+            file.write("\nscale_to_image: true\n")
+        rospy.set_param("/other/small/camera_file", camera_file)
+        rospy.set_param("/other/small/map_file", os.path.join(PACKAGE, "maps", "fisheye.yaml"))
+        node = subprocess.Popen(["rosrun", "omnitag", "localizer_node", "__name:=small",
+                                 "__ns:=/other", "image:=/small_camera/image"])
+        self.addCleanup(node.wait)
+        self.addCleanup(node.terminate)
+        self.diagnostics.wait_for_report("small: camera", DiagnosticStatus.ERROR,
+                                         "waiting for the first image on /small_camera/image")
+        images = rospy.Publisher("/small_camera/image", Image, queue_size=10)
+        image = Image(height=250, width=250, encoding="mono8", step=250, data=bytes(62500))
+        image.header.frame_id = "small_eye"
+
+        def is_started():
+            image.header.stamp = rospy.Time.now()
+            images.publish(image)
+            return any(status.name.endswith("small: camera")
+                       and status.level == DiagnosticStatus.OK
+                       and status.message == "scaled to the images"
+                       for message in self.diagnostics.messages for status in message.status)
+
+        self.assertTrue(wait_until(is_started))
 
 
 if __name__ == "__main__":

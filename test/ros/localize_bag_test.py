@@ -8,6 +8,7 @@ import sys
 import tempfile
 import unittest
 
+import cv2
 import numpy as np
 import rosbag
 import rospy
@@ -47,13 +48,12 @@ def read_text(path):
 
 
 def enlarged(message):
-    """The same image with each pixel as a block of four."""
-    pixels = np.frombuffer(message.data, dtype=np.uint8).reshape(message.height, message.step)
-    channels = message.step // message.width
-    pixels = pixels.reshape(message.height, message.width, channels)
+    """A compressed image with each pixel as a block of four."""
+    pixels = cv2.imdecode(np.frombuffer(message.data, dtype=np.uint8), cv2.IMREAD_GRAYSCALE)
     larger = np.repeat(np.repeat(pixels, 2, axis=0), 2, axis=1)
-    return Image(header=message.header, height=2 * message.height, width=2 * message.width,
-                 encoding=message.encoding, step=2 * message.step, data=larger.tobytes())
+    height, width = larger.shape
+    return Image(header=message.header, height=height, width=width, encoding="mono8", step=width,
+                 data=larger.tobytes())
 
 
 class LocalizeBagTest(unittest.TestCase):
@@ -396,8 +396,8 @@ class LocalizeBagTest(unittest.TestCase):
 
         # Each pixel as four: only a camera that may be scaled fits them.
         larger = self.write_bag("larger.bag", [
-            (topic, enlarged(message) if topic == "/camera/image" else message, time)
-            for topic, message, time in read_bag(bag)])
+            ("/camera/image", enlarged(message), time) if topic == "/camera/image/compressed"
+            else (topic, message, time) for topic, message, time in read_bag(bag)])
         self.assertIn("the image has 1000 x 1000 pixels, expected 500 x 500 pixels",
                       self.run_tool(camera=fisheye, map=fisheye_map, bag=larger).stderr)
         scalable = self.path("scalable.yaml")

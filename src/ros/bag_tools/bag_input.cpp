@@ -255,8 +255,8 @@ std::optional<ImageSize> BagInput::imageSize() const {
   addTo(&view, bags_, rosbag::TopicQuery(image_topic_));
   if (view.begin() == view.end()) return std::nullopt;
   try {
-    const cv::Mat& image = grayImageOf(*view.begin())->image;
-    return ImageSize{image.cols, image.rows};
+    const cv_bridge::CvImageConstPtr image = grayImageOf(*view.begin());
+    return ImageSize{image->image.cols, image->image.rows};
   } catch (const InputError&) {
     return std::nullopt;
   }
