@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "omnitag/mapping/map_builder.h"
+#include "omnitag/adjustment/map_builder.h"
 
 namespace omnitag {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "../bag_tools/mounting_option.h"
-#include "omnitag/calibration/leaning_mounting.h"
+#include "omnitag/adjustment/leaning_mounting.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
 #include "omnitag/common/format.h"

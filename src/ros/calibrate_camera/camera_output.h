@@ -3,7 +3,7 @@
 #include <opencv2/core/mat.hpp>
 #include <string>
 
-#include "omnitag/calibration/camera_calibration.h"
+#include "omnitag/adjustment/camera_calibration.h"
 
 namespace omnitag {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "../bag_tools/bag_input.h"
-#include "omnitag/calibration/odometry_at.h"
+#include "omnitag/adjustment/odometry_at.h"
 #include "omnitag/camera/camera_model.h"
 #include "omnitag/localization/frame_readings.h"
 #include "omnitag/marker/marker_map.h"
