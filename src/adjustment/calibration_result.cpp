@@ -1,12 +1,12 @@
 #include "calibration_result.h"
 
 #include <algorithm>
-#include <map>
 
 #include "calibration_report.h"
 #include "omnitag/adjustment/observability.h"
 #include "omnitag/common/error.h"
 #include "outliers.h"
+#include "recording.h"
 #include "remaining_uncertainty.h"
 
 namespace omnitag {
@@ -26,10 +26,10 @@ void refuseIfBad(const ResidualSummary& after, double max_residual) {
 std::vector<CalibratedParameter> parametersOf(const CalibrationOutcome& outcome,
                                               const ParameterUncertainty& uncertainty) {
   std::vector<CalibratedParameter> parameters;
-  for (std::size_t i = 0; i < outcome.model.parameters().size(); ++i) {
+  for (std::size_t i = 0; i < outcome.fit.model().parameters().size(); ++i) {
     const auto index = static_cast<Eigen::Index>(i);
-    CalibratedParameter parameter{outcome.model.parameters()[i], outcome.state.values(index), 0.0,
-                                  outcome.why_held[i]};
+    CalibratedParameter parameter{outcome.fit.model().parameters()[i],
+                                  outcome.fit.bundle.values(index), 0.0, outcome.why_held[i]};
     const auto found = std::find(outcome.observed.begin(), outcome.observed.end(), index);
     if (found != outcome.observed.end()) {
       parameter.deviation = uncertainty.deviations(found - outcome.observed.begin());
@@ -39,48 +39,84 @@ std::vector<CalibratedParameter> parametersOf(const CalibrationOutcome& outcome,
   return parameters;
 }
 
+/// What chance leaves of the camera where its mounting is known: how the robot leans, and with it
+/// the camera, is estimated in each image anyway. What all corners err by alike, parameters do not
+/// pass on as they do what chance gives each.
+ParameterUncertainty uncertaintyOfCameraAlone(const CalibrationModel& model,
+                                              const std::vector<Eigen::Index>& observed,
+                                              const Eigen::MatrixXd& information) {
+  // The mounting's parameters are the last.
+  const auto end = std::find_if(observed.begin(), observed.end(),
+                                [&model](Eigen::Index index) { return model.isOfMounting(index); });
+  const std::vector<Eigen::Index> camera(observed.begin(), end);
+  const auto size = static_cast<Eigen::Index>(camera.size());
+  return uncertaintyOf(model, camera, {information.topLeftCorner(size, size)});
+}
+
+/// A line about each marker that hangs far from where the map has it.
+void addMoved(const Bundle& bundle, std::vector<std::string>* remarks) {
+  constexpr double kFar = 5.0;  // deviations
+  for (const Bundle::Landmark& landmark : bundle.landmarks) {
+    if (!landmark.prior || landmark.prior->isExact()) continue;
+    const double way =
+        (landmark.marker.center() - landmark.prior->map_from_marker.translation()).norm();
+    if (!(way > kFar * landmark.prior->deviations.head<3>().maxCoeff())) continue;
+    remarks->push_back(omnitag::nameOf(landmark.marker) + " hangs " + decimals(way, 3) +
+                       " m from where the map has it, more than its deviation lets expect");
+  }
+}
+
 }  // namespace
 
-AdjustmentInformation informationAt(const BundleAdjustment& adjustment,
-                                    const CalibrationState& state, const AdjustmentConfig& config) {
+CameraInformation withCommonError(CameraInformation information) {
   // Pixels: where the edges of blurred markers seem to be.
   constexpr double kCommonError = 0.01;
-  AdjustmentInformation information = adjustment.information(state, config);
   information.common_error = kCommonError;
   return information;
 }
 
 CalibrationResult resultOf(const CalibrationOutcome& outcome, const ResidualSummary& before,
                            const CalibrationConfig& config) {
-  AdjustmentConfig adjustment;
-  adjustment.robust_width = config.robust_width;
-  adjustment.free = outcome.observed;
-  const AdjustmentInformation information =
-      informationAt(outcome.adjustment, outcome.state, adjustment);
-  const ParameterUncertainty uncertainty =
-      uncertaintyOf(outcome.model, outcome.observed, information);
+  const Bundle& bundle = outcome.fit.bundle;
+  const CalibrationModel& model = *bundle.model;
+  const BundleInformation all = outcome.fit.information(outcome.observed);
+  const CameraInformation information =
+      withCommonError({all.camera, all.common_error_gradient, 0.0});
+  const ParameterUncertainty uncertainty = uncertaintyOf(model, outcome.observed, information);
 
   CalibrationResult result;
-  result.residuals = outcome.adjustment.residuals(outcome.state);
+  result.residuals = cornerResiduals(bundle);
   result.before = before;
   result.after = summarize(result.residuals);
   refuseIfBad(result.after, config.max_residual);
   result.parameters = parametersOf(outcome, uncertainty);
-  result.camera_values = outcome.model.cameraValues(outcome.state.values);
-  result.base_from_camera = outcome.model.baseFromCamera(outcome.state.values);
-  // What all corners err by alike, parameters do not pass on as they do what chance gives each.
-  const ParameterUncertainty by_chance = uncertaintyOf(
-      outcome.model, outcome.observed, {information.matrix, information.noise, {}, 0.0});
-  result.uncertainty = remainingUncertainty(outcome.model, outcome.state.values, by_chance,
-                                            information.common_error);
-  result.noise = information.noise;
-  result.frames = outcome.data.frames.size();
-  std::map<std::size_t, int> markers;
-  for (const CornerResidual& corner : result.residuals) ++markers[corner.map_entry];
-  result.markers = markers.size();
-  result.rim_radius = rimOf(outcome.model.camera(), result);
-  result.remarks = outcome.data.remarks;
-  addTradeOffs(outcome.model, uncertainty, &result.remarks);
+  result.camera_values = model.cameraValues(bundle.values);
+  result.base_from_camera = model.baseFromCamera(bundle.values);
+  result.uncertainty = remainingUncertainty(
+      model, bundle.values, uncertaintyOfCameraAlone(model, outcome.observed, information.matrix),
+      information.common_error);
+  result.noise = all.noise;
+  result.frames = bundle.frames.size();
+  for (const Bundle::Frame& frame : bundle.frames) {
+    result.trajectory.push_back(frame.map_from_base);
+    result.stamps.push_back(frame.stamp);
+  }
+  std::vector<std::size_t> counts(bundle.landmarks.size());
+  for (const Bundle::Observation& each : bundle.observations) ++counts[each.landmark];
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    result.markers += counts[i] > 0 ? 1 : 0;
+    result.markers_found.push_back(bundle.landmarks[i].marker);
+    result.marker_covariances.push_back(alikeFactor(counts[i]) * all.landmarks_within[i]);
+  }
+  result.placement = all.placement;
+  result.rim_radius = rimOf(model.camera(), result);
+  result.remarks = outcome.fit.remarks;
+  addMoved(bundle, &result.remarks);
+  for (const PlaceConstraint& constraint : bundle.constraints) {
+    const auto words = contradiction(constraint, result.markers_found);
+    if (words) result.remarks.push_back(*words);
+  }
+  addTradeOffs(model, uncertainty, &result.remarks);
   addLean(result.parameters, result.base_from_camera, &result.remarks);
   return result;
 }

@@ -4,27 +4,22 @@
 #include <string>
 #include <vector>
 
-#include "omnitag/adjustment/calibration_data.h"
-#include "omnitag/adjustment/calibration_model.h"
-#include "omnitag/adjustment/camera_adjustment.h"
+#include "camera_fit.h"
 #include "omnitag/adjustment/camera_calibration.h"
+#include "omnitag/adjustment/observability.h"
 
 namespace omnitag {
 
 /// What a calibration has come to, with the indices of parameters as the model has them.
 struct CalibrationOutcome {
-  const CalibrationModel& model;
-  const CalibrationData& data;
-  const BundleAdjustment& adjustment;
-  const CalibrationState& state;
+  const CameraFit& fit;
   std::vector<Eigen::Index> observed;
   /// Why each parameter was held; empty for one that was not.
   std::vector<std::string> why_held;
 };
 
-/// What the images tell at the outcome, but for what the edges of blurred markers err by together.
-AdjustmentInformation informationAt(const BundleAdjustment& adjustment,
-                                    const CalibrationState& state, const AdjustmentConfig& config);
+/// With what the edges of blurred markers err by together.
+CameraInformation withCommonError(CameraInformation information);
 
 /// The outcome with what is known of its exactness. Throws InputError where no camera of the
 /// model's kind explains the images.

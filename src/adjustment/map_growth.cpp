@@ -1,11 +1,11 @@
 #include "map_growth.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include "indexed_bundle.h"
 #include "omnitag/localization/marker_pose.h"
 #include "omnitag/localization/pose_estimator.h"
 #include "omnitag/localization/relocalization.h"
@@ -17,27 +17,8 @@ namespace {
 /// Log-likelihood by which a marker's place must lead the next best to be believed.
 constexpr double kMinLead = 5.0;
 
-/// m and rad: odometry is not taken for more exact than this over any motion.
-constexpr double kLeastTranslationDeviation = 0.002;
-constexpr double kLeastRotationDeviation = 0.002;
-
 MarkerEstimateConfig estimateConfig(const MapBuilderConfig& config) {
   return {config.corner_noise, config.estimates_sizes};
-}
-
-Eigen::Vector3d deviationsOf(const Pose& motion, const MotionModelConfig& config) {
-  const bool is_on_floor = config.isOnFloor();
-  const Eigen::Isometry3d isometry = motion.toIsometry();
-  const double distance =
-      is_on_floor ? std::hypot(motion.x, motion.y) : isometry.translation().norm();
-  const double turn =
-      is_on_floor ? std::abs(motion.yaw) : Eigen::AngleAxisd(isometry.linear()).angle();
-  const double translation = std::hypot(config.odometry_translation_per_metre * distance,
-                                        config.odometry_translation_per_rotation * turn);
-  const double rotation = std::hypot(config.odometry_rotation_per_rotation * turn,
-                                     config.odometry_rotation_per_metre * distance);
-  const double least_translation = std::max(translation, kLeastTranslationDeviation);
-  return {least_translation, least_translation, std::max(rotation, kLeastRotationDeviation)};
 }
 
 /// Gives each reading of an id that the seed has the entry that images there, if one does.
@@ -85,11 +66,11 @@ std::optional<PoseEstimate> poseFromNeighbour(const Recording& recording, std::s
   for (const std::size_t neighbour : {index - 1, index + 1}) {  // off the end for the first
     if (neighbour >= recording.frames.size()) continue;
     const RecordedFrame& other = recording.frames[neighbour];
-    if (!other.map_from_base || !other.input.odom_from_base || !frame.input.odom_from_base) {
-      continue;
-    }
+    const bool is_tied = other.input.odom_from_base && frame.input.odom_from_base &&
+                         other.input.recording == frame.input.recording;
+    if (!other.map_from_base || !is_tied) continue;
     const Pose motion = inverse(*other.input.odom_from_base) * *frame.input.odom_from_base;
-    const Eigen::Vector3d deviations = 3.0 * deviationsOf(motion, config.motion);
+    const Eigen::Vector3d deviations = 3.0 * odometryDeviations(motion, config.motion);
     PoseEstimate prior{other.map_from_base->pose * motion, other.map_from_base->covariance};
     prior.covariance.diagonal().head<3>() += deviations.cwiseAbs2();
     if (!config.motion.isOnFloor()) {
@@ -174,70 +155,6 @@ std::size_t placeMarkers(Recording* recording, const MapBuilderConfig& config) {
 }
 
 }  // namespace
-
-BundleConfig bundleConfig(const MapBuilderConfig& config) {
-  return {config.estimates_sizes, !config.motion.isOnFloor()};
-}
-
-IndexedBundle bundleOf(const Recording& recording, std::optional<std::size_t> held_frame,
-                       const MapBuilderConfig& config) {
-  constexpr double kMaxOff = 20.0;  // pixels
-  IndexedBundle indexed;
-  std::vector<std::size_t> landmark_of(recording.markers.size());
-  for (std::size_t m = 0; m < recording.markers.size(); ++m) {
-    const RecordedMarker& marker = recording.markers[m];
-    if (!marker.is_placed) continue;
-    landmark_of[m] = indexed.bundle.landmarks.size();
-    indexed.marker_indices.push_back(m);
-    indexed.bundle.landmarks.push_back(
-        {marker.marker, marker.is_seed ? Hold::kAll : Hold::kNothing});
-  }
-  for (std::size_t f = 0; f < recording.frames.size(); ++f) {
-    const RecordedFrame& frame = recording.frames[f];
-    if (!frame.map_from_base) continue;
-    const std::size_t index = indexed.bundle.frames.size();
-    const bool follows = !indexed.frame_indices.empty();
-    const std::size_t before = follows ? indexed.frame_indices.back() : 0;
-    indexed.frame_indices.push_back(f);
-    indexed.bundle.frames.push_back({frame.camera, frame.map_from_base->pose, held_frame == f});
-    if (follows && frame.input.odom_from_base && recording.frames[before].input.odom_from_base) {
-      const Pose motion =
-          inverse(*recording.frames[before].input.odom_from_base) * *frame.input.odom_from_base;
-      indexed.bundle.motions.push_back(
-          {index - 1, index, motion, deviationsOf(motion, config.motion)});
-    }
-    for (std::size_t r = 0; r < frame.markers.size(); ++r) {
-      const auto& marker = frame.markers[r];
-      if (!marker || !recording.markers[*marker].is_placed) continue;
-      const auto projection =
-          projectMarker(recording.markers[*marker].marker, frame.camera, frame.map_from_base->pose);
-      const CornerPixels pixels = stacked(frame.input.readings[r].corners);
-      if (!projection || (projection->pixels - pixels).norm() > 2.0 * kMaxOff) continue;
-      Bundle::Observation observation{
-          index, landmark_of[*marker], pixels,
-          Eigen::Matrix<double, 8, 8>::Identity() / config.corner_noise};
-      if (!frame.aligned.empty() && frame.aligned[r]) {
-        observation.pixels = frame.aligned[r]->pixels;
-        const Eigen::LLT<Eigen::Matrix<double, 8, 8>> factors(frame.aligned[r]->covariance);
-        observation.whitening = factors.matrixL().solve(Eigen::Matrix<double, 8, 8>::Identity());
-      }
-      indexed.bundle.observations.push_back(observation);
-      indexed.readings.push_back({f, r});
-    }
-  }
-  return indexed;
-}
-
-void adjust(IndexedBundle* indexed, Recording* recording, const BundleConfig& config) {
-  if (!adjust(&indexed->bundle, config)) return;
-  for (std::size_t i = 0; i < indexed->frame_indices.size(); ++i) {
-    recording->frames[indexed->frame_indices[i]].map_from_base->pose =
-        indexed->bundle.frames[i].map_from_base;
-  }
-  for (std::size_t i = 0; i < indexed->marker_indices.size(); ++i) {
-    recording->markers[indexed->marker_indices[i]].marker = indexed->bundle.landmarks[i].marker;
-  }
-}
 
 std::size_t startFromOneFrame(Recording* recording, const MapBuilderConfig& config) {
   // Much larger markers count for more than many small ones.

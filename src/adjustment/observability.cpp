@@ -71,11 +71,11 @@ std::ptrdiff_t firstToHold(const CalibrationModel& model, const ParameterUncerta
 
 ParameterUncertainty uncertaintyOf(const CalibrationModel& model,
                                    const std::vector<Eigen::Index>& free,
-                                   const AdjustmentInformation& information) {
+                                   const CameraInformation& information) {
   if (free.empty()) return {};
   const Eigen::MatrixXd covariance = covarianceOf(information.matrix);
   const Eigen::VectorXd deviations = covariance.diagonal().cwiseSqrt();
-  Eigen::VectorXd variances = std::pow(information.noise, 2) * covariance.diagonal();
+  Eigen::VectorXd variances = covariance.diagonal();
   if (information.common_error > 0.0) {
     const Eigen::MatrixX2d shifts =
         information.common_error * covariance * information.common_error_gradient;
@@ -92,7 +92,7 @@ ParameterUncertainty uncertaintyOf(const CalibrationModel& model,
 
 Observability observability(const CalibrationModel& model,
                             const std::vector<Eigen::Index>& candidates,
-                            const AdjustmentInformation& information) {
+                            const CameraInformation& information) {
   std::vector<Eigen::Index> places;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     places.push_back(static_cast<Eigen::Index>(i));
@@ -101,7 +101,7 @@ Observability observability(const CalibrationModel& model,
   result.observed = candidates;
   while (!result.observed.empty()) {
     const ParameterUncertainty uncertainty = uncertaintyOf(
-        model, result.observed, {part(information.matrix, places), information.noise, {}, 0.0});
+        model, result.observed, {part(information.matrix, places)});
     const std::ptrdiff_t first = firstToHold(model, uncertainty);
     if (first < 0) break;
     result.held.emplace_back(result.observed[static_cast<std::size_t>(first)],

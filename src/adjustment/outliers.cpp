@@ -49,48 +49,68 @@ ResidualSummary summarize(const std::vector<CornerResidual>& residuals) {
   return summary;
 }
 
-void leaveOutFrames(const std::vector<CornerResidual>& residuals, CalibrationData* data,
-                    CalibrationState* state) {
-  const double limit = farLimit(residuals);
-  std::vector<std::vector<double>> lengths(data->frames.size());
-  for (const CornerResidual& corner : residuals) lengths[corner.frame].push_back(lengthOf(corner));
-  std::vector<CalibrationFrame> frames;
-  std::vector<Pose> poses;
-  for (std::size_t i = 0; i < lengths.size(); ++i) {
-    if (medianOf(std::move(lengths[i])) > limit) continue;
-    frames.push_back(std::move(data->frames[i]));
-    poses.push_back(state->poses[i]);
+std::vector<CornerResidual> cornerResiduals(const Bundle& bundle) {
+  const std::vector<std::optional<CornerPixels>> predicted = predictions(bundle);
+  std::vector<CornerResidual> residuals;
+  for (std::size_t i = 0; i < predicted.size(); ++i) {
+    const Bundle::Observation& observation = bundle.observations[i];
+    for (Eigen::Index k = 0; k < 4; ++k) {
+      const Eigen::Vector2d pixel = observation.pixels.segment<2>(2 * k);
+      std::optional<Eigen::Vector2d> residual;
+      if (predicted[i]) residual = predicted[i]->segment<2>(2 * k) - pixel;
+      residuals.push_back({observation.frame, observation.landmark, pixel, residual});
+    }
   }
-  const std::size_t left_out = data->frames.size() - frames.size();
-  data->frames = std::move(frames);
-  state->poses = std::move(poses);
-  if (left_out == 0) return;
-  data->remarks.push_back("left out, as no pose explains what was read in them: " +
-                          std::to_string(left_out) + (left_out == 1 ? " image" : " images"));
+  return residuals;
 }
 
-void leaveOutMarkers(const std::vector<CornerResidual>& residuals, const MarkerMap& map,
-                     CalibrationData* data) {
+void leaveOutFrames(Bundle* bundle, std::vector<std::string>* remarks) {
+  const std::vector<CornerResidual> residuals = cornerResiduals(*bundle);
+  const double limit = farLimit(residuals);
+  std::vector<std::vector<double>> lengths(bundle->frames.size());
+  for (const CornerResidual& corner : residuals) lengths[corner.frame].push_back(lengthOf(corner));
+  std::vector<Bundle::Frame> frames;
+  std::vector<std::optional<std::size_t>> new_index(lengths.size());
+  for (std::size_t i = 0; i < lengths.size(); ++i) {
+    if (medianOf(std::move(lengths[i])) > limit) continue;
+    new_index[i] = frames.size();
+    frames.push_back(bundle->frames[i]);
+  }
+  const std::size_t left_out = bundle->frames.size() - frames.size();
+  bundle->frames = std::move(frames);
+  std::vector<Bundle::Observation> observations;
+  for (Bundle::Observation& observation : bundle->observations) {
+    if (!new_index[observation.frame]) continue;
+    observation.frame = *new_index[observation.frame];
+    observations.push_back(observation);
+  }
+  bundle->observations = std::move(observations);
+  if (left_out == 0) return;
+  remarks->push_back("left out, as no pose explains what was read in them: " +
+                     std::to_string(left_out) + (left_out == 1 ? " image" : " images"));
+}
+
+void leaveOutMarkers(Bundle* bundle, std::vector<std::string>* remarks) {
+  const std::vector<CornerResidual> residuals = cornerResiduals(*bundle);
   const double limit = farLimit(residuals);
   std::map<std::size_t, std::vector<double>> lengths;
   for (const CornerResidual& corner : residuals) {
-    lengths[corner.map_entry].push_back(lengthOf(corner));
+    lengths[corner.landmark].push_back(lengthOf(corner));
   }
-  for (auto& [entry, of_entry] : lengths) {
-    const double median = medianOf(std::move(of_entry));
+  for (auto& [landmark, of_landmark] : lengths) {
+    const double median = medianOf(std::move(of_landmark));
     if (median <= limit) continue;
-    const std::size_t displaced = entry;
-    for (CalibrationFrame& frame : data->frames) {
-      auto& observations = frame.observations;
-      observations.erase(std::remove_if(observations.begin(), observations.end(),
-                                        [displaced](const MarkerObservation& observation) {
-                                          return observation.map_entry == displaced;
-                                        }),
-                         observations.end());
-    }
-    data->remarks.push_back("left out: marker " + std::to_string(map.markers[displaced].id) +
-                            ", which is not where the map has it (" + decimals(median, 1) +
-                            " px off)");
+    const std::size_t displaced = landmark;
+    auto& observations = bundle->observations;
+    observations.erase(std::remove_if(observations.begin(), observations.end(),
+                                      [displaced](const Bundle::Observation& observation) {
+                                        return observation.landmark == displaced;
+                                      }),
+                       observations.end());
+    remarks->push_back("left out: marker " +
+                       std::to_string(bundle->landmarks[displaced].marker.id) +
+                       ", which is not where the map has it (" + decimals(median, 1) +
+                       " px off)");
   }
 }
 

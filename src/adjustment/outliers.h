@@ -1,11 +1,10 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
-#include "omnitag/adjustment/calibration_data.h"
-#include "omnitag/adjustment/camera_adjustment.h"
-#include "omnitag/adjustment/camera_calibration.h"
-#include "omnitag/marker/marker_map.h"
+#include "omnitag/adjustment/bundle.h"
+#include "omnitag/adjustment/corner_residual.h"
 
 /// What says nothing about the camera: as told by the residuals of an adjustment.
 namespace omnitag {
@@ -19,14 +18,11 @@ double medianOf(std::vector<double> sample);
 /// Pixels: corners beyond are covered, misread or hang elsewhere.
 double farLimit(const std::vector<CornerResidual>& residuals);
 
-ResidualSummary summarize(const std::vector<CornerResidual>& residuals);
-
 /// Takes out the frames whose pose started too far off to be found, and remarks on them.
-void leaveOutFrames(const std::vector<CornerResidual>& residuals, CalibrationData* data,
-                    CalibrationState* state);
+void leaveOutFrames(Bundle* bundle, std::vector<std::string>* remarks);
 
-/// Takes out the markers that hang elsewhere than the map says, and remarks on them.
-void leaveOutMarkers(const std::vector<CornerResidual>& residuals, const MarkerMap& map,
-                     CalibrationData* data);
+/// Takes out what was read of the markers that hang elsewhere than the map says, and remarks on
+/// them.
+void leaveOutMarkers(Bundle* bundle, std::vector<std::string>* remarks);
 
 }  // namespace omnitag

@@ -1,9 +1,9 @@
 #include "perturbed_cameras.h"
 
-#include <cmath>
 #include <utility>
 
 #include "omnitag/common/error.h"
+#include "omnitag/common/rotation.h"
 
 namespace omnitag {
 namespace {
@@ -11,12 +11,14 @@ namespace {
 /// In scales. The projection is exact to the machine's precision, so that little is lost.
 constexpr double kStep = 1e-4;
 
-Eigen::Vector3d inCamera(const MountedCamera& camera, const Eigen::Vector3d& in_base) {
-  const Eigen::Isometry3d& base_from_camera = camera.baseFromCamera();
-  return base_from_camera.linear().transpose() * (in_base - base_from_camera.translation());
-}
-
 }  // namespace
+
+Eigen::Vector3d PerturbedCameras::Variant::inCamera(const Eigen::Isometry3d& base_from_camera,
+                                                    const Eigen::Vector3d& in_base) const {
+  const Eigen::Vector3d in_guessed =
+      mounting_change.linear().transpose() * (in_base - mounting_change.translation());
+  return base_from_camera.linear().transpose() * (in_guessed - base_from_camera.translation());
+}
 
 PerturbedCameras::PerturbedCameras(const CalibrationModel& model, Eigen::VectorXd start,
                                    std::vector<Eigen::Index> free)
@@ -34,21 +36,28 @@ bool PerturbedCameras::moveTo(const double* offsets, bool with_derivatives) {
   const Eigen::VectorXd wanted =
       size() > 0 ? Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(offsets, size()))
                  : Eigen::VectorXd();
-  const bool is_there = camera_ && offsets_ == wanted;
+  const bool is_there = middle_ && offsets_ == wanted;
   if (is_there && (!with_derivatives || pairs_.size() == free_.size())) return true;
+
   const Eigen::VectorXd values = valuesAt(offsets);
   if (!values.allFinite()) return false;
   if (!is_there) {
     pairs_.clear();
-    camera_.reset();
+    middle_.reset();
     try {
-      camera_.emplace(model_.mounted(values));
+      middle_ = Variant{model_.cameraAt(values), model_.mountingChange(values)};
     } catch (const InputError&) {
       return false;
     }
     offsets_ = wanted;
   }
   return !with_derivatives || makeDerivatives(values);
+}
+
+PerturbedCameras::Variant PerturbedCameras::variantAt(const Eigen::VectorXd& values,
+                                                      Eigen::Index changed) const {
+  if (model_.isOfMounting(changed)) return {nullptr, model_.mountingChange(values)};
+  return {model_.cameraAt(values), middle_->mounting_change};
 }
 
 bool PerturbedCameras::makeDerivatives(const Eigen::VectorXd& values) {
@@ -60,7 +69,7 @@ bool PerturbedCameras::makeDerivatives(const Eigen::VectorXd& values) {
       Eigen::VectorXd smaller = values;
       larger(index) += step;
       smaller(index) -= step;
-      pairs_.push_back({model_.mounted(larger), model_.mounted(smaller)});
+      pairs_.push_back({variantAt(larger, index), variantAt(smaller, index)});
     }
   } catch (const InputError&) {
     pairs_.clear();
@@ -69,33 +78,49 @@ bool PerturbedCameras::makeDerivatives(const Eigen::VectorXd& values) {
   return true;
 }
 
-std::optional<Eigen::Vector2d> PerturbedCameras::project(
-    const Pose& map_from_base, const Eigen::Vector3d& point, Eigen::Matrix2Xd* by_offsets,
-    Eigen::Matrix<double, 2, 3>* by_pose) const {
-  const double c = std::cos(map_from_base.yaw);
-  const double s = std::sin(map_from_base.yaw);
-  const double dx = point.x() - map_from_base.x;
-  const double dy = point.y() - map_from_base.y;
-  const Eigen::Vector3d in_base(c * dx + s * dy, c * dy - s * dx, point.z());
-  Eigen::Matrix<double, 2, 3> by_point;
-  std::optional<Eigen::Vector2d> pixel = camera_->model().pixelBeyondImage(
-      inCamera(*camera_, in_base), by_pose == nullptr ? nullptr : &by_point);
-  if (!pixel) return std::nullopt;
-  if (by_pose != nullptr) {
-    Eigen::Matrix3d in_base_by_pose;
-    in_base_by_pose << -c, -s, in_base.y(), s, -c, -in_base.x(), 0.0, 0.0, 0.0;
-    *by_pose = by_point * camera_->baseFromCamera().linear().transpose() * in_base_by_pose;
-  }
-  if (by_offsets != nullptr) {
-    by_offsets->setZero(2, size());
-    for (std::size_t i = 0; i < pairs_.size(); ++i) {
-      const Pair& pair = pairs_[i];
-      const auto larger = pair.larger.model().pixelBeyondImage(inCamera(pair.larger, in_base));
-      const auto smaller = pair.smaller.model().pixelBeyondImage(inCamera(pair.smaller, in_base));
-      if (!larger || !smaller) continue;
-      by_offsets->col(static_cast<Eigen::Index>(i)) = (*larger - *smaller) / (2.0 * kStep);
+Eigen::Matrix2Xd PerturbedCameras::byOffsets(
+    const Eigen::Isometry3d& base_from_camera, const Eigen::Vector3d& in_base,
+    const Eigen::Matrix<double, 2, 3>& by_point_in_camera) const {
+  Eigen::Matrix2Xd by_offsets = Eigen::Matrix2Xd::Zero(2, size());
+  for (std::size_t i = 0; i < pairs_.size(); ++i) {
+    const auto& [larger, smaller] = pairs_[i];
+    const Eigen::Vector3d in_larger = larger.inCamera(base_from_camera, in_base);
+    const Eigen::Vector3d in_smaller = smaller.inCamera(base_from_camera, in_base);
+    Eigen::Vector2d change;
+    if (!larger.camera) {
+      change = by_point_in_camera * (in_larger - in_smaller);
+    } else {
+      const auto a = larger.camera->pixelBeyondImage(in_larger);
+      const auto b = smaller.camera->pixelBeyondImage(in_smaller);
+      if (!a || !b) continue;
+      change = *a - *b;
     }
+    by_offsets.col(static_cast<Eigen::Index>(i)) = change / (2.0 * kStep);
   }
+  return by_offsets;
+}
+
+std::optional<Eigen::Vector2d> PerturbedCameras::project(const Eigen::Isometry3d& map_from_base,
+                                                         const Eigen::Isometry3d& base_from_camera,
+                                                         const Eigen::Vector3d& point,
+                                                         PixelDerivatives* derivatives) const {
+  const Eigen::Vector3d in_base =
+      map_from_base.linear().transpose() * (point - map_from_base.translation());
+  const Eigen::Vector3d in_camera = middle_->inCamera(base_from_camera, in_base);
+  Eigen::Matrix<double, 2, 3> by_point_in_camera;
+  std::optional<Eigen::Vector2d> pixel = middle_->camera->pixelBeyondImage(
+      in_camera, derivatives == nullptr ? nullptr : &by_point_in_camera);
+  if (!pixel || derivatives == nullptr) return pixel;
+
+  const Eigen::Matrix<double, 2, 3> by_point_in_base =
+      by_point_in_camera * base_from_camera.linear().transpose() *
+      middle_->mounting_change.linear().transpose();
+  derivatives->by_point = by_point_in_base * map_from_base.linear().transpose();
+  // What the base turns by, a point of it turns back.
+  const Eigen::Matrix<double, 2, 3> turned = by_point_in_base * crossMatrix(in_base);
+  derivatives->by_pose << -derivatives->by_point.leftCols<2>(), turned.col(2),
+      -derivatives->by_point.col(2), turned.leftCols<2>();
+  derivatives->by_offsets = byOffsets(base_from_camera, in_base, by_point_in_camera);
   return pixel;
 }
 

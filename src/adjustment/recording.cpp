@@ -18,7 +18,7 @@ Recording::Recording(std::shared_ptr<const CameraModel> camera_model,
   std::map<std::pair<std::string, int>, std::vector<std::size_t>> known;
   for (const Marker& marker : seed.markers) {
     known[{marker.family, marker.id}].push_back(markers.size());
-    markers.push_back({marker, true, true});
+    markers.push_back({marker, true, true, PlacePrior::surveyed(marker)});
   }
   std::map<std::pair<std::string, int>, std::size_t> unknown;
   for (const FrameReadings& input : inputs) {
@@ -32,7 +32,7 @@ Recording::Recording(std::shared_ptr<const CameraModel> camera_model,
     marker.family = key.first;
     marker.id = key.second;
     marker.size = size;
-    markers.push_back({marker, false, false});
+    markers.push_back({marker, false, false, std::nullopt});
   }
   for (const FrameReadings& input : inputs) {
     RecordedFrame frame{input, MountedCamera(camera, input.base_from_camera), {}, std::nullopt, {}};

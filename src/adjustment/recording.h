@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "omnitag/adjustment/corner_alignment.h"
-#include "omnitag/adjustment/map_adjustment.h"
+#include "omnitag/adjustment/bundle.h"
 #include "omnitag/adjustment/map_builder.h"
 #include "omnitag/adjustment/marker_estimate.h"
 #include "omnitag/camera/mounted_camera.h"
@@ -23,6 +23,8 @@ struct RecordedMarker {
   bool is_seed = false;
   /// Whether `marker` says where it hangs.
   bool is_placed = false;
+  /// What is known of its place beforehand.
+  std::optional<PlacePrior> prior;
 };
 
 /// An image of a recording.

@@ -99,7 +99,7 @@ void checkReadings(const Recording& recording) {
   std::size_t seeds = 0;
   for (const RecordedMarker& marker : recording.markers) {
     seeds += marker.is_seed ? 1 : 0;
-    new_markers += marker.is_seed ? 0 : 1;
+    new_markers += marker.prior && marker.prior->isExact() ? 0 : 1;
     seen_of_seed += marker.is_seed ? seen.count({marker.marker.family, marker.marker.id}) : 0;
   }
   if (seen.empty()) {

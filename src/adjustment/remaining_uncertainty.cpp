@@ -66,6 +66,7 @@ Eigen::Matrix<double, kCameraModes, 1> modesOf(const MountedCamera& larger,
 
 CameraUncertainty remainingUncertainty(const CalibrationModel& model, const Eigen::VectorXd& values,
                                        const ParameterUncertainty& left, double common_error) {
+  if (left.free.empty()) return {common_error, common_error, common_error, common_error};
   const double circle = model.camera().circle();
   const std::vector<SeenPoint> points = pointsSeenBy(model.mounted(values), circle);
   // Independent changes of the parameters that make up their covariance.

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <random>
 #include <string>
 
 #include "simulated_recording.h"
@@ -15,6 +17,9 @@ constexpr double kNoise = 0.05;  // pixels
 MapBuilderConfig config() {
   MapBuilderConfig result;
   result.size = 0.8;
+  // The floor of the recordings is even.
+  result.motion.floor.lean_deviation = 0.0;
+  result.motion.floor.height_deviation = 0.0;
   return result;
 }
 
@@ -113,6 +118,98 @@ TEST_P(MapBuilderTest, FromASeedFindsTheOthersInSomebodysHand) {
 INSTANTIATE_TEST_SUITE_P(Odometry, MapBuilderTest, testing::Bool(), [](const auto& test) {
   return test.param ? "WithOdometry" : "WithoutOdometry";
 });
+
+/// A survey's map, whose markers hang elsewhere than it says, each by about its deviation.
+MarkerMap roughSurvey(double deviation, double orientation_deviation) {
+  std::mt19937 random(21);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  MarkerMap map{"map", test::roomMarkers()};
+  for (Marker& marker : map.markers) {
+    MarkerIncrement increment;
+    for (Eigen::Index i = 0; i < 6; ++i) {
+      increment(i) = (i < 3 ? deviation : orientation_deviation) * normal(random);
+    }
+    marker.map_from_marker = moved(marker.map_from_marker, increment);
+    marker.deviation = deviation;
+    marker.orientation_deviation = orientation_deviation;
+  }
+  return map;
+}
+
+/// m: by how much the distances between the markers of a map are off, RMS.
+double distanceError(const BuiltMap& map) {
+  const std::vector<Marker> truth = test::roomMarkers();
+  double squares = 0.0;
+  int count = 0;
+  for (const Marker& a : truth) {
+    for (const Marker& b : truth) {
+      if (a.id >= b.id || find(map, a.id) == nullptr || find(map, b.id) == nullptr) continue;
+      const double found =
+          (find(map, a.id)->marker.center() - find(map, b.id)->marker.center()).norm();
+      squares += std::pow(found - (a.center() - b.center()).norm(), 2);
+      ++count;
+    }
+  }
+  return std::sqrt(squares / count);
+}
+
+TEST(MapBuilderSurveyTest, ARoughSurveyComesBack) {
+  const MarkerMap survey = roughSurvey(0.02, radians(3.0));
+  const auto frames = test::record(test::roomMarkers(), test::roundTrip(40), kNoise);
+  const BuiltMap map = buildMap(test::sphericalCamera(), frames, survey, config());
+  ASSERT_EQ(map.markers.size(), survey.markers.size());
+  EXPECT_LT(distanceError(map), 0.004);
+  double squares = 0.0;
+  for (std::size_t i = 0; i < map.markers.size(); ++i) {
+    const BuiltMarker& built = map.markers[i];
+    EXPECT_TRUE(built.is_seed);
+    EXPECT_FALSE(built.is_exact);
+    const double far = (built.marker.center() - survey.markers[i].center()).norm();
+    EXPECT_LT(far, 5.0 * 0.02) << built.marker.id;
+    squares += built.covariance.topLeftCorner<3, 3>().trace();
+  }
+  // Within the map it is known several times better than the survey knew it.
+  EXPECT_LT(std::sqrt(squares / 30.0), 0.005);
+}
+
+TEST(MapBuilderSurveyTest, ATapeSetsTheScale) {
+  // Of markers that are all 1 % larger than they are said to be.
+  MapBuilderConfig wrong = config();
+  wrong.size = 0.8 / 1.01;
+  const std::vector<Marker> truth = test::roomMarkers();
+  const auto frames = test::record(truth, test::roundTrip(40), kNoise);
+  const BuiltMap small = buildMap(test::sphericalCamera(), frames, {}, wrong);
+  EXPECT_GT(distanceError(small), 0.03);
+  MapConstraint tape;
+  tape.markers = {{"", 0}, {"", 5}};
+  tape.value = (truth[0].center() - truth[5].center()).norm();
+  tape.deviation = 0.001;
+  wrong.estimates_sizes = true;
+  wrong.constraints = {tape};
+  const auto with_odometry = test::record(truth, test::roundTrip(40), kNoise, true);
+  const BuiltMap taped = buildMap(test::sphericalCamera(), with_odometry, {}, wrong);
+  EXPECT_LT(distanceError(taped), 0.012);
+}
+
+TEST(MapBuilderSurveyTest, NamesBothSidesOfAContradiction) {
+  const std::vector<Marker> truth = test::roomMarkers();
+  MapBuilderConfig with_tape = config();
+  MapConstraint height;
+  height.kind = MapConstraint::Kind::kHeight;
+  height.markers = {{"", 6}};
+  height.value = truth[6].center().z() + 0.1;
+  height.deviation = 0.003;
+  MapConstraint right = height;
+  right.markers = {{"", 7}};
+  right.value = truth[7].center().z();
+  with_tape.constraints = {height, right};
+  const auto frames = test::record(truth, test::roundTrip(40), kNoise);
+  const BuiltMap map = buildMap(test::sphericalCamera(), frames, seed(3), with_tape);
+  ASSERT_EQ(map.remarks.size(), 1U);
+  EXPECT_TRUE(has(map.remarks[0], "height of 6: 1.5000 m was measured, the images tell 1.4"))
+      << map.remarks[0];
+  EXPECT_LT((find(map, 6)->marker.center() - truth[6].center()).norm(), 0.02);
+}
 
 TEST(MapBuilderWithoutSeedTest, DoesNotKnowWhichWayIsUpInSomebodysHand) {
   MapBuilderConfig free = config();

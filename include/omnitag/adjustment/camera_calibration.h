@@ -6,9 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "omnitag/adjustment/camera_adjustment.h"
+#include "omnitag/adjustment/bundle.h"
 #include "omnitag/adjustment/camera_template.h"
+#include "omnitag/adjustment/corner_residual.h"
 #include "omnitag/localization/frame_readings.h"
+#include "omnitag/localization/motion_model.h"
 #include "omnitag/marker/marker_map.h"
 
 namespace omnitag {
@@ -23,15 +25,12 @@ struct CalibrationConfig {
   bool is_rough = false;
   /// Pixels: a calibration whose corners are farther off (RMS) is refused.
   double max_residual = 1.0;
-};
-
-/// Residuals of corners, in pixels.
-struct ResidualSummary {
-  /// Over the corners that count, and how many these are.
-  double rms = 0.0;
-  std::size_t counted = 0;
-  /// Corners that are so far off that they say nothing about the camera, or are not seen at all.
-  std::size_t left_out = 0;
+  /// How the robot may lean, and how high it may stand.
+  FloorConfig floor;
+  /// What is known of where each of the map's markers hangs; none: as they say themselves.
+  std::vector<std::optional<PlacePrior>> priors;
+  /// What was measured between markers, by their indices in the map.
+  std::vector<PlaceConstraint> constraints;
 };
 
 /// A number of the camera or its mounting, before and after.
@@ -55,6 +54,15 @@ struct CalibrationResult {
   ResidualSummary before;
   ResidualSummary after;
   std::vector<CornerResidual> residuals;
+  /// Where the markers hang, in the order of the map; those that are exactly known stay. With the
+  /// covariances of their MarkerIncrements within the map, and of the map as a whole: see
+  /// BundleInformation.
+  std::vector<Marker> markers_found;
+  std::vector<MarkerCovariance> marker_covariances;
+  Eigen::Matrix<double, 6, 6> placement = Eigen::Matrix<double, 6, 6>::Zero();
+  /// The robot, in those images that count, and their stamps (s).
+  std::vector<Pose> trajectory;
+  std::vector<double> stamps;
   /// What is left of the camera's and the mounting's errors, for the camera file.
   CameraUncertainty uncertainty;
   /// Pixels, along each axis: the noise of a corner.

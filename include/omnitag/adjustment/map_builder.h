@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "omnitag/common/error.h"
 #include "omnitag/localization/frame_readings.h"
 #include "omnitag/localization/localizer_config.h"
+#include "omnitag/marker/map_constraint.h"
 #include "omnitag/marker/marker_map.h"
 
 namespace omnitag {
@@ -45,6 +47,8 @@ struct MapBuilderConfig {
   /// How poses are found without a prediction, and what odometry errs by.
   RelocalizationConfig relocalization;
   MotionModelConfig motion;
+  /// What was measured between markers. Those of markers that nobody saw say nothing.
+  std::vector<MapConstraint> constraints;
 };
 
 /// A recording that no map can be built from: `what()` says why, and what to do.
@@ -56,10 +60,12 @@ class DegenerateRecording : public InputError {
 /// A marker of the map that was built.
 struct BuiltMarker {
   Marker marker;
-  /// Whether the seed has it: its place was not touched.
+  /// Whether the seed has it, and then whether it says exactly where: its place was not touched.
   bool is_seed = false;
+  bool is_exact = false;
   /// Of a MarkerIncrement, in m^2, m rad and rad^2; of the size (m^2), 0 where it is not estimated.
-  /// Both relative to the seed or, without one, to the marker that the map's frame stands on.
+  /// Relative to the markers whose place is exactly known; where there are none, within the map:
+  /// once that has been laid on the truth.
   MarkerCovariance covariance = MarkerCovariance::Zero();
   double size_variance = 0.0;
   /// Images in which it was read and agrees, and pixels, RMS over their corners.
@@ -86,6 +92,8 @@ struct BuiltMap {
   std::vector<double> stamps;
   std::vector<Pose> trajectory;
   std::size_t images = 0;
+  /// Without a seed, the marker that the map's frame stands on, by its index.
+  std::optional<std::size_t> reference;
 
   MarkerMap map(const std::string& frame_id) const;
 };
@@ -96,7 +104,8 @@ using PanoramaSource = std::function<cv::Mat(std::size_t)>;
 /// Builds a map from what was read in the images of a recording, by bundle adjustment over all
 /// poses and markers, with odometry where the images have it.
 ///
-/// The seed's markers stay where they are and are the map's frame. Without a seed that frame stands
+/// The seed's markers are the map's frame; each stays as near to where it is as its deviations say.
+/// Without a seed that frame stands
 /// on the marker that was read first (of several in one image the largest): its origin is on the
 /// floor below the marker's centre, z up, x along the heading of the marker's outward normal or,
 /// for one that lies, along the marker's own x axis.

@@ -5,9 +5,18 @@
 #include <vector>
 
 #include "omnitag/adjustment/calibration_model.h"
-#include "omnitag/adjustment/camera_adjustment.h"
 
 namespace omnitag {
+
+/// What the images tell of some parameters.
+struct CameraInformation {
+  /// Inverse covariance, in units of the parameters' scales.
+  Eigen::MatrixXd matrix;
+  /// What the gradient would be if all corners were off by one pixel, a column for each way, and by
+  /// how many pixels they are.
+  Eigen::MatrixX2d common_error_gradient = {};
+  double common_error = 0.0;
+};
 
 /// Standard deviations of some parameters and how they depend on each other.
 struct ParameterUncertainty {
@@ -20,7 +29,7 @@ struct ParameterUncertainty {
 /// What the information says about the parameters `free`, in its order, all others being known.
 ParameterUncertainty uncertaintyOf(const CalibrationModel& model,
                                    const std::vector<Eigen::Index>& free,
-                                   const AdjustmentInformation& information);
+                                   const CameraInformation& information);
 
 /// Which parameters the images tell, and which must be known from elsewhere.
 struct Observability {
@@ -35,6 +44,6 @@ struct Observability {
 /// or that a user can measure: the mirror's size, coefficients of high order, its shape.
 Observability observability(const CalibrationModel& model,
                             const std::vector<Eigen::Index>& candidates,
-                            const AdjustmentInformation& information);
+                            const CameraInformation& information);
 
 }  // namespace omnitag

@@ -88,7 +88,7 @@ class Sheet {
 
 void drawMarker(const BuiltMarker& built, Sheet* sheet) {
   const Marker& marker = built.marker;
-  const cv::Scalar& color = built.is_seed ? kSeed : kNew;
+  const cv::Scalar& color = built.is_exact ? kSeed : kNew;
   const Corners<Eigen::Vector3d> corners = marker.corners();
   for (std::size_t k = 0; k < corners.size(); ++k) {
     sheet->line(corners[k].head<2>(), corners[(k + 1) % corners.size()].head<2>(), color, 2);
@@ -128,7 +128,8 @@ void drawMap(const BuiltMap& map, const std::string& path) {
   }
   for (const BuiltMarker& marker : map.markers) drawMarker(marker, &sheet);
   sheet.text({0.5 * (low.x() + high.x()), high.y() + 0.55},
-             "black: seed; blue: new, with 100 standard deviations; green: the robot's way; metres",
+             "black: exactly known; blue: found, with 100 standard deviations; green: the robot's "
+             "way; metres",
              kText);
   bool is_written = false;
   try {

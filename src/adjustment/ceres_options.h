@@ -3,21 +3,7 @@
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 
-#include <array>
-
-#include "omnitag/common/angle.h"
-#include "omnitag/common/pose.h"
-
-/// What bundle adjustments with Ceres have in common.
 namespace omnitag {
-
-/// x, y and yaw of a robot's pose, as parameters.
-using PoseBlock = std::array<double, 3>;
-
-inline PoseBlock blockOf(const Pose& pose) { return {pose.x, pose.y, pose.yaw}; }
-
-/// Of three parameters, whose yaw may have turned more than once.
-inline Pose poseOf(const double* block) { return {block[0], block[1], normalizeAngle(block[2])}; }
 
 /// For costs and losses that outlive the problem.
 inline ceres::Problem::Options notOwning() {
