@@ -34,10 +34,12 @@ class MapBuilder {
     if (!has_seed) held_frame = startFromOneFrame(recording_, config_);
     grow(recording_, held_frame, config_);
     checkPoses(*recording_, config_);
-    ContradictedMarkers contradicted = contradictedMarkers(*recording_, config_);
-    for (const std::size_t m : contradicted.left_out) recording_->markers[m].is_placed = false;
-    remarks_ = std::move(contradicted.remarks);
-    left_out_ = std::move(contradicted.left_out);
+    if (config_.looks_for_contradictions) {
+      ContradictedMarkers contradicted = contradictedMarkers(*recording_, config_);
+      for (const std::size_t m : contradicted.left_out) recording_->markers[m].is_placed = false;
+      remarks_ = std::move(contradicted.remarks);
+      left_out_ = std::move(contradicted.left_out);
+    }
     if (!has_seed) {
       reference_ = referenceOf(*recording_);
       transformTo(*reference_, recording_);

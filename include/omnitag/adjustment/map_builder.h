@@ -32,6 +32,9 @@ struct MapBuilderConfig {
   /// Pixels, RMS over a marker's corners up to which a pose explains it while the map grows: places
   /// are not exact yet.
   double max_residual = 3.0;
+  /// Whether markers that were moved, are of another size, or hang twice are looked for: with a
+  /// camera that is wrong all seem to be.
+  bool looks_for_contradictions = true;
   /// Images in which a marker is read, at least, and the angle between the directions it is seen
   /// from (rad).
   int min_sightings = 3;

@@ -30,6 +30,7 @@ class StepLog {
 /// How markers are placed with a camera that is only roughly known.
 MapBuilderConfig roughly(MapBuilderConfig config) {
   config.corner_noise = 3.0;
+  config.looks_for_contradictions = false;
   config.max_residual = 15.0;
   config.max_position_deviation = 0.5;
   config.max_orientation_deviation = radians(20.0);
