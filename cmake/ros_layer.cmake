@@ -61,22 +61,29 @@ add_executable(localize_bag
 )
 target_link_libraries(localize_bag PRIVATE omnitag_bag_tools)
 
+# What build_map and calibrate_camera share: two faces of one adjustment.
+add_library(omnitag_adjustment_tools STATIC
+  src/ros/adjustment_tools/alignment_options.cpp
+  src/ros/adjustment_tools/camera_output.cpp
+  src/ros/adjustment_tools/drive.cpp
+  src/ros/adjustment_tools/joint_run.cpp
+  src/ros/adjustment_tools/map_drawing.cpp
+  src/ros/adjustment_tools/map_output.cpp
+)
+target_link_libraries(omnitag_adjustment_tools PUBLIC omnitag_bag_tools opencv_imgcodecs)
+
 add_executable(build_map
   src/ros/build_map/main.cpp
-  src/ros/build_map/map_drawing.cpp
   src/ros/build_map/options.cpp
-  src/ros/build_map/recording_reader.cpp
 )
-target_link_libraries(build_map PRIVATE omnitag_bag_tools opencv_imgcodecs)
+target_link_libraries(build_map PRIVATE omnitag_adjustment_tools)
 
 add_executable(calibrate_camera
-  src/ros/calibrate_camera/camera_output.cpp
   src/ros/calibrate_camera/main.cpp
   src/ros/calibrate_camera/options.cpp
   src/ros/calibrate_camera/parameter_output.cpp
-  src/ros/calibrate_camera/recording.cpp
 )
-target_link_libraries(calibrate_camera PRIVATE omnitag_bag_tools opencv_imgcodecs)
+target_link_libraries(calibrate_camera PRIVATE omnitag_adjustment_tools)
 
 add_executable(convert_camera src/ros/convert_camera/main.cpp)
 target_link_libraries(convert_camera PRIVATE omnitag_bag_tools)

@@ -9,7 +9,8 @@ from omnitag.rotation import rotation_from_quaternion
 from omnitag.tag_bitmap import FAMILIES, tag_family
 from omnitag.yaml_file import Mapping, Value, read_yaml
 
-MAP_KEYS = ("frame_id", "family", "size", "deviation", "orientation_deviation", "markers")
+MAP_KEYS = ("frame_id", "family", "size", "deviation", "orientation_deviation", "markers",
+            "constraints")
 MARKER_KEYS = ("id", "name", "family", "size", "position", "yaw", "roll", "orientation",
                "deviation", "orientation_deviation")
 QUATERNION_TOLERANCE = 1e-3

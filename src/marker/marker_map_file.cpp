@@ -6,6 +6,7 @@
 
 #include "omnitag/common/angle.h"
 #include "omnitag/common/yaml_reader.h"
+#include "omnitag/marker/map_constraint.h"
 #include "omnitag/marker/tag_family.h"
 
 namespace omnitag {
@@ -91,7 +92,8 @@ Marker readMarker(const YamlReader& reader, const Defaults& defaults) {
 }
 
 MarkerMap readMarkerMap(const YamlReader& reader) {
-  reader.allowOnly({"frame_id", "family", "size", "deviation", "orientation_deviation", "markers"});
+  reader.allowOnly({"frame_id", "family", "size", "deviation", "orientation_deviation", "markers",
+                    "constraints"});
   MarkerMap map;
   reader.read("frame_id", &map.frame_id);
   if (map.frame_id.empty()) reader.refuse("frame_id", "the name of a frame");
@@ -114,6 +116,8 @@ MarkerMap readMarkerMap(const YamlReader& reader) {
     }
   }
   if (map.markers.empty()) reader.refuse("markers", "at least one marker");
+  // Maps are built by them; who uses a map wants to know at once where they are wrong.
+  readConstraints(reader);
   return map;
 }
 

@@ -5,8 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include "omnitag/adjustment/mapped_entries.h"
 #include "omnitag/common/error.h"
-#include "omnitag/mapping/mapped_entries.h"
 #include "omnitag/ros/conversions.h"
 #include "omnitag/ros/localizer_server.h"
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -19,6 +20,8 @@ struct FrameReadings {
   std::optional<Pose> odom_from_base;
   /// Each marker once.
   std::vector<MarkerReading> readings;
+  /// Which of several recordings it is of: odometry and time go on within one alone.
+  std::size_t recording = 0;
 };
 
 }  // namespace omnitag

@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
+#include "omnitag/adjustment/marker_mapper.h"
 #include "omnitag/common/pose.h"
 #include "omnitag/localization/displacement.h"
 #include "omnitag/localization/frame_result.h"
-#include "omnitag/mapping/marker_mapper.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/ros/image_input.h"
 

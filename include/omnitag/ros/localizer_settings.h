@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "omnitag/adjustment/map_editor.h"
 #include "omnitag/localization/localizer.h"
-#include "omnitag/mapping/map_editor.h"
 #include "omnitag/marker/marker_selection.h"
 #include "omnitag/ros/parameters.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "omnitag/mapping/marker_mapper.h"
+#include "omnitag/adjustment/marker_mapper.h"
 #include "omnitag/marker/marker_map.h"
 
 namespace omnitag {

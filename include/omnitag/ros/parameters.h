@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "omnitag/adjustment/marker_mapper.h"
 #include "omnitag/common/pose.h"
 #include "omnitag/localization/localizer_config.h"
-#include "omnitag/mapping/marker_mapper.h"
 
 namespace omnitag {
 

@@ -27,6 +27,11 @@ po::typed_value<std::string>* textOption(std::string* value, const char* name) {
   return po::value<std::string>(value)->value_name(name);
 }
 
+po::typed_value<std::vector<std::string>>* textsOption(std::vector<std::string>* values,
+                                                       const char* name) {
+  return po::value<std::vector<std::string>>(values)->value_name(name);
+}
+
 bool parseCommandLine(int argc, char** argv, const std::string& usage,
                       const po::options_description& description,
                       const po::positional_options_description& positional) {

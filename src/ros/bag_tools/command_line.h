@@ -14,6 +14,10 @@ using PathOption = std::pair<std::string, std::string>;
 /// A tool's option of one text, which goes to `*value`. `name` stands for it in the help.
 boost::program_options::typed_value<std::string>* textOption(std::string* value, const char* name);
 
+/// The same of one that may be repeated.
+boost::program_options::typed_value<std::vector<std::string>>* textsOption(
+    std::vector<std::string>* values, const char* name);
+
 /// Reads a command line of long options and of what may stand by itself. False where help was asked
 /// for, which is then printed: `usage` and the options. Throws InputError for an option that is
 /// missing, unknown or has a bad value.

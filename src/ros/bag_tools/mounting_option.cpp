@@ -6,7 +6,7 @@
 #include <sstream>
 #include <utility>
 
-#include "omnitag/calibration/leaning_mounting.h"
+#include "omnitag/adjustment/leaning_mounting.h"
 #include "omnitag/common/error.h"
 
 namespace omnitag {

@@ -1,5 +1,4 @@
 #include <array>
-#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <fstream>
@@ -10,18 +9,17 @@
 #include <utility>
 #include <vector>
 
-#include "../bag_tools/bag_input.h"
-#include "map_drawing.h"
-#include "omnitag/common/angle.h"
+#include "../adjustment_tools/camera_output.h"
+#include "../adjustment_tools/drive.h"
+#include "../adjustment_tools/joint_run.h"
+#include "../adjustment_tools/map_drawing.h"
+#include "../adjustment_tools/map_output.h"
+#include "omnitag/adjustment/map_builder.h"
 #include "omnitag/common/error.h"
 #include "omnitag/common/file_replacement.h"
-#include "omnitag/mapping/map_builder.h"
-#include "omnitag/mapping/mapped_entries.h"
-#include "omnitag/mapping/marker_estimate.h"
+#include "omnitag/marker/map_constraint.h"
 #include "omnitag/marker/marker_map_file.h"
-#include "omnitag/marker/marker_map_writer.h"
 #include "options.h"
-#include "recording_reader.h"
 
 namespace omnitag {
 namespace {
@@ -46,6 +44,7 @@ MapBuilderConfig builderConfig(const BuildOptions& options, const LocalizerParam
   config.blur = parameters.localizer.estimation.blur;
   config.relocalization = parameters.localizer.relocalization;
   config.motion = parameters.localizer.motion;
+  if (!options.seed.empty()) config.constraints = loadConstraints(options.seed);
   return config;
 }
 
@@ -60,54 +59,6 @@ std::set<std::string> familiesOf(const BuildOptions& options, const MarkerMap& s
     families.insert("tag36h11");
   }
   return families;
-}
-
-/// m and rad: standard deviations in the direction in which they are largest.
-std::pair<double, double> deviationsOf(const BuiltMarker& marker) {
-  MarkerEstimate estimate;
-  estimate.covariance = marker.covariance;
-  return {estimate.positionDeviation(), estimate.orientationDeviation()};
-}
-
-void print(const BuiltMap& built, const ReadRecording& recording) {
-  std::printf("images:           %zu, %zu of them with a pose, %zu with odometry\n", built.images,
-              built.trajectory.size(), recording.with_odometry);
-  std::printf("\n%6s  %-20s %24s %10s %10s %6s %9s\n", "id", "name", "position (m)", "dev (mm)",
-              "dev (deg)", "read", "rms (px)");
-  for (const BuiltMarker& each : built.markers) {
-    const auto [position, orientation] = deviationsOf(each);
-    const Eigen::Vector3d center = each.marker.center();
-    std::array<char, 64> place{};
-    std::snprintf(place.data(), place.size(), "%.3f %.3f %.3f", center.x(), center.y(), center.z());
-    const std::string name = each.is_seed && each.marker.name.empty() ? "(seed)" : each.marker.name;
-    std::printf("%6d  %-20s %24s", each.marker.id, name.c_str(), place.data());
-    if (each.is_seed) {
-      std::printf(" %10s %10s", "-", "-");
-    } else {
-      std::printf(" %10.2f %10.3f", 1e3 * position, degrees(orientation));
-    }
-    std::printf(" %6zu %9.3f\n", each.sightings, each.residual);
-    if (each.size_variance > 0.0) {
-      std::printf("%8s size %.4f m, standard deviation %.2f mm\n", "", each.marker.size,
-                  1e3 * std::sqrt(each.size_variance));
-    }
-  }
-  std::printf("\nworst residuals:\n");
-  for (const WorstReading& each : built.worst) {
-    std::printf("  %8.2f px  %s at %.2f s\n", each.residual, each.marker.c_str(), each.stamp);
-  }
-  if (!built.remarks.empty()) std::printf("\n");
-  for (const std::string& remark : built.remarks) std::printf("note: %s\n", remark.c_str());
-}
-
-std::string mapText(const BuildOptions& options, const BuiltMap& built) {
-  std::vector<MapEntry> entries;
-  for (const BuiltMarker& each : built.markers) {
-    if (each.is_seed) continue;
-    entries.push_back(mappedEntry(each.marker, each.covariance));
-  }
-  if (options.seed.empty()) return newMapText("map", entries);
-  return withEntries(readTextFile(options.seed), entries, options.seed);
 }
 
 void writeTrajectory(const BuiltMap& built, const std::string& path) {
@@ -125,29 +76,55 @@ void writeTrajectory(const BuiltMap& built, const std::string& path) {
   if (!stream) throw InputError("--trajectory: " + path + " cannot be written");
 }
 
+BuiltMap mapWithCameraHeld(const BuildOptions& options, const MarkerMap& seed,
+                           const MapBuilderConfig& config, Drive* drive) {
+  const DescribedCamera camera = drive->cameraOf(options.camera);
+  const std::vector<FrameReadings> frames = drive->read(camera.model, camera.origin, "images");
+  if (options.estimates_sizes && options.seed.empty() && drive->withOdometry() < 2) {
+    throw InputError("--estimate-sizes: needs a seed or odometry, which tell the scale");
+  }
+  return buildMap(camera.model, frames, seed, config,
+                  [drive](std::size_t frame) { return drive->imageOf(frame); });
+}
+
 void run(const BuildOptions& options) {
   const MarkerMap seed = options.seed.empty() ? MarkerMap{} : loadMarkerMap(options.seed);
   const LocalizerParameters parameters = parametersOf(options);
   const MapBuilderConfig config = builderConfig(options, parameters, seed);
-  const BagInput input(options.bag, options.image_topic);
-  const DescribedCamera camera = input.cameraOf(options.camera);
-  const FrameAssembler assembler(camera.origin, camera.model->imageSize(), parameters.frames);
-  const ReadRecording recording =
-      readRecording(input, camera.model, assembler, parameters.localizer, familiesOf(options, seed),
-                    static_cast<std::size_t>(options.max_images));
-  if (options.estimates_sizes && options.seed.empty() && recording.with_odometry < 2) {
-    throw InputError("--estimate-sizes: needs a seed or odometry, which tell the scale");
+  Drive drive({options.bags,
+               options.image_topic,
+               parameters,
+               {},
+               familiesOf(options, seed),
+               static_cast<std::size_t>(options.max_images)});
+  BuiltMap built;
+  std::string camera_text;
+  std::string report;
+  if (options.output_camera.empty()) {
+    built = mapWithCameraHeld(options, seed, config, &drive);
+  } else {
+    JointRequest request{CameraTemplate::fromFile(options.camera), seed, config, {}, false};
+    request.calibration.floor = parameters.localizer.motion.floor;
+    JointResult found = runJointly(request, &drive);
+    const MountingFrames frames{drive.baseFrame(), drive.cameraFrame()};
+    camera_text = calibratedFile(found.camera, request.guess, frames);
+    report = calibrationReport(found.camera, frames) + "\n";
+    built = std::move(found.map);
   }
-  const auto panorama = [&](std::size_t frame) {
-    return BagInput::grayImageOf(recording.messages[frame])->image;
-  };
-  const BuiltMap built = buildMap(camera.model, recording.frames, seed, config, panorama);
+  align(options.alignment, drive, &built);
+
   // All is made before anything is written.
-  const std::string text = mapText(options, built);
+  const std::string frame =
+      options.alignment.frame.empty() ? seed.frame_id : options.alignment.frame;
+  const std::string text =
+      mapText(options.alignment.isNone() ? options.seed : std::string(), frame, built);
   drawMap(built, options.drawing);
   if (!options.trajectory.empty()) writeTrajectory(built, options.trajectory);
+  if (!camera_text.empty()) writeAtomically(options.output_camera, camera_text);
   replaceFile(options.output, text);
-  print(built, recording);
+  std::printf("%simages:           %zu, %zu of them with a pose, %zu with odometry\n\n",
+              report.c_str(), built.images, built.trajectory.size(), drive.withOdometry());
+  printMap(built);
 }
 
 }  // namespace

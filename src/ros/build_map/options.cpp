@@ -13,14 +13,16 @@ namespace {
 namespace po = boost::program_options;
 
 const char* const kUsage =
-    "usage: build_map --bag B.bag [--camera C.yaml] [--map SEED.yaml] --output M.yaml [options]\n"
+    "usage: build_map --bag B.bag [--bag B2.bag] [--camera C.yaml] [--map SEED.yaml] --output "
+    "M.yaml\n"
+    "                 [options]\n"
     "\n"
-    "Builds a marker map from a recording, by bundle adjustment over all poses and markers. The\n"
-    "seed's markers stay where they are; without a seed the marker that is read first is the "
-    "map's\n"
-    "frame: the origin on the floor below it, x along the normal out of its face. Needs no "
-    "roscore.\n"
-    "Where the recording cannot tell a map, it says why and what to do, and writes nothing.\n";
+    "Builds a marker map from a recording, by bundle adjustment over all poses and markers. A "
+    "seed's\n"
+    "markers are as soft as their deviations say; without a seed the marker that is read first is\n"
+    "the map's frame: the origin on the floor below it, x along the normal out of its face. With\n"
+    "--output-camera the camera is found, too, from a rough guess. Needs no roscore. Where the\n"
+    "recording cannot tell a map, it says why and what to do, and writes nothing.\n";
 
 }  // namespace
 
@@ -28,12 +30,15 @@ std::optional<BuildOptions> parseBuildOptions(int argc, char** argv) {
   BuildOptions options;
   po::options_description description("options");
   description.add_options()("help,h", "print this")(
-      "bag", textOption(&options.bag, "B.bag")->required(), "bag with images and transforms")(
+      "bag", textsOption(&options.bags, "B.bag")->required(),
+      "bag with images and transforms; may be repeated")(
       "camera", textOption(&options.camera, "C.yaml"),
       "camera file; default: the bag's camera_info beside the images")(
       "map", textOption(&options.seed, "SEED.yaml"), "marker map with some of the markers")(
       "output", textOption(&options.output, "M.yaml")->required(),
       "the map: the seed's text with the new markers at its end")(
+      "output-camera", textOption(&options.output_camera, "C2.yaml"),
+      "find the camera and its mounting, too, --camera being a guess, and write it")(
       "drawing", textOption(&options.drawing, "M.png"),
       "drawing of the map; default: the output's name with .png")(
       "trajectory", textOption(&options.trajectory, "OUT.tum"),
@@ -52,6 +57,7 @@ std::optional<BuildOptions> parseBuildOptions(int argc, char** argv) {
       "max-images",
       po::value<int>(&options.max_images)->value_name("N")->default_value(options.max_images),
       "of a longer recording so many are used, evenly spread");
+  addAlignmentOptions(&options.alignment, &description);
   if (!parseCommandLine(argc, argv, kUsage, description)) return std::nullopt;
   if (options.seed.empty() && options.size == 0.0) {
     throw InputError("--size: expected the size of the markers (m), as there is no --map");
@@ -63,10 +69,16 @@ std::optional<BuildOptions> parseBuildOptions(int argc, char** argv) {
   if (options.drawing.empty()) {
     options.drawing = std::filesystem::path(options.output).replace_extension(".png").string();
   }
-  checkOutputs({options.camera, options.seed, options.bag, options.params},
-               {{"--output", options.output},
-                {"--drawing", options.drawing},
-                {"--trajectory", options.trajectory}});
+  if (!options.output_camera.empty() && options.camera.empty()) {
+    throw InputError("--output-camera: needs --camera, a guess to start from");
+  }
+  checkAlignment(options.alignment);
+  std::vector<std::string> inputs = {options.camera, options.seed, options.params};
+  inputs.insert(inputs.end(), options.bags.begin(), options.bags.end());
+  checkOutputs(inputs, {{"--output", options.output},
+                        {"--output-camera", options.output_camera},
+                        {"--drawing", options.drawing},
+                        {"--trajectory", options.trajectory}});
   return options;
 }
 

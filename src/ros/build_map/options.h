@@ -2,17 +2,21 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "../adjustment_tools/alignment_options.h"
 #include "omnitag/ros/parameters.h"
 
 namespace omnitag {
 
 /// The command line of build_map. Empty texts stand for options that were not given.
 struct BuildOptions {
-  std::string bag;
+  std::vector<std::string> bags;
   std::string camera;
   std::string seed;
   std::string output;
+  /// To find the camera, too, and write it there.
+  std::string output_camera;
   std::string drawing;
   std::string trajectory;
   std::string image_topic;
@@ -23,6 +27,8 @@ struct BuildOptions {
   bool estimates_sizes = false;
   std::string odom_frame = "odom";
   int max_images = 600;
+  /// Into which frame the map is put; none: it stays in its own.
+  AlignmentRequest alignment;
 };
 
 /// Nothing where help was asked for, which is then printed. Throws InputError for an option that is

@@ -1,6 +1,7 @@
 #include "options.h"
 
 #include <boost/program_options.hpp>
+#include <cmath>
 #include <filesystem>
 #include <sstream>
 
@@ -14,11 +15,12 @@ namespace {
 namespace po = boost::program_options;
 
 const char* const kUsage =
-    "usage: calibrate_camera --bag B.bag --map M.yaml --camera GUESS.yaml --output C.yaml "
-    "[options]\n"
+    "usage: calibrate_camera --bag B.bag [--bag B2.bag] (--map M.yaml | --size S)\n"
+    "                        --camera GUESS.yaml --output C.yaml [--output-map M2.yaml] [options]\n"
     "\n"
     "Estimates the lens, the mirror and how the camera is mounted (height, roll, pitch) from a\n"
-    "drive among mapped markers. The guess is a camera file that may be 10 % off, or that only "
+    "drive among markers, and where these hang, as far as the map leaves that open. The guess is a "
+    "camera file that may be 10 % off, or that only "
     "has\n"
     "the image's circle right. What the images do not tell is held as the guess has it, and said.\n"
     "Where the recording cannot calibrate a camera, no file is written. Needs no roscore.\n"
@@ -41,8 +43,15 @@ std::optional<CalibrationOptions> parseCalibrationOptions(int argc, char** argv)
   CalibrationOptions options;
   po::options_description description("options");
   description.add_options()("help,h", "print this")(
-      "bag", textOption(&options.bag, "B.bag")->required(), "bag with images and transforms")(
-      "map", textOption(&options.map, "M.yaml")->required(), "marker map")(
+      "bag", textsOption(&options.bags, "B.bag")->required(),
+      "bag with images and transforms; may be repeated")(
+      "map", textOption(&options.map, "M.yaml"),
+      "marker map, as exact as its deviations say; without, give --size")(
+      "size", po::value<double>(&options.size)->value_name("S"),
+      "of markers that the map does not have (m): use them, too")(
+      "family", textOption(&options.family, "F"), "of these; default: the map's, else tag36h11")(
+      "output-map", textOption(&options.output_map, "M2.yaml"),
+      "marker map to write, with what the drive tells of the markers' places")(
       "camera", textOption(&options.camera, "GUESS.yaml")->required(), "camera file to start from")(
       "output", textOption(&options.output, "C.yaml")->required(), "camera file to write")(
       "picture", textOption(&options.picture, "P.png"),
@@ -71,7 +80,18 @@ std::optional<CalibrationOptions> parseCalibrationOptions(int argc, char** argv)
       "output-params", textOption(&options.output_params, "P.yaml"),
       "parameter file to write image_time_offset and row_readout_time into; what else is in it "
       "stays");
+  addAlignmentOptions(&options.alignment, &description);
   if (!parseCommandLine(argc, argv, kUsage, description)) return std::nullopt;
+  if (options.map.empty() && options.size == 0.0) {
+    throw InputError("--size: expected the size of the markers (m), as there is no --map");
+  }
+  if (!std::isfinite(options.size) || options.size < 0.0) {
+    throw InputError("--size: expected a number > 0");
+  }
+  checkAlignment(options.alignment);
+  if (!options.alignment.isNone() && options.output_map.empty()) {
+    throw InputError("--align-to, --align-point: need --output-map, the map to be aligned");
+  }
   if (options.images < 1) {
     throw InputError("--images: expected at least 1, found " + std::to_string(options.images));
   }
@@ -82,13 +102,17 @@ std::optional<CalibrationOptions> parseCalibrationOptions(int argc, char** argv)
   if (!options.output_params.empty() && options.odom_frame.empty()) {
     throw InputError("--output-params: needs --odom-frame, without which no times are estimated");
   }
-  checkOutputs({options.camera, options.map, options.bag, options.params},
-               {{"--output", options.output}, {"--picture", options.picture}});
-  // What else is in it stays: it may be the file of --params.
-  checkOutputs({options.camera, options.map, options.bag},
-               {{"--output", options.output},
-                {"--picture", options.picture},
-                {"--output-params", options.output_params}});
+  std::vector<std::string> inputs = {options.camera, options.map};
+  inputs.insert(inputs.end(), options.bags.begin(), options.bags.end());
+  // What else is in --output-params stays: it may be the file of --params.
+  checkOutputs(inputs, {{"--output", options.output},
+                        {"--output-map", options.output_map},
+                        {"--picture", options.picture},
+                        {"--output-params", options.output_params}});
+  inputs.push_back(options.params);
+  checkOutputs(inputs, {{"--output", options.output},
+                        {"--output-map", options.output_map},
+                        {"--picture", options.picture}});
   return options;
 }
 

@@ -5,12 +5,16 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <vector>
+
+#include "../adjustment_tools/alignment_options.h"
 
 namespace omnitag {
 
 /// The command line of calibrate_camera. Empty texts stand for options that were not given.
 struct CalibrationOptions {
-  std::string bag;
+  std::vector<std::string> bags;
+  /// Empty: nothing is known of the markers but their size.
   std::string map;
   std::string camera;
   std::string output;
@@ -22,6 +26,14 @@ struct CalibrationOptions {
   std::string odom_frame;
   /// To write these into.
   std::string output_params;
+  /// To write the markers into.
+  std::string output_map;
+  /// Of markers that the map does not have: the default family is the map's, or tag36h11, and the
+  /// size (m) the map's; 0: unknown markers are not used.
+  std::string family;
+  double size = 0.0;
+  /// Into which frame that map is put; none: it stays in its own.
+  AlignmentRequest alignment;
   /// base_from_camera, in place of the bag's.
   std::optional<Eigen::Isometry3d> mounting;
   /// Names of parameters to keep as the guess has them.

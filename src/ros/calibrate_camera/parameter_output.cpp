@@ -6,10 +6,10 @@
 #include <regex>
 #include <utility>
 
+#include "omnitag/adjustment/mapped_entries.h"
 #include "omnitag/common/error.h"
 #include "omnitag/common/file_replacement.h"
 #include "omnitag/common/format.h"
-#include "omnitag/mapping/mapped_entries.h"
 #include "omnitag/marker/marker_map_writer.h"
 #include "omnitag/ros/parameters.h"
 

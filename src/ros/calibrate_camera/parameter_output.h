@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "omnitag/calibration/time_calibration.h"
+#include "omnitag/adjustment/time_calibration.h"
 
 namespace omnitag {
 

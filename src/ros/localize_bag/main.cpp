@@ -10,9 +10,9 @@
 
 #include "../bag_tools/bag_input.h"
 #include "../bag_tools/progress.h"
+#include "omnitag/adjustment/mapped_entries.h"
 #include "omnitag/common/error.h"
 #include "omnitag/common/file_replacement.h"
-#include "omnitag/mapping/mapped_entries.h"
 #include "omnitag/ros/image_localizer.h"
 #include "options.h"
 #include "result_bag.h"

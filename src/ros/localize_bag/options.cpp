@@ -52,7 +52,7 @@ std::optional<BagOptions> parseOptions(int argc, char** argv) {
       "camera", textOption(&options.camera, "C.yaml"),
       "camera file; default: that of --params, else the bag's camera_info")(
       "map", textOption(&options.map, "M.yaml")->required(), "marker map")(
-      "bag", po::value<std::vector<std::string>>(&options.bags)->required()->value_name("IN.bag"),
+      "bag", textsOption(&options.bags, "IN.bag")->required(),
       "bag with images and transforms; may be given several times")(
       "trajectory", textOption(&options.trajectory, "OUT.tum")->required(),
       "poses of base_link in the map: stamp x y z qx qy qz qw")(

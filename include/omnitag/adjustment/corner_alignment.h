@@ -1,0 +1,33 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+
+#include "omnitag/adjustment/marker_projection.h"
+#include "omnitag/camera/mounted_camera.h"
+#include "omnitag/common/pose.h"
+#include "omnitag/marker/marker_map.h"
+#include "omnitag/marker/tag_pattern.h"
+
+namespace omnitag {
+
+/// A marker's corners in the panorama, and how far they can be trusted: covariance in pixels^2.
+struct AlignedCorners {
+  CornerPixels pixels;
+  Eigen::Matrix<double, 8, 8> covariance;
+};
+
+/// Places a marker's corners by all of its pixels, several times more exactly than decoding does:
+/// the pattern is laid where a pose and the marker's place have it, to about half a pixel, and its
+/// corners are moved, what is between them in proportion, until it explains the panorama's grey
+/// levels (CV_8UC1); the light is free. Least squares (Gauss-Newton) with robust weights. The
+/// covariance is the inverse of the pixels' information at the noise that their residuals show,
+/// and what they do not know: how far the pose was off, and shadows.
+///
+/// Nothing where too little of the pattern is in the image or too pale, or where it does not fit.
+std::optional<AlignedCorners> alignCorners(const cv::Mat& panorama, const Marker& marker,
+                                           const TagPattern& pattern, const MountedCamera& camera,
+                                           const Pose& map_from_base);
+
+}  // namespace omnitag

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "omnitag/common/yaml_reader.h"
+
+namespace omnitag {
+
+/// A marker as a map file's constraint has it: by its name, or by its id.
+struct MarkerReference {
+  std::string name;
+  int id = -1;
+
+  /// As the file has it.
+  std::string text() const { return name.empty() ? std::to_string(id) : name; }
+};
+
+/// What somebody measured between markers, and how exactly.
+struct MapConstraint {
+  enum class Kind {
+    kDistance,  ///< between the centres of two markers (m)
+    kPlane,     ///< the centres lie in one plane (m)
+    kVertical,  ///< the faces are vertical (rad)
+    kHeight,    ///< of the centre over the floor (m)
+  };
+  Kind kind = Kind::kDistance;
+  std::vector<MarkerReference> markers;
+  /// m, of a distance or a height.
+  double value = 0.0;
+  /// Standard deviation, m, or rad for verticals.
+  double deviation = 1.0;
+
+  /// For people: "distance of door and 7".
+  std::string text() const;
+};
+
+/// Reads `constraints:` of a map file, none where it has none. The file's markers are not looked
+/// at: a constraint may name those that are to be found. Throws InputError.
+std::vector<MapConstraint> readConstraints(const YamlReader& map);
+std::vector<MapConstraint> loadConstraints(const std::string& path);
+
+}  // namespace omnitag

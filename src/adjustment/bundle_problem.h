@@ -1,0 +1,74 @@
+#pragma once
+
+#include <ceres/problem.h>
+
+#include <memory>
+#include <vector>
+
+#include "bundle_costs.h"
+#include "omnitag/adjustment/bundle.h"
+#include "perturbed_cameras.h"
+
+namespace omnitag {
+
+/// A bundle's parameters and, over them, Ceres's problem.
+class BundleProblem {
+ public:
+  /// Keeps references to both.
+  BundleProblem(const Bundle& bundle, const BundleConfig& config);
+
+  ceres::Problem& problem() { return problem_; }
+
+  /// Puts the parameters into the bundle that this was made from, or into a copy of it.
+  void store(Bundle* bundle) const;
+
+  /// Blocks that are estimated; none where a frame, a landmark or its size is held, or nothing says
+  /// anything of it.
+  double* poseBlock(std::size_t frame) { return estimated(poses_[frame].data()); }
+  double* placeBlock(std::size_t landmark) { return estimated(markers_[landmark].increment.data()); }
+  double* sizeBlock(std::size_t landmark) { return estimated(&markers_[landmark].size); }
+  double* cameraBlock() { return offsets_.empty() ? nullptr : estimated(offsets_.data()); }
+
+  /// Of the bundle's observations, in their order.
+  const std::vector<ceres::ResidualBlockId>& observationTerms() const { return observations_; }
+  /// All others but what is known of the camera's parameters, and that one, if there is any.
+  const std::vector<ceres::ResidualBlockId>& otherTerms() const { return others_; }
+
+  /// Frames that may be eliminated at once: no odometry ties one of them to another.
+  std::vector<double*> independentPoses();
+
+ private:
+  /// The increment counts from where the prior has the marker, or from where it starts.
+  struct MarkerBlocks {
+    Marker about;
+    SixBlock increment{};
+    double size = 0.0;
+  };
+
+  double* estimated(double* block);
+  template <typename Cost>
+  ceres::ResidualBlockId add(std::unique_ptr<Cost> cost, ceres::LossFunction* loss,
+                             const std::vector<double*>& blocks);
+  void addObservations();
+  void addPriorsOfMarkers();
+  void addPriorsOfPoses();
+  void addPriorOfCamera();
+  void addConstraints();
+  void hold();
+
+  const Bundle& bundle_;
+  const BundleConfig& config_;
+  PerturbedCameras cameras_;
+  std::vector<double> offsets_;
+  std::vector<SixBlock> poses_;
+  std::vector<MarkerBlocks> markers_;
+  std::vector<std::unique_ptr<ceres::CostFunction>> costs_;
+  std::vector<ceres::ResidualBlockId> observations_;
+  std::vector<ceres::ResidualBlockId> others_;
+  ExpectedLoss marker_loss_{kExpectedOfMarker};
+  ExpectedLoss place_loss_{kExpectedOfPlace};
+  ExpectedLoss number_loss_{kExpectedOfNumber};
+  ceres::Problem problem_;
+};
+
+}  // namespace omnitag

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <vector>
+
+#include "omnitag/adjustment/calibration_data.h"
+#include "omnitag/camera/image_plane.h"
+#include "omnitag/common/pose.h"
+#include "omnitag/localization/frame_readings.h"
+
+/// Recordings that cannot calibrate a camera. All throw InputError, with what to do.
+namespace omnitag {
+
+/// The mounting must be the same in all frames.
+void checkMounting(const std::vector<FrameReadings>& frames);
+
+/// Markers must have been seen all around the centre of the image.
+void checkCoverage(const std::vector<CalibrationFrame>& frames, const ImagePlane& plane);
+
+/// The robot must have moved.
+void checkMotion(const std::vector<Pose>& poses);
+
+}  // namespace omnitag

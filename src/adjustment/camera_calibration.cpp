@@ -1,0 +1,258 @@
+#include "omnitag/adjustment/camera_calibration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "calibration_checks.h"
+#include "calibration_report.h"
+#include "calibration_result.h"
+#include "camera_fit.h"
+#include "omnitag/adjustment/observability.h"
+#include "omnitag/common/error.h"
+
+namespace omnitag {
+namespace {
+
+using Indices = CameraFit::Indices;
+
+/// The steps from a guess to a camera.
+class Calibrator {
+ public:
+  Calibrator(const CameraTemplate& guess, const MarkerMap& map,
+             const std::vector<FrameReadings>& frames, const CalibrationConfig& config,
+             const CalibrationProgress& progress)
+      : config_(config), fit_(guess, map, frames, config, progress) {}
+
+  CalibrationResult run() {
+    const ResidualSummary before = summaryOfGuess();
+    approach();
+    fit_.leaveOutOutliers();
+    decideProfile();
+    decideSize();
+    settleProfile();
+    holdUnobserved();
+    fit_.settle(observed_);
+    return result(before);
+  }
+
+ private:
+  const CalibrationModel& model() const { return fit_.model(); }
+  bool impliesConic() const { return model().camera().impliesConicConstant(); }
+  double valueOf(Eigen::Index index) const { return fit_.bundle.values(index); }
+
+  /// The poses alone: what a guess is worth.
+  ResidualSummary summaryOfGuess() {
+    const Bundle start = fit_.bundle;
+    fit_.adjust("poses with the guess", {}, Moving::kCameraAndPoses);
+    const ResidualSummary summary = summarize(cornerResiduals(fit_.bundle));
+    fit_.bundle = start;
+    return summary;
+  }
+
+  /// From the bearings' poses to a camera. With a profile that is far from the mirror's, the rest
+  /// would run off to make up for it: then another one is looked for from the beginning.
+  void approach() {
+    constexpr double kFarOff = 0.5;  // pixels
+    constexpr double kFarBetter = 0.5;
+    const Bundle start = fit_.bundle;
+    setFree();
+    const double before = fit_.medianResidual();
+    if (!mayDoubtProfile() || before < kFarOff) return;
+    const Bundle believed = fit_.bundle;
+    fit_.bundle = start;
+    doubts_profile_ = true;
+    setFree();
+    doubts_profile_ = fit_.medianResidual() < kFarBetter * before;
+    if (!doubts_profile_) fit_.bundle = believed;
+  }
+
+  /// More and more is set free.
+  void setFree() {
+    Indices radial = fit_.indicesOf({"fx", "fy", "apex_distance", "z"});
+    if (doubts_profile_) radial.push_back(*model().indexOf("conic_constant"));
+    fit_.adjust("radial scale", radial, Moving::kCamera);
+    for (const Eigen::Index index : fit_.indicesOf({"cx", "cy", "roll", "pitch"})) {
+      radial.push_back(index);
+    }
+    fit_.adjust("centre and lean", radial, Moving::kCameraAndPoses);
+    fit_.adjust("all but the mirror's size", candidates(), Moving::kCameraAndPoses);
+    fit_.adjust("markers and leaning", candidates(), Moving::kAll);
+  }
+
+  bool mayDoubtProfile() const { return impliesConic() && !fit_.isFixed("conic_constant"); }
+
+  /// All that may be estimated: but for the mirror's size and a conic constant that the profile
+  /// implies, as long as these are not in doubt.
+  Indices candidates() const {
+    Indices indices;
+    for (std::size_t i = 0; i < model().parameters().size(); ++i) {
+      const std::string& name = model().parameters()[i].name;
+      const bool is_implied = name == "conic_constant" &&
+                              (is_settled_ || (impliesConic() && !doubts_profile_));
+      const bool is_size = name == "radius_of_curvature" && !doubts_size_;
+      if (!fit_.isFixed(name) && !is_implied && !is_size) {
+        indices.push_back(static_cast<Eigen::Index>(i));
+      }
+    }
+    return indices;
+  }
+
+  /// Whether the corners fit clearly better once `*doubts` adds a parameter to the candidates; if
+  /// they do not, all stays as it was.
+  bool fitsBetter(const std::string& step, bool* doubts) {
+    const Bundle believed = fit_.bundle;
+    const double before = fit_.rms();
+    *doubts = true;
+    fit_.adjust(step, candidates(), Moving::kAll);
+    const double after = fit_.rms();
+    *doubts = isClearlyBetter(after, before);
+    if (!*doubts) {
+      fit_.bundle = believed;
+      return false;
+    }
+    improvement_ = decimals(before, 3) + " to " + decimals(after, 3) + " px";
+    return true;
+  }
+
+  /// A profile that implies the conic constant is believed unless another constant fits better.
+  void decideProfile() {
+    fit_.adjust("everything", candidates(), Moving::kAll);
+    if (doubts_profile_) {
+      fit_.remarks.emplace_back("the mirror does not have the guess's profile, which fits nowhere");
+    } else if (mayDoubtProfile() && fitsBetter("another profile", &doubts_profile_)) {
+      fit_.remarks.push_back(
+          "the mirror does not have the guess's profile: another conic constant brings the "
+          "residual from " +
+          improvement_);
+    }
+  }
+
+  /// The size of a mirror shows in parallax alone: a caliper measures it better than images do,
+  /// which are believed only where they contradict.
+  void decideSize() {
+    Indices all = fit_.indicesOf({"radius_of_curvature"});
+    if (all.empty()) return;
+    if (fitsBetter("another size of the mirror", &doubts_size_)) {
+      fit_.remarks.push_back(
+          "the mirror does not have the guess's size: another one brings the residual from " +
+          improvement_);
+      return;
+    }
+    const Indices others = candidates();
+    all.insert(all.end(), others.begin(), others.end());
+    size_deviation_ = uncertaintyOf(model(), all, fit_.cameraInformation(all)).deviations(0);
+  }
+
+  /// Of a mirror that is none of the guess's kind, whether it is a sphere or a paraboloid: that of
+  /// the two whose conic constant the estimate agrees with, unless the corners then fit clearly
+  /// worse. The lens's and the mirror's distance are several times better known then.
+  void settleProfile() {
+    if (!doubts_profile_) return;
+    const Indices all = candidates();
+    const Eigen::Index conic = *model().indexOf("conic_constant");
+    const auto place = std::find(all.begin(), all.end(), conic) - all.begin();
+    const double deviation =
+        uncertaintyOf(model(), all, withCommonError(fit_.cameraInformation(all)))
+            .deviations(place);
+    constexpr double kAgrees = 2.0;  // deviations
+    for (const double implied : {0.0, -1.0}) {
+      if (std::abs(valueOf(conic) - implied) > kAgrees * deviation) continue;
+      const Bundle estimated = fit_.bundle;
+      const double before = fit_.rms();
+      fit_.bundle.values(conic) = implied;
+      is_settled_ = true;
+      fit_.adjust("a sphere or a paraboloid", candidates(), Moving::kAll);
+      is_settled_ = !isClearlyBetter(before, fit_.rms());
+      if (is_settled_) return;
+      fit_.bundle = estimated;
+    }
+  }
+
+  void holdUnobserved() {
+    const Indices all = candidates();
+    const Observability split = observability(model(), all, fit_.cameraInformation(all));
+    for (const auto& [index, deviation] : split.held) refuseIfEssential(index, deviation);
+    held_ = split.held;
+    observed_ = split.observed;
+    const Bundle estimated = fit_.bundle;
+    const double before = fit_.rms();
+    for (const auto& [index, deviation] : held_) fit_.bundle.values(index) = fit_.guess()(index);
+    fit_.adjust("what is observed", observed_, Moving::kAll);
+    // Two that trade off against each other may both be off in the guess, by more than the rest can
+    // make up for.
+    holds_estimates_ = isClearlyBetter(before, fit_.rms());
+    if (!holds_estimates_) return;
+    fit_.bundle = estimated;
+    fit_.adjust("what is observed", observed_, Moving::kAll);
+  }
+
+  static bool isClearlyBetter(double rms, double than) {
+    constexpr double kClearly = 0.05;  // of the mean square
+    return rms * rms < (1.0 - kClearly) * than * than;
+  }
+
+  void refuseIfEssential(Eigen::Index index, double deviation) const {
+    const std::string& name = fit_.nameOf(index);
+    if (name != "fx" && name != "fy" && name != "cx" && name != "cy") return;
+    throw InputError("the images do not tell " + name + " (standard deviation " +
+                     decimals(deviation, 1) +
+                     " px): record more images in other places, with markers near and far and all "
+                     "around");
+  }
+
+  std::string whyHeld(Eigen::Index index) const {
+    const std::string& name = fit_.nameOf(index);
+    if (fit_.isFixed(name)) return "as told";
+    if (name == "conic_constant" && impliesConic() && !doubts_profile_) {
+      return "the guess's profile fits";
+    }
+    if (name == "conic_constant" && is_settled_) {
+      return valueOf(index) == 0.0 ? "as of a sphere, which fits" : "as of a paraboloid, which fits";
+    }
+    if (name == "radius_of_curvature" && !doubts_size_) {
+      return "images tell it to " + significant(size_deviation_, 2) + " only; measure it";
+    }
+    for (const auto& [held, deviation] : held_) {
+      if (held != index) continue;
+      return "not observed, +- " + significant(deviation, 2) +
+             (holds_estimates_ ? "; where the others fit" : "");
+    }
+    return "";
+  }
+
+  CalibrationResult result(const ResidualSummary& before) const {
+    CalibrationOutcome outcome{fit_, observed_, {}};
+    for (std::size_t i = 0; i < model().parameters().size(); ++i) {
+      outcome.why_held.push_back(whyHeld(static_cast<Eigen::Index>(i)));
+    }
+    return resultOf(outcome, before, config_);
+  }
+
+  const CalibrationConfig& config_;
+  CameraFit fit_;
+  bool doubts_profile_ = false;
+  bool doubts_size_ = false;
+  /// Whether it is a sphere or a paraboloid, though the guess was another.
+  bool is_settled_ = false;
+  double size_deviation_ = 0.0;
+  /// How much better the last doubt made it, in words.
+  std::string improvement_;
+  Indices observed_;
+  std::vector<std::pair<Eigen::Index, double>> held_;
+  /// Whether these are held where they fit instead of at the guess.
+  bool holds_estimates_ = false;
+};
+
+}  // namespace
+
+CalibrationResult calibrateCamera(const CameraTemplate& guess, const MarkerMap& map,
+                                  const std::vector<FrameReadings>& frames,
+                                  const CalibrationConfig& config,
+                                  const CalibrationProgress& progress) {
+  if (frames.empty()) throw InputError("expected images, found none");
+  checkMounting(frames);
+  return Calibrator(guess, map, frames, config, progress).run();
+}
+
+}  // namespace omnitag

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "omnitag/adjustment/calibration_data.h"
+#include "omnitag/camera/mounted_camera.h"
+#include "omnitag/common/pose.h"
+
+namespace omnitag {
+
+/// An image of a moving robot, and what is estimated of it.
+struct MovingFrame {
+  CalibrationFrame seen;
+  /// The robot when the middle row is exposed, and what of (x, y, yaw) the image leaves open: the
+  /// covariance of a change of it (m and rad).
+  Pose map_from_base;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  /// By odometry, and by what that is off in its deviations.
+  BaseMotion motion;
+  Eigen::Vector3d motion_error = Eigen::Vector3d::Zero();
+};
+
+/// The camera as it takes this image, its rows being exposed one after the other; the pose is that
+/// at the middle row. `camera_error`: the modes of the camera's own, the rest is not looked at.
+inline MountedCamera cameraInFrame(const MountedCamera& camera, const MovingFrame& frame,
+                                   const ImagingError& camera_error, double row_readout_time) {
+  ShutterConfig shutter;
+  shutter.row_readout_time = row_readout_time;
+  shutter.image_time_offset = -0.5 * camera.model().imageSize().height * row_readout_time;
+  ImagingError error = camera_error;
+  error.tail<3>() = frame.motion_error;
+  return camera.withMotion(shutter, frame.motion).withError(error);
+}
+
+}  // namespace omnitag

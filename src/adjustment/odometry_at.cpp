@@ -1,0 +1,22 @@
+#include "omnitag/adjustment/odometry_at.h"
+
+#include <initializer_list>
+
+namespace omnitag {
+
+std::optional<BaseMotion> baseMotionAt(const OdometryAt& odometry, double time,
+                                       const MotionModelConfig& config) {
+  // Odometry comes at 20 to 100 Hz: within a shorter time it would tell its noise alone.
+  constexpr double kDuration = 0.04;  // s
+  // Where it begins or ends, the base is taken to move as it does beside that.
+  for (const double begin : {time - 0.5 * kDuration, time - kDuration, time}) {
+    const std::optional<Pose> before = odometry(begin);
+    const std::optional<Pose> after = odometry(begin + kDuration);
+    if (!before || !after) continue;
+    const Eigen::Isometry3d motion = before->toIsometry().inverse() * after->toIsometry();
+    return MotionModel(config).motionBy(velocityOf(motion, kDuration));
+  }
+  return std::nullopt;
+}
+
+}  // namespace omnitag

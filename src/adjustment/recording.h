@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "omnitag/adjustment/corner_alignment.h"
+#include "omnitag/adjustment/bundle.h"
+#include "omnitag/adjustment/map_builder.h"
+#include "omnitag/adjustment/marker_estimate.h"
+#include "omnitag/camera/mounted_camera.h"
+#include "omnitag/common/pose.h"
+#include "omnitag/localization/frame_readings.h"
+#include "omnitag/marker/marker_map.h"
+
+namespace omnitag {
+
+/// A marker that a recording shows or a seed has. Named by its index.
+struct RecordedMarker {
+  Marker marker;
+  bool is_seed = false;
+  /// Whether `marker` says where it hangs.
+  bool is_placed = false;
+  /// What is known of its place beforehand.
+  std::optional<PlacePrior> prior;
+};
+
+/// An image of a recording.
+struct RecordedFrame {
+  FrameReadings input;
+  MountedCamera camera;
+  /// For each reading the marker that it is of; none for one of a seed's id that hangs elsewhere,
+  /// or where it is not known yet which of several entries it is of.
+  std::vector<std::optional<std::size_t>> markers;
+  std::optional<PoseEstimate> map_from_base;
+  /// For each reading its corners by all of the marker's pixels, once the map is known; empty
+  /// before.
+  std::vector<std::optional<AlignedCorners>> aligned;
+};
+
+/// A reading by its place in the recording.
+struct ReadingPlace {
+  std::size_t frame = 0;
+  std::size_t reading = 0;
+};
+
+/// A recording as its map grows.
+struct Recording {
+  std::shared_ptr<const CameraModel> camera;
+  std::vector<RecordedFrame> frames;
+  /// The seed's markers first.
+  std::vector<RecordedMarker> markers;
+
+  /// All markers of the seed, and one of unknown place for each other id that is read.
+  Recording(std::shared_ptr<const CameraModel> camera, const std::vector<FrameReadings>& inputs,
+            const MarkerMap& seed, double size);
+
+  /// Where a marker is read in frames that have a pose; in any frame on request.
+  std::vector<ReadingPlace> readingsOf(std::size_t marker, bool with_pose_only = true) const;
+  MarkerSighting sighting(const ReadingPlace& place) const;
+  std::vector<MarkerSighting> sightings(const std::vector<ReadingPlace>& places) const;
+
+  /// The markers whose places are known, and which of this recording's they are.
+  MarkerMap placedMap(std::vector<std::size_t>* indices) const;
+
+  std::size_t framesWithPose() const;
+};
+
+/// "marker 7 (door)".
+std::string nameOf(const Marker& marker);
+
+}  // namespace omnitag

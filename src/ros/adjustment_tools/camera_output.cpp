@@ -1,0 +1,108 @@
+#include "camera_output.h"
+
+#include <filesystem>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+#include <sstream>
+#include <system_error>
+#include <vector>
+
+#include "../bag_tools/mounting_option.h"
+#include "omnitag/adjustment/leaning_mounting.h"
+#include "omnitag/common/angle.h"
+#include "omnitag/common/error.h"
+#include "omnitag/common/format.h"
+
+namespace omnitag {
+namespace {
+
+/// One parameter; angles in degrees, for people.
+std::string lineOf(const CalibratedParameter& parameter) {
+  const CalibrationParameter& guess = parameter.guess;
+  const bool is_angle = guess.unit == "rad";
+  const double factor = is_angle ? degrees(1.0) : 1.0;
+  const std::string unit = is_angle ? "deg" : guess.unit;
+  const std::string name = guess.name + (unit.empty() ? "" : " (" + unit + ")");
+  const std::string deviation = parameter.held.empty()
+                                    ? format("%.2g", factor * parameter.deviation)
+                                    : "held: " + parameter.held;
+  return format("%-26s %12.6g %12.7g   %s", name.c_str(), factor * guess.value,
+                factor * parameter.value, deviation.c_str());
+}
+
+std::string asComment(const std::string& text) {
+  std::istringstream lines(text);
+  std::string comment;
+  for (std::string line; std::getline(lines, line);) {
+    comment += line.empty() ? "#\n" : "# " + line + "\n";
+  }
+  return comment;
+}
+
+std::string summaryOf(const char* name, const ResidualSummary& summary) {
+  return format("%-26s %12.3f   RMS over %zu corners, %zu left out\n", name, summary.rms,
+                summary.counted, summary.left_out);
+}
+
+}  // namespace
+
+std::string calibrationReport(const CalibrationResult& result, const MountingFrames& frames) {
+  std::string report =
+      format("%-26s %12s %12s   %s\n", "parameter", "guess", "calibrated", "standard deviation");
+  for (const CalibratedParameter& parameter : result.parameters) report += lineOf(parameter) + "\n";
+  report += "\n" + summaryOf("residual before (px)", result.before);
+  report += summaryOf("residual after (px)", result.after);
+  report += format("%-26s %12.3f   of a corner, along each axis; %zu images, %zu markers\n",
+                   "noise (px)", result.noise, result.frames, result.markers);
+  const CameraUncertainty& left = result.uncertainty;
+  report +=
+      format("left of the camera (px)    principal point %.3f, scale %.3f, tilt %.3f, rim %.3f\n",
+             left.principal_point, left.scale, left.tilt, left.rim);
+  report +=
+      "\nMounting (the optical axis leans by " +
+      format("%.2f", degrees(leanOf(result.base_from_camera))) +
+      " deg), for tf:\n  rosrun tf2_ros static_transform_publisher " +
+      publisherArguments(result.base_from_camera) + " " + frames.base + " " + frames.camera +
+      "\nand for bags whose /tf_static is older: --mounting " +
+      mountingText(result.base_from_camera) +
+      "\nIts x, y and yaw are the guess's: images cannot tell them from the robot's own place "
+      "and heading.\n";
+  if (!result.remarks.empty()) report += "\n";
+  for (const std::string& remark : result.remarks) report += remark + "\n";
+  return report;
+}
+
+std::string calibratedFile(const CalibrationResult& result, const CameraTemplate& guess,
+                           const MountingFrames& frames) {
+  return "# Calibrated by calibrate_camera from the guess " + guess.origin() + ".\n#\n" +
+         asComment(calibrationReport(result, frames)) +
+         guess.text(result.camera_values, result.rim_radius, result.uncertainty);
+}
+
+void writeAtomically(const std::string& path, const std::string& content) {
+  const std::string temporary = path + ".part";
+  std::error_code error;
+  {
+    std::ofstream file(temporary, std::ios::binary);
+    file << content;
+    file.close();
+    if (!file) {
+      std::filesystem::remove(temporary, error);
+      throw InputError(path + ": cannot be written");
+    }
+  }
+  std::filesystem::rename(temporary, path, error);
+  if (error) {
+    std::error_code ignored;
+    std::filesystem::remove(temporary, ignored);
+    throw InputError(path + ": cannot be written: " + error.message());
+  }
+}
+
+void writePicture(const std::string& path, const cv::Mat& picture) {
+  std::vector<unsigned char> bytes;
+  cv::imencode(".png", picture, bytes);
+  writeAtomically(path, std::string(bytes.begin(), bytes.end()));
+}
+
+}  // namespace omnitag
