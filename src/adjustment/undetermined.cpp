@@ -15,9 +15,10 @@ ScaledInverse::ScaledInverse(const Eigen::MatrixXd& information)
   const bool is_told = (scales_.array() > 0.0).all() && scales_.allFinite();
   if (!is_told) scales_ = scales_.cwiseMax(1e-12);
   const Eigen::VectorXd inverse = scales_.cwiseInverse();
-  factors_.compute(inverse.asDiagonal() * information * inverse.asDiagonal());
-  is_determined_ = is_told && factors_.info() == Eigen::Success &&
-                   factors_.vectorD().minCoeff() > kNothing;
+  scaled_ = inverse.asDiagonal() * information * inverse.asDiagonal();
+  factors_.compute(scaled_);
+  is_determined_ =
+      is_told && factors_.info() == Eigen::Success && factors_.vectorD().minCoeff() > kNothing;
 }
 
 Eigen::MatrixXd ScaledInverse::matrix() const {
@@ -27,18 +28,14 @@ Eigen::MatrixXd ScaledInverse::matrix() const {
 }
 
 Eigen::VectorXd ScaledInverse::weakest() const {
-  // Inverse iteration, on the factors with what is almost nothing in place of nothing.
-  constexpr double kAlmostNothing = 1e-14;
+  // Inverse iteration, with almost nothing in place of nothing.
+  constexpr double kAlmostNothing = 1e-13;
   constexpr int kRounds = 4;
-  const Eigen::VectorXd pivots = factors_.vectorD().cwiseMax(kAlmostNothing);
+  Eigen::MatrixXd regular = scaled_;
+  regular.diagonal().array() += kAlmostNothing;
+  const Eigen::LDLT<Eigen::MatrixXd> factors(regular);
   Eigen::VectorXd direction = Eigen::VectorXd::LinSpaced(scales_.size(), 1.0, 2.0);
-  for (int round = 0; round < kRounds; ++round) {
-    Eigen::VectorXd solution = factors_.transpositionsP() * direction;
-    factors_.matrixL().solveInPlace(solution);
-    solution = solution.cwiseQuotient(pivots);
-    factors_.matrixU().solveInPlace(solution);
-    direction = (factors_.transpositionsP().transpose() * solution).normalized();
-  }
+  for (int round = 0; round < kRounds; ++round) direction = factors.solve(direction).normalized();
   return direction.cwiseQuotient(scales_);
 }
 

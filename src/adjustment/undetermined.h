@@ -23,6 +23,7 @@ class ScaledInverse {
 
  private:
   Eigen::VectorXd scales_;
+  Eigen::MatrixXd scaled_;
   Eigen::LDLT<Eigen::MatrixXd> factors_;
   bool is_determined_ = false;
 };
