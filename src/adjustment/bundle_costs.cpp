@@ -19,7 +19,8 @@ using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 template <typename Matrix>
 void store(const Matrix& jacobian, double* rows) {
   if (rows == nullptr) return;
-  Eigen::Map<RowMajor>(rows, jacobian.rows(), jacobian.cols()) = jacobian;
+  const RowMajor by_row = jacobian;
+  std::copy_n(by_row.data(), by_row.size(), rows);
 }
 
 }  // namespace
