@@ -16,10 +16,9 @@ constexpr double kHidden = 300.0;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// Ceres stores row by row, and does not ask for the derivatives by what is held.
-template <typename Matrix>
-void store(const Matrix& jacobian, double* rows) {
+void store(const RowMajor& jacobian, double* rows) {
   if (rows == nullptr) return;
-  Eigen::Map<RowMajor>(rows, jacobian.rows(), jacobian.cols()) = jacobian;
+  std::copy_n(jacobian.data(), jacobian.size(), rows);
 }
 
 }  // namespace
@@ -100,9 +99,8 @@ bool MarkerCost::Evaluate(const double* const* parameters, double* residuals,
     PixelDerivatives derivatives;
     const auto pixel = cameras_->project(map_from_base, base_from_camera_, corners[k],
                                          jacobians == nullptr ? nullptr : &derivatives);
-    off.segment<2>(row) =
-        pixel ? Eigen::Vector2d(*pixel - observation_.pixels.segment<2>(row))
-              : Eigen::Vector2d(kHidden, 0.0);
+    off.segment<2>(row) = pixel ? Eigen::Vector2d(*pixel - observation_.pixels.segment<2>(row))
+                                : Eigen::Vector2d(kHidden, 0.0);
     if (!pixel || jacobians == nullptr) continue;
     const Eigen::Vector3d from_center = corners[k] - marker.center();
     by_pose.middleRows<2>(row) = derivatives.by_pose;

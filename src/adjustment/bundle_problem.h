@@ -25,7 +25,9 @@ class BundleProblem {
   /// Blocks that are estimated; none where a frame, a landmark or its size is held, or nothing says
   /// anything of it.
   double* poseBlock(std::size_t frame) { return estimated(poses_[frame].data()); }
-  double* placeBlock(std::size_t landmark) { return estimated(markers_[landmark].increment.data()); }
+  double* placeBlock(std::size_t landmark) {
+    return estimated(markers_[landmark].increment.data());
+  }
   double* sizeBlock(std::size_t landmark) { return estimated(&markers_[landmark].size); }
   double* cameraBlock() { return offsets_.empty() ? nullptr : estimated(offsets_.data()); }
 

@@ -88,8 +88,8 @@ class Calibrator {
     Indices indices;
     for (std::size_t i = 0; i < model().parameters().size(); ++i) {
       const std::string& name = model().parameters()[i].name;
-      const bool is_implied = name == "conic_constant" &&
-                              (is_settled_ || (impliesConic() && !doubts_profile_));
+      const bool is_implied =
+          name == "conic_constant" && (is_settled_ || (impliesConic() && !doubts_profile_));
       const bool is_size = name == "radius_of_curvature" && !doubts_size_;
       if (!fit_.isFixed(name) && !is_implied && !is_size) {
         indices.push_back(static_cast<Eigen::Index>(i));
@@ -153,8 +153,7 @@ class Calibrator {
     const Eigen::Index conic = *model().indexOf("conic_constant");
     const auto place = std::find(all.begin(), all.end(), conic) - all.begin();
     const double deviation =
-        uncertaintyOf(model(), all, withCommonError(fit_.cameraInformation(all)))
-            .deviations(place);
+        uncertaintyOf(model(), all, withCommonError(fit_.cameraInformation(all))).deviations(place);
     constexpr double kAgrees = 2.0;  // deviations
     for (const double implied : {0.0, -1.0}) {
       if (std::abs(valueOf(conic) - implied) > kAgrees * deviation) continue;
@@ -208,7 +207,8 @@ class Calibrator {
       return "the guess's profile fits";
     }
     if (name == "conic_constant" && is_settled_) {
-      return valueOf(index) == 0.0 ? "as of a sphere, which fits" : "as of a paraboloid, which fits";
+      return valueOf(index) == 0.0 ? "as of a sphere, which fits"
+                                   : "as of a paraboloid, which fits";
     }
     if (name == "radius_of_curvature" && !doubts_size_) {
       return "images tell it to " + significant(size_deviation_, 2) + " only; measure it";

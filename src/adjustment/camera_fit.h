@@ -22,8 +22,8 @@ class CameraFit {
  public:
   using Indices = std::vector<Eigen::Index>;
 
-  /// The poses as bearings tell them. Keeps references to `config` and `progress`. Throws InputError
-  /// as calibrateCamera() does.
+  /// The poses as bearings tell them. Keeps references to `config` and `progress`. Throws
+  /// InputError as calibrateCamera() does.
   CameraFit(const CameraTemplate& guess, const MarkerMap& map,
             const std::vector<FrameReadings>& frames, const CalibrationConfig& config,
             const CalibrationProgress& progress);

@@ -100,8 +100,8 @@ Observability observability(const CalibrationModel& model,
   Observability result;
   result.observed = candidates;
   while (!result.observed.empty()) {
-    const ParameterUncertainty uncertainty = uncertaintyOf(
-        model, result.observed, {part(information.matrix, places)});
+    const ParameterUncertainty uncertainty =
+        uncertaintyOf(model, result.observed, {part(information.matrix, places)});
     const std::ptrdiff_t first = firstToHold(model, uncertainty);
     if (first < 0) break;
     result.held.emplace_back(result.observed[static_cast<std::size_t>(first)],

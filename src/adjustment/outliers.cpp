@@ -109,8 +109,7 @@ void leaveOutMarkers(Bundle* bundle, std::vector<std::string>* remarks) {
                        observations.end());
     remarks->push_back("left out: marker " +
                        std::to_string(bundle->landmarks[displaced].marker.id) +
-                       ", which is not where the map has it (" + decimals(median, 1) +
-                       " px off)");
+                       ", which is not where the map has it (" + decimals(median, 1) + " px off)");
   }
 }
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "omnitag/adjustment/corner_alignment.h"
 #include "omnitag/adjustment/bundle.h"
+#include "omnitag/adjustment/corner_alignment.h"
 #include "omnitag/adjustment/map_builder.h"
 #include "omnitag/adjustment/marker_estimate.h"
 #include "omnitag/camera/mounted_camera.h"

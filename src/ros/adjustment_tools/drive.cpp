@@ -5,6 +5,7 @@
 
 #include "../bag_tools/recorded_images.h"
 #include "omnitag/common/error.h"
+#include "omnitag/common/format.h"
 #include "omnitag/localization/look_around.h"
 #include "omnitag/marker/marker_reader.h"
 #include "omnitag/ros/conversions.h"
@@ -81,8 +82,9 @@ void Drive::check(const std::string& option, const std::string& frame,
     std::string why;
     // At the last time that the bag has, whichever that is.
     if (inputs_[i]->transforms().canTransform(frame, base, ros::Time(0), &why)) continue;
-    throw InputError(options_.bags[i] + ": " + option + ": expected " + what + " from '" + base +
-                     "' to '" + frame + "' in tf, found none: " + why);
+    throw InputError(format("%s: %s: expected %s from '%s' to '%s' in tf, found none: %s",
+                            options_.bags[i].c_str(), option.c_str(), what.c_str(), base.c_str(),
+                            frame.c_str(), why.c_str()));
   }
 }
 
