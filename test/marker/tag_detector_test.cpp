@@ -147,13 +147,21 @@ double largestCornerError(const TagDetection& detection, const Eigen::Matrix3d& 
 
 class EveryFamily : public testing::TestWithParam<std::string> {};
 
-INSTANTIATE_TEST_SUITE_P(Library, EveryFamily, testing::ValuesIn(tagFamilies()),
-                         [](const auto& info) { return info.param; });
-
-TEST(TagFamilies, AreThoseOfTheLibrary) {
+std::set<std::string> libraryNames() {
   std::set<std::string> names;
   for (const auto& [name, functions] : libraryFamilies()) names.insert(name);
-  EXPECT_EQ(tagFamilies(), names);
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(Library, EveryFamily, testing::ValuesIn(libraryNames()),
+                         [](const auto& info) { return info.param; });
+
+TEST(TagFamilies, HaveAllOfTheLibrary) {
+  std::set<std::string> names;
+  for (const std::string& name : tagFamilies()) {
+    if (name.rfind("DICT_", 0) != 0) names.insert(name);
+  }
+  EXPECT_EQ(names, libraryNames());
   EXPECT_EQ(tagCount("tag16h5"), 30);
   EXPECT_EQ(tagCount("tag36h11"), 587);
 }

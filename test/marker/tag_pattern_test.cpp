@@ -254,7 +254,10 @@ TEST(TagPatternTest, DataModulesAreThoseWhichDifferAmongTheTagsOfAFamily) {
     const int count = tagCount(family);
     const int tags = std::min(count, 80);
     std::vector<TagPattern> patterns;
-    for (int i = 0; i < tags; ++i) patterns.emplace_back(family, i * (count / tags));
+    for (int i = 0; i < tags; ++i) {
+      // Not in even steps, which may leave the last bits as they are.
+      patterns.emplace_back(family, (i * (count / tags) + i % 7) % count);
+    }
     const TagPattern& first = patterns.front();
     std::vector<int> places(static_cast<std::size_t>(first.dataModules()), 0);
     for (int row = 0; row < first.width(); ++row) {

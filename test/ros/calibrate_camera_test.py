@@ -177,7 +177,7 @@ class CalibrateCameraTest(unittest.TestCase):
 
     def test_refuses_a_camera_that_is_not_calibrated(self):
         self.write(self.guess, "model: ocam\ncalibration_file: calib_results.txt\n")
-        self.assert_refused("guess.yaml:1: model", "catadioptric, equidistant or unified")
+        self.assert_refused("guess.yaml:1: model", "catadioptric, equidistant, unified, pinhole")
 
     def test_refuses_bad_options(self):
         self.assert_refused("--mounting", "X,Y,Z,ROLL,PITCH,YAW", mounting="1,2,3")
