@@ -30,8 +30,8 @@ configure_sanitized() {
   unset LD_LIBRARY_PATH
   [[ ! -f $1/build.ninja ]] || return 0
   cmake -S "$root" -B "$1" -G Ninja -DOMNITAG_ROS=OFF -DOMNITAG_SANITIZE="$2" \
-    -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_CXX_FLAGS=-Wno-sign-conversion -DOMNITAG_PCH=TESTS \
-    -DOMNITAG_WERROR=ON -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -g1" "${@:3}"
+    -DCMAKE_CXX_COMPILER=clang++ -DOMNITAG_PCH=TESTS -DOMNITAG_WERROR=ON \
+    -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -g1" "${@:3}"
 }
 
 # Runs the tests of the CMake build folder $1, $2 at a time, that the further arguments, which are

@@ -59,10 +59,12 @@ std::vector<double> MirrorProfile::secondDerivatives(const std::vector<Eigen::Ve
   const auto count = static_cast<Eigen::Index>(samples.size());
   std::vector<Eigen::Triplet<double>> entries;
   Eigen::VectorXd right_side = Eigen::VectorXd::Zero(count);
-  const auto step = [&](Eigen::Index i) { return samples[i + 1].x() - samples[i].x(); };
-  const auto secant = [&](Eigen::Index i) {
-    return (samples[i + 1].y() - samples[i].y()) / step(i);
+  const auto growth = [&](Eigen::Index i) -> Eigen::Vector2d {
+    const auto index = static_cast<std::size_t>(i);
+    return samples[index + 1] - samples[index];
   };
+  const auto step = [&](Eigen::Index i) { return growth(i).x(); };
+  const auto secant = [&](Eigen::Index i) { return growth(i).y() / growth(i).x(); };
   for (Eigen::Index i = 1; i + 1 < count; ++i) {
     entries.emplace_back(i, i - 1, step(i - 1));
     entries.emplace_back(i, i, 2.0 * (step(i - 1) + step(i)));
