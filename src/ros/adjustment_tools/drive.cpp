@@ -68,7 +68,7 @@ cv::Mat Drive::imageOf(std::size_t frame) const {
 std::optional<Eigen::Isometry3d> Drive::transformAt(const std::string& frame, double time) const {
   if (!(time > 0.0 && time < kTimesEnd)) return std::nullopt;
   for (const auto& input : inputs_) {
-    const auto found =
+    auto found =
         findTransform(input->transforms(), frame, options_.parameters.frames.base, ros::Time(time));
     if (found) return found;
   }
