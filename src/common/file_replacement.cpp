@@ -21,18 +21,18 @@ namespace {
 /// Writes a new file to the disk's surface.
 void writeThrough(const std::string& path, const std::string& text) {
   constexpr mode_t kPermissions = 0644;
-  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, kPermissions);
+  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, kPermissions);
   if (file < 0) refuseFile(path, std::string("cannot be written: ") + std::strerror(errno));
   std::size_t written = 0;
   bool is_well = true;
   while (is_well && written < text.size()) {
-    const ssize_t count = write(file, text.data() + written, text.size() - written);
+    const ssize_t count = ::write(file, text.data() + written, text.size() - written);
     is_well = count >= 0 || errno == EINTR;
     if (count > 0) written += static_cast<std::size_t>(count);
   }
   is_well = is_well && fsync(file) == 0;
   const int problem = errno;
-  is_well = close(file) == 0 && is_well;
+  is_well = ::close(file) == 0 && is_well;
   if (is_well) return;
   std::remove(path.c_str());
   refuseFile(path, std::string("cannot be written to its end: ") + std::strerror(problem));
@@ -66,10 +66,10 @@ void replaceFile(const std::string& path, const std::string& text, Backup backup
   if (error) giveUp("cannot be replaced");
   // The name is on the disk only once the folder is.
   const std::string folder = target.has_parent_path() ? target.parent_path().string() : ".";
-  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY);
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY);
   if (descriptor < 0) return;
   fsync(descriptor);
-  close(descriptor);
+  ::close(descriptor);
 }
 
 }  // namespace omnitag

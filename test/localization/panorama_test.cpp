@@ -7,6 +7,7 @@
 #include "../support/panorama_renderer.h"
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
+#include "../support/sweep.h"
 #include "omnitag/localization/localizer.h"
 
 namespace omnitag {
@@ -73,7 +74,8 @@ TEST_F(PanoramaTest, FindsItsPose) {
 
 TEST_F(PanoramaTest, IsNotMisledByAMarkerAcrossItsSeam) {
   // Turned so that each marker in its turn is straight behind.
-  for (const Marker& marker : map_.markers) {
+  for (std::size_t i = 0; i < map_.markers.size(); i += test::kSweepStride) {
+    const Marker& marker = map_.markers[i];
     const Eigen::Vector3d to_marker = marker.center() - Eigen::Vector3d(truth_.x, truth_.y, 0.0);
     truth_.yaw = normalizeAngle(std::atan2(to_marker.y(), to_marker.x()) + kPi);
     Localizer localizer(model_, map_, test::onLevelFloor());
