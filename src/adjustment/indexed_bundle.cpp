@@ -36,6 +36,30 @@ Eigen::Vector3d odometryDeviations(const Pose& motion, const MotionModelConfig& 
   return {least_translation, least_translation, std::max(rotation, kLeastRotationDeviation)};
 }
 
+namespace {
+
+/// By odometry, from a frame to a later one of the same recording.
+std::optional<Pose> motionBetween(const RecordedFrame& before, const RecordedFrame& frame) {
+  const bool follows = &before != &frame && before.input.recording == frame.input.recording;
+  if (!follows || !before.input.odom_from_base || !frame.input.odom_from_base) return std::nullopt;
+  return inverse(*before.input.odom_from_base) * *frame.input.odom_from_base;
+}
+
+/// Those constraints all of whose markers are landmarks.
+std::vector<PlaceConstraint> constraintsOf(const std::vector<Bundle::Landmark>& landmarks,
+                                           const std::vector<MapConstraint>& constraints) {
+  std::vector<Marker> markers;
+  for (const Bundle::Landmark& landmark : landmarks) markers.push_back(landmark.marker);
+  std::vector<PlaceConstraint> placed;
+  for (const MapConstraint& constraint : constraints) {
+    const auto of_these = resolved(constraint, markers);
+    if (of_these) placed.push_back(*of_these);
+  }
+  return placed;
+}
+
+}  // namespace
+
 BundleConfig bundleConfig(const MapBuilderConfig& config) {
   BundleConfig bundle;
   bundle.estimates_sizes = config.estimates_sizes;
@@ -67,16 +91,12 @@ IndexedBundle bundleOf(const Recording& recording, std::optional<std::size_t> he
     if (!frame.map_from_base) continue;
     const std::size_t index = indexed.bundle.frames.size();
     const std::size_t before = indexed.frame_indices.empty() ? f : indexed.frame_indices.back();
-    const bool follows =
-        before < f && recording.frames[before].input.recording == frame.input.recording;
     indexed.frame_indices.push_back(f);
     indexed.bundle.frames.push_back({frame.input.base_from_camera, frame.map_from_base->pose,
                                      held_frame == f, frame.input.stamp});
-    if (follows && frame.input.odom_from_base && recording.frames[before].input.odom_from_base) {
-      const Pose motion =
-          inverse(*recording.frames[before].input.odom_from_base) * *frame.input.odom_from_base;
+    if (const auto motion = motionBetween(recording.frames[before], frame)) {
       indexed.bundle.motions.push_back(
-          {index - 1, index, motion, odometryDeviations(motion, config.motion)});
+          {index - 1, index, *motion, odometryDeviations(*motion, config.motion)});
     }
     for (std::size_t r = 0; r < frame.markers.size(); ++r) {
       const auto& marker = frame.markers[r];
@@ -97,14 +117,7 @@ IndexedBundle bundleOf(const Recording& recording, std::optional<std::size_t> he
       indexed.readings.push_back({f, r});
     }
   }
-  std::vector<Marker> markers;
-  for (const Bundle::Landmark& landmark : indexed.bundle.landmarks) {
-    markers.push_back(landmark.marker);
-  }
-  for (const MapConstraint& constraint : config.constraints) {
-    const auto of_these = resolved(constraint, markers);
-    if (of_these) indexed.bundle.constraints.push_back(*of_these);
-  }
+  indexed.bundle.constraints = constraintsOf(indexed.bundle.landmarks, config.constraints);
   return indexed;
 }
 

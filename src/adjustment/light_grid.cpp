@@ -12,8 +12,8 @@ Eigen::Index termOf(Eigen::Index column, Eigen::Index row) {
 }
 
 /// The node before a place along one axis, and how far it is from there to the next.
-struct Interval {
-  explicit Interval(double place) {
+struct BetweenNodes {
+  explicit BetweenNodes(double place) {
     const double along = (place + 0.5) * static_cast<double>(kLightNodes - 1);
     node = std::clamp<Eigen::Index>(static_cast<Eigen::Index>(along), 0, kLightNodes - 2);
     share = std::clamp(along - static_cast<double>(node), 0.0, 1.0);
@@ -57,8 +57,8 @@ Square sumOfSecondDifferences() {
 }  // namespace
 
 GridLight greyByLight(double white, const Eigen::Vector2d& place) {
-  const Interval x(place.x());
-  const Interval y(place.y());
+  const BetweenNodes x(place.x());
+  const BetweenNodes y(place.y());
   GridLight by_light = GridLight::Zero();
   by_light[0] = 1.0;
   by_light[termOf(x.node, y.node)] = white * (1.0 - x.share) * (1.0 - y.share);
