@@ -23,7 +23,7 @@ PREFIX = "UnifiedSource"
 DEFINITION = re.compile(
     r"(?:struct|class|enum class|enum|union) (\w+)"  # a type
     r"|using (\w+) ="
-    r"|.*?(\w+)(?:\(|\{| = |\[|;)"  # a function, a constant
+    r"|.*?(\w+)(?:\(|\{| =(?: |$)|\[|;)"  # a function, a constant
 )
 
 

@@ -61,6 +61,7 @@ class UniteSources(unittest.TestCase):
         for first, second in (
                 ("int same() { return 1; }", "int same(int x) {\n  return x;\n}"),
                 ("constexpr int kSame = 1;", "const std::array<int, 2> kSame = {1, 2};"),
+                ("const char* const kSame =\n    \"a\";", "int kSame = 1;"),
                 ("struct Same {\n  int a;\n};", "using Same = std::vector<int>;"),
                 ("std::vector<int> same(\n    int a) {\n}", "double same = 0.0;"),
                 ("template <typename T>\nT same(T a) {\n  return a;\n}", "int same(int a) {\n}")):
