@@ -3,8 +3,7 @@
 
 What clang-tidy takes goes into the headers of other libraries, which a unit reads once for all of its
 sources. Reads a compile_commands.json, and writes into a folder the units and a compile_commands.json
-of them. A unit holds sources that are compiled alike, and none two that define the same name for
-themselves.
+of them. A unit holds sources of one folder, and none two that define the same name for themselves.
 """
 
 import argparse
@@ -49,31 +48,28 @@ def own_names(source: str) -> Set[str]:
 
 
 def units_of(sources: List[Path], public: Set[str]) -> List[List[Path]]:
-    """Shares sources out among as few units as their number and names allow.
+    """Shares sources of one folder out among as few units as their number and names allow.
 
-    A name for itself that is also public hides that from the sources behind: they must not say it.
+    One with a name for itself that is also public is alone: it would hide that from the others.
     """
-    texts = {source: source.read_text(encoding="utf-8") for source in sources}
-    own = {source: own_names(text) for source, text in texts.items()}
     units: List[List[Path]] = [[] for _ in range(-(-len(sources) // LARGEST_UNIT))]
     names: List[Set[str]] = [set() for _ in units]
-    for source in sorted(sources, key=lambda s: (len(own[s] & public), s)):
-        words = set(re.findall(r"\w+", texts[source]))
+    alone = []
+    for source in sources:
+        own = own_names(source.read_text(encoding="utf-8"))
+        if own & public:
+            alone.append([source])
+            continue
         for index in sorted(range(len(units)), key=lambda i: len(units[i])):
-            if not own[source] & names[index] and not words & names[index] & public:
+            if not own & names[index]:
                 break
         else:
             index = len(units)
             units.append([])
             names.append(set())
         units[index].append(source)
-        names[index] |= own[source]
-    return [unit for unit in units if unit]
-
-
-def flags_of(entry: dict) -> str:
-    """How a source is compiled, up to its own name and that of its output."""
-    return re.sub(r" -M[DTF]( \S+\.[od])?| -o \S+ -c \S+", "", entry["command"])
+        names[index] |= own
+    return [unit for unit in units if unit] + alone
 
 
 def main() -> None:
@@ -89,25 +85,30 @@ def main() -> None:
     for entry in json.loads(arguments.compile_commands.read_text(encoding="utf-8")):
         if arguments.sources in Path(entry["file"]).parents:
             commands[Path(entry["file"])] = entry
-    alike: Dict[str, List[Path]] = {}
+    folders: Dict[Path, List[Path]] = {}
     for source in sorted(commands):
-        alike.setdefault(flags_of(commands[source]), []).append(source)
+        folders.setdefault(source.parent, []).append(source)
 
     public: Set[str] = set()
-    for header in [*arguments.headers.rglob("*.h"), *arguments.sources.rglob("*.h")]:
+    for header in arguments.headers.rglob("*.h"):
         public |= defined_names(header.read_text(encoding="utf-8"))
 
     output.mkdir(parents=True, exist_ok=True)
     entries = []
-    for unit in (unit for sources in alike.values() for unit in units_of(sources, public)):
-        path = output / f"{PREFIX}_{len(entries)}.cpp"
-        path.write_text(
-            "".join(f'#include "{s}"  // NOLINT(bugprone-suspicious-include)\n' for s in unit),
-            encoding="utf-8")
-        entry = commands[unit[0]]
-        words = [str(path) if word == entry["file"] else word
-                 for word in shlex.split(entry["command"])]
-        entries.append({"directory": entry["directory"], "file": str(path), "arguments": words})
+    for folder, sources in folders.items():
+        local: Set[str] = set()
+        for header in folder.glob("*.h"):
+            local |= defined_names(header.read_text(encoding="utf-8"))
+        for number, unit in enumerate(units_of(sources, public | local)):
+            name = "_".join([PREFIX, *folder.relative_to(arguments.sources).parts, str(number)])
+            path = output / f"{name}.cpp"
+            path.write_text(
+                "".join(f'#include "{s}"  // NOLINT(bugprone-suspicious-include)\n' for s in unit),
+                encoding="utf-8")
+            entry = commands[unit[0]]
+            words = [str(path) if word == entry["file"] else word
+                     for word in shlex.split(entry["command"])]
+            entries.append({"directory": entry["directory"], "file": str(path), "arguments": words})
     (output / "compile_commands.json").write_text(json.dumps(entries), encoding="utf-8")
 
 
