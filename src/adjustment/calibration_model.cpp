@@ -31,12 +31,7 @@ std::optional<Eigen::Index> CalibrationModel::indexOf(const std::string& name) c
   return found - parameters_.begin();
 }
 
-Eigen::VectorXd CalibrationModel::guess() const {
-  Eigen::VectorXd values(static_cast<Eigen::Index>(parameters_.size()));
-  std::transform(parameters_.begin(), parameters_.end(), values.data(),
-                 [](const auto& parameter) { return parameter.value; });
-  return values;
-}
+Eigen::VectorXd CalibrationModel::guess() const { return valuesOf(parameters_); }
 
 std::shared_ptr<const CameraModel> CalibrationModel::cameraAt(const Eigen::VectorXd& values) const {
   return fixed_ ? fixed_ : camera_->widened(cameraValues(values));

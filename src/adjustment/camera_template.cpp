@@ -150,6 +150,13 @@ YAML::Node nodeOf(const CameraUncertainty& uncertainty) {
 
 }  // namespace
 
+Eigen::VectorXd valuesOf(const std::vector<CalibrationParameter>& parameters) {
+  Eigen::VectorXd values(static_cast<Eigen::Index>(parameters.size()));
+  std::transform(parameters.begin(), parameters.end(), values.data(),
+                 [](const CalibrationParameter& parameter) { return parameter.value; });
+  return values;
+}
+
 CameraTemplate CameraTemplate::fromFile(const std::string& path) {
   return {readCameraFile(path), path};
 }

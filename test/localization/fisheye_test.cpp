@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "../support/camera_in_room.h"
 #include "../support/level_floor.h"
-#include "../support/panorama_renderer.h"
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
 #include "omnitag/localization/localizer.h"
@@ -26,8 +26,12 @@ struct Setup {
 void PrintTo(const Setup& setup, std::ostream* out) { *out << setup.name; }
 
 /// A fisheye that looks up from near the floor, or down from near the ceiling, a little tilted.
-class FisheyeTest : public testing::TestWithParam<Setup> {
+class FisheyeTest : public test::CameraInRoom, public testing::WithParamInterface<Setup> {
  protected:
+  FisheyeTest()
+      : CameraInRoom(GetParam().camera(), mountingOf(GetParam().looks_up),
+                     mapOf(GetParam().looks_up)) {}
+
   static Eigen::Isometry3d mountingOf(bool looks_up) {
     const Eigen::Isometry3d level =
         Eigen::Translation3d(0.08, -0.04, looks_up ? 0.5 : 2.2) *
@@ -51,29 +55,6 @@ class FisheyeTest : public testing::TestWithParam<Setup> {
     return map;
   }
 
-  Frame frame(double stamp) const {
-    return {stamp, test::renderPanorama(map_, camera_, truth_), camera_.baseFromCamera(),
-            std::nullopt};
-  }
-
-  static std::set<int> acceptedIds(const FrameResult& result) {
-    std::set<int> ids;
-    for (const MarkerDetection& detection : result.detections) {
-      if (detection.accepted) ids.insert(detection.id);
-    }
-    return ids;
-  }
-
-  void expectTruth(const FrameResult& result) const {
-    ASSERT_TRUE(result.map_from_base) << result.remark;
-    EXPECT_LT(test::positionError(result.map_from_base->pose, truth_), 2e-3);
-    EXPECT_NEAR(result.map_from_base->pose.yaw, truth_.yaw, 5e-4);
-  }
-
-  std::shared_ptr<const CameraModel> model_ = GetParam().camera();
-  MountedCamera camera_{model_, mountingOf(GetParam().looks_up)};
-  MarkerMap map_ = mapOf(GetParam().looks_up);
-  Pose truth_{0.25, 0.22, 0.5};
   std::set<int> all_{1, 3, 6, 20, 21, 22, 23};
 };
 

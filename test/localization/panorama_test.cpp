@@ -3,8 +3,8 @@
 #include <cmath>
 #include <set>
 
+#include "../support/camera_in_room.h"
 #include "../support/level_floor.h"
-#include "../support/panorama_renderer.h"
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
 #include "../support/sweep.h"
@@ -14,8 +14,11 @@ namespace omnitag {
 namespace {
 
 /// A camera of the whole sphere that looks ahead, as those of two fisheyes are mounted.
-class PanoramaTest : public testing::Test {
+class PanoramaTest : public test::CameraInRoom {
  protected:
+  PanoramaTest()
+      : CameraInRoom(test::equirectangularCamera(), mounting(), {"map", test::roomMarkers()}) {}
+
   static Eigen::Isometry3d mounting() {
     Eigen::Matrix3d base_from_optical;
     base_from_optical << 0, 0, 1, -1, 0, 0, 0, -1, 0;
@@ -23,30 +26,6 @@ class PanoramaTest : public testing::Test {
            Eigen::AngleAxisd(0.03, Eigen::Vector3d(0.6, 0.8, 0.0)) *
            Eigen::Isometry3d(Eigen::Quaterniond(base_from_optical));
   }
-
-  Frame frame(double stamp) const {
-    return {stamp, test::renderPanorama(map_, camera_, truth_), camera_.baseFromCamera(),
-            std::nullopt};
-  }
-
-  static std::set<int> acceptedIds(const FrameResult& result) {
-    std::set<int> ids;
-    for (const MarkerDetection& detection : result.detections) {
-      if (detection.accepted) ids.insert(detection.id);
-    }
-    return ids;
-  }
-
-  void expectTruth(const FrameResult& result) const {
-    ASSERT_TRUE(result.map_from_base) << result.remark;
-    EXPECT_LT(test::positionError(result.map_from_base->pose, truth_), 2e-3);
-    EXPECT_NEAR(result.map_from_base->pose.yaw, truth_.yaw, 5e-4);
-  }
-
-  std::shared_ptr<const CameraModel> model_ = test::equirectangularCamera();
-  MountedCamera camera_{model_, mounting()};
-  MarkerMap map_{"map", test::roomMarkers()};
-  Pose truth_{0.25, 0.22, 0.5};
 };
 
 TEST_F(PanoramaTest, TracksAllAround) {

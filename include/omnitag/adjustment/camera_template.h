@@ -26,6 +26,9 @@ struct CalibrationParameter {
   double tolerable = 1.0;
 };
 
+/// The values of parameters, in their order.
+Eigen::VectorXd valuesOf(const std::vector<CalibrationParameter>& parameters);
+
 /// A camera file whose numbers may be replaced. What is optimized is therefore always what can be
 /// written, read again and used.
 ///

@@ -6,7 +6,7 @@ from typing import List, NamedTuple, Sequence, Tuple
 from matplotlib.figure import Figure
 
 from omnitag.marker_map import Marker, MarkerMap
-from omnitag.printing.paper import MARGIN, MM_PER_INCH, points
+from omnitag.printing.paper import MARGIN, blank_page, points
 
 ROW = 7.0  # mm
 HEAD = 22.0  # mm
@@ -58,10 +58,7 @@ def _facing(marker: Marker) -> str:
 def draw_checklist(part: Part, paper: Tuple[float, float]) -> Figure:
     """One of its pages."""
     width, height = paper
-    figure = Figure(figsize=(width / MM_PER_INCH, height / MM_PER_INCH))
-    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    axes.set(xlim=(0.0, width), ylim=(0.0, height))
-    axes.set_axis_off()
+    figure, axes = blank_page(paper)
     left, right = MARGIN, width - MARGIN
     # Where columns begin, as shares of the width.
     columns = [left + share * (right - left)

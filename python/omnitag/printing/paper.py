@@ -1,6 +1,9 @@
-"""Sizes of paper."""
+"""Sizes of paper, and blank pages."""
 
 from typing import Dict, Tuple
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from omnitag.command_line import InputError
 
@@ -34,6 +37,16 @@ def page_size(least: Tuple[float, float], paper: str, what: str) -> Tuple[float,
         "{} needs {:.0f} x {:.0f} mm of paper, {} has {:g} x {:g}; the smallest paper that fits is "
         "{}, and --poster cuts it over several sheets".format(what, *least, paper, *PAPERS[paper],
                                                               enough))
+
+
+def blank_page(size: Tuple[float, float]) -> Tuple[Figure, Axes]:
+    """A page of that width and height, and its axes, in millimetres from its lower left."""
+    width, height = size
+    figure = Figure(figsize=(width / MM_PER_INCH, height / MM_PER_INCH))
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    axes.set(xlim=(0.0, width), ylim=(0.0, height))
+    axes.set_axis_off()
+    return figure, axes
 
 
 def points(millimetres: float) -> float:

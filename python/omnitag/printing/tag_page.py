@@ -10,7 +10,7 @@ from matplotlib.patches import PathPatch, Rectangle
 from matplotlib.path import Path
 
 from omnitag.marker_map import Marker
-from omnitag.printing.paper import MARGIN, MM_PER_INCH, points
+from omnitag.printing.paper import MARGIN, blank_page, points
 from omnitag.tag_bitmap import TagBitmap, tag_bitmap
 
 CAPTION_HEIGHT = 42.0  # mm, below the cut line
@@ -66,11 +66,7 @@ def sheets(markers: Tuple[Marker, ...]) -> List[Sheet]:
 
 def draw_page(sheet: Sheet, size: Tuple[float, float]) -> Figure:
     """The page as a figure whose data coordinates are millimetres from its lower left."""
-    width, height = size
-    figure = Figure(figsize=(width / MM_PER_INCH, height / MM_PER_INCH))
-    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    axes.set(xlim=(0.0, width), ylim=(0.0, height))
-    axes.set_axis_off()
+    figure, axes = blank_page(size)
     draw_on(axes, sheet, size)
     return figure
 

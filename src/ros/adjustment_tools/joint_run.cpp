@@ -75,7 +75,7 @@ class JointRun {
     rough.is_rough = true;
     if (request_.estimates_times) rough.max_residual = kMaxRollingResidual;
     const std::string& origin = request_.guess.origin();
-    const auto camera = request_.guess.camera(guessedValues());
+    const auto camera = request_.guess.camera(valuesOf(request_.guess.parameters()));
     const auto frames = drive_.read(camera, origin, "images, with the guess");
     for (const Marker& marker : map_.markers) {
       config_.priors.emplace_back(PlacePrior::surveyed(marker));
@@ -85,14 +85,6 @@ class JointRun {
     rough.constraints = config_.constraints;
     result_.camera = calibrateCamera(request_.guess, map_, frames, rough, StepLog());
     takeMap();
-  }
-
-  Eigen::VectorXd guessedValues() const {
-    const auto& parameters = request_.guess.parameters();
-    Eigen::VectorXd values(static_cast<Eigen::Index>(parameters.size()));
-    std::transform(parameters.begin(), parameters.end(), values.data(),
-                   [](const CalibrationParameter& parameter) { return parameter.value; });
-    return values;
   }
 
   bool hasUnknown(const std::vector<FrameReadings>& frames) const {
