@@ -23,7 +23,6 @@ if(POLICY CMP0167)
   cmake_policy(SET CMP0167 NEW)  # Boost's own CMake package: CMake has no other for it any more
 endif()
 find_package(Boost REQUIRED COMPONENTS program_options)
-find_package(OpenCV REQUIRED COMPONENTS core imgcodecs imgproc)
 
 catkin_python_setup()
 

@@ -27,7 +27,7 @@ BundleProblem::BundleProblem(const Bundle& bundle, const BundleConfig& config)
     : bundle_(bundle),
       config_(config),
       cameras_(*bundle.model, bundle.values, config.free),
-      offsets_(config.free.size(), 0.0),
+      offsets_(Eigen::VectorXd::Zero(cameras_.size())),
       problem_(notOwning()) {
   poses_.reserve(bundle.frames.size());
   for (const Bundle::Frame& frame : bundle.frames) poses_.push_back(blockOf(frame.map_from_base));
@@ -68,7 +68,7 @@ void BundleProblem::addObservations() {
     MarkerBlocks& marker = markers_[observation.landmark];
     std::vector<double*> blocks = {poses_[observation.frame].data(), marker.increment.data(),
                                    &marker.size};
-    if (!offsets_.empty()) blocks.push_back(offsets_.data());
+    if (offsets_.size() > 0) blocks.push_back(offsets_.data());
     observations_.push_back(add(
         std::make_unique<MarkerCost>(&cameras_, bundle_.frames[observation.frame].base_from_camera,
                                      marker.about, observation, config_.noise),
@@ -113,9 +113,9 @@ void BundleProblem::addPriorsOfPoses() {
 }
 
 void BundleProblem::addPriorOfCamera() {
-  if (offsets_.empty()) return;
+  if (offsets_.size() == 0) return;
   std::vector<KnownNumbersCost::Known> guess;
-  for (std::size_t i = 0; i < offsets_.size(); ++i) {
+  for (std::size_t i = 0; i < config_.free.size(); ++i) {
     const Eigen::Index index = config_.free[i];
     const CalibrationParameter& parameter =
         bundle_.model->parameters()[static_cast<std::size_t>(index)];
@@ -172,7 +172,7 @@ std::vector<double*> BundleProblem::independentPoses() {
 }
 
 void BundleProblem::store(Bundle* bundle) const {
-  bundle->values = cameras_.valuesAt(offsets_.data());
+  bundle->values = cameras_.valuesAt(offsets_);
   for (std::size_t i = 0; i < poses_.size(); ++i) {
     bundle->frames[i].map_from_base = poseOfBlock(poses_[i].data());
   }

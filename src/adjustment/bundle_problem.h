@@ -29,7 +29,7 @@ class BundleProblem {
     return estimated(markers_[landmark].increment.data());
   }
   double* sizeBlock(std::size_t landmark) { return estimated(&markers_[landmark].size); }
-  double* cameraBlock() { return offsets_.empty() ? nullptr : estimated(offsets_.data()); }
+  double* cameraBlock() { return offsets_.size() == 0 ? nullptr : estimated(offsets_.data()); }
 
   /// Of the bundle's observations, in their order.
   const std::vector<ceres::ResidualBlockId>& observationTerms() const { return observations_; }
@@ -61,7 +61,7 @@ class BundleProblem {
   const Bundle& bundle_;
   const BundleConfig& config_;
   PerturbedCameras cameras_;
-  std::vector<double> offsets_;
+  Eigen::VectorXd offsets_;
   std::vector<SixBlock> poses_;
   std::vector<MarkerBlocks> markers_;
   std::vector<std::unique_ptr<ceres::CostFunction>> costs_;

@@ -106,7 +106,7 @@ CalibrationResult resultOf(const CalibrationOutcome& outcome, const ResidualSumm
   for (std::size_t i = 0; i < counts.size(); ++i) {
     result.markers += counts[i] > 0 ? 1 : 0;
     result.markers_found.push_back(bundle.landmarks[i].marker);
-    result.marker_covariances.push_back(alikeFactor(counts[i]) * all.landmarks_within[i]);
+    result.marker_covariances.emplace_back(alikeFactor(counts[i]) * all.landmarks_within[i]);
   }
   result.placement = all.placement;
   result.rim_radius = rimOf(model.camera(), result);

@@ -49,6 +49,7 @@ std::optional<Pose> motionBetween(const RecordedFrame& before, const RecordedFra
 std::vector<PlaceConstraint> constraintsOf(const std::vector<Bundle::Landmark>& landmarks,
                                            const std::vector<MapConstraint>& constraints) {
   std::vector<Marker> markers;
+  markers.reserve(landmarks.size());
   for (const Bundle::Landmark& landmark : landmarks) markers.push_back(landmark.marker);
   std::vector<PlaceConstraint> placed;
   for (const MapConstraint& constraint : constraints) {

@@ -24,10 +24,11 @@ PerturbedCameras::PerturbedCameras(const CalibrationModel& model, Eigen::VectorX
                                    std::vector<Eigen::Index> free)
     : model_(model), start_(std::move(start)), free_(std::move(free)) {}
 
-Eigen::VectorXd PerturbedCameras::valuesAt(const double* offsets) const {
+Eigen::VectorXd PerturbedCameras::valuesAt(const Eigen::VectorXd& offsets) const {
   Eigen::VectorXd values = start_;
-  for (std::size_t i = 0; i < free_.size(); ++i) {
-    values(free_[i]) += offsets[i] * model_.parameters()[static_cast<std::size_t>(free_[i])].scale;
+  for (Eigen::Index i = 0; i < size(); ++i) {
+    const Eigen::Index index = free_[static_cast<std::size_t>(i)];
+    values(index) += offsets(i) * model_.parameters()[static_cast<std::size_t>(index)].scale;
   }
   return values;
 }
@@ -39,7 +40,7 @@ bool PerturbedCameras::moveTo(const double* offsets, bool with_derivatives) {
   const bool is_there = middle_ && offsets_ == wanted;
   if (is_there && (!with_derivatives || pairs_.size() == free_.size())) return true;
 
-  const Eigen::VectorXd values = valuesAt(offsets);
+  const Eigen::VectorXd values = valuesAt(wanted);
   if (!values.allFinite()) return false;
   if (!is_there) {
     pairs_.clear();

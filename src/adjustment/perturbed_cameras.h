@@ -31,7 +31,7 @@ class PerturbedCameras {
   Eigen::Index size() const { return static_cast<Eigen::Index>(free_.size()); }
 
   /// The values of all parameters where the free ones are `offsets` scales off the start.
-  Eigen::VectorXd valuesAt(const double* offsets) const;
+  Eigen::VectorXd valuesAt(const Eigen::VectorXd& offsets) const;
 
   /// Makes what projection needs. False where these offsets make no camera.
   bool moveTo(const double* offsets, bool with_derivatives);

@@ -4,10 +4,15 @@ them saw; and simulated time that is taken back."""
 
 import csv
 import os
+import queue
 import signal
 import subprocess
 import sys
+import threading
+import time
 import unittest
+from xmlrpc.client import ServerProxy
+from xmlrpc.server import SimpleXMLRPCServer
 
 import numpy as np
 import rosgraph
@@ -33,6 +38,38 @@ def rows_of(path):
         return []
     with open(path, encoding="utf-8") as file:
         return list(csv.DictReader(line for line in file if line.endswith("\n")))
+
+
+class InterruptingMaster:
+    """Passes calls on to the master, and interrupts the caller in the midst of one."""
+
+    def __init__(self, method):
+        self.method = method
+        self.node = queue.Queue()
+        self.server = SimpleXMLRPCServer(("localhost", 0), logRequests=False, allow_none=True)
+        self.server.register_instance(self)
+        self.uri = "http://localhost:{}/".format(self.server.server_address[1])
+        self.thread = threading.Thread(target=self.server.serve_forever)
+
+    def __enter__(self):
+        self.thread.start()
+        return self
+
+    def __exit__(self, *_):
+        self.server.shutdown()
+        self.thread.join()
+        self.server.server_close()
+
+    def interrupt(self, node):
+        self.node.put(node)
+
+    def _dispatch(self, method, arguments):
+        if method == self.method and self.node is not None:
+            self.node.get().send_signal(signal.SIGINT)
+            self.node = None
+            time.sleep(0.3)  # So that it is there before the answer.
+        with ServerProxy(rosgraph.get_master_uri()) as master:
+            return getattr(master, method)(*arguments)
 
 
 class SideBySideTest(unittest.TestCase):
@@ -84,15 +121,29 @@ class SideBySideTest(unittest.TestCase):
                             0.002)
 
     def test_2_simulated_time_is_taken_back(self):
+        node = self.start_take_back(rosgraph.get_master_uri())
+        self.assertTrue(wait_until(lambda: "/front/take_back_sim_time" in rosnode.get_node_names()))
+        node.send_signal(signal.SIGINT)
+        self.check_time_is_taken_back(node)
+
+    def test_3_simulated_time_is_taken_back_by_a_node_that_hardly_started(self):
+        with InterruptingMaster("getParam") as master:
+            node = self.start_take_back(master.uri)
+            master.interrupt(node)
+            self.check_time_is_taken_back(node)
+
+    def start_take_back(self, master_uri):
         rospy.set_param("/use_sim_time", True)
         self.addCleanup(lambda: rospy.has_param("/use_sim_time") and
                         rospy.delete_param("/use_sim_time"))
         node = subprocess.Popen(["rosrun", "omnitag", "take_back_sim_time"],
-                                stdout=subprocess.PIPE, universal_newlines=True)
+                                stdout=subprocess.PIPE, universal_newlines=True,
+                                env=dict(os.environ, ROS_MASTER_URI=master_uri))
         self.addCleanup(node.wait)
-        self.addCleanup(node.terminate)
-        self.assertTrue(wait_until(lambda: "/front/take_back_sim_time" in rosnode.get_node_names()))
-        node.send_signal(signal.SIGINT)
+        self.addCleanup(node.kill)
+        return node
+
+    def check_time_is_taken_back(self, node):
         said, _ = node.communicate(timeout=30)
         self.assertIn("/use_sim_time is deleted", said)
         self.assertFalse(rospy.has_param("/use_sim_time"))
