@@ -1,7 +1,5 @@
 #include "omnitag/adjustment/marker_estimate.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <memory>
 
 #include "omnitag/common/angle.h"
+#include "omnitag/common/symmetric_matrix.h"
 
 namespace omnitag {
 namespace {
@@ -67,7 +66,7 @@ class Problem {
       const Weight covariance =
           corner_noise_ * corner_noise_ * Weight::Identity() +
           projection->by_pose * pose.covariance * projection->by_pose.transpose();
-      weights_[i] = covariance.inverse();
+      weights_[i] = inverseOf(covariance);
     }
   }
 
@@ -108,7 +107,7 @@ class Problem {
     for (int i = 0; i < kMaxIterations; ++i) {
       Information damped = linear.information;
       damped.diagonal() *= 1.0 + damping;
-      const Step step = -damped.ldlt().solve(linear.gradient);
+      const Step step = -solved(damped, linear.gradient);
       if (!step.allFinite()) return std::nullopt;
       const Marker candidate = changed(marker, step);
       const bool is_possible = candidate.size > 0.0 && step.tail<4>().norm() < kPi;
@@ -147,8 +146,7 @@ class Problem {
 };
 
 double largestDeviation(const Eigen::Matrix3d& covariance) {
-  return std::sqrt(
-      std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues()(2)));
+  return std::sqrt(std::max(0.0, eigenPairs(covariance).values(2)));
 }
 
 bool isSamePlace(const Marker& a, const Marker& b) {
@@ -309,15 +307,13 @@ std::optional<MarkerEstimate> estimateMarker(const Marker& marker,
   if (!best) return std::nullopt;
 
   const Linearization linear = problem.linearize(*best, false);
-  const Eigen::SelfAdjointEigenSolver<Information> eigen(linear.information);
   constexpr double kSmallestEigenvalue = 1e-12;
-  if (!(eigen.eigenvalues()(0) > kSmallestEigenvalue * eigen.eigenvalues()(6))) {
-    return std::nullopt;
-  }
+  const SmallVector eigenvalues = eigenPairs(linear.information).values;
+  if (!(eigenvalues(0) > kSmallestEigenvalue * eigenvalues(6))) return std::nullopt;
   const double freedom =
       8.0 * static_cast<double>(sightings.size()) - static_cast<double>(problem.unknowns());
   const double factor = std::max(1.0, linear.weighted_squares / std::max(freedom, 1.0));
-  const Information covariance = factor * linear.information.inverse();
+  const Information covariance = factor * inverseOf(linear.information);
   MarkerEstimate estimate;
   estimate.marker = *best;
   estimate.covariance = covariance.topLeftCorner<6, 6>();

@@ -1,12 +1,12 @@
 #include "omnitag/adjustment/place_constraint.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
 #include "omnitag/common/format.h"
+#include "omnitag/common/symmetric_matrix.h"
 
 namespace omnitag {
 namespace {
@@ -84,7 +84,7 @@ Eigen::Vector3d normalOfPlane(const std::vector<Eigen::Isometry3d>& places) {
     const Eigen::Vector3d off = place.translation() - middle;
     scatter += off * off.transpose();
   }
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(0);
+  return eigenPairs(scatter).vectors.col(0);
 }
 
 Eigen::VectorXd errorsOf(const PlaceConstraint& constraint,

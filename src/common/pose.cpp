@@ -1,10 +1,10 @@
 #include "omnitag/common/pose.h"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 
 #include "omnitag/common/angle.h"
 #include "omnitag/common/rotation.h"
+#include "omnitag/common/symmetric_matrix.h"
 
 namespace omnitag {
 namespace {
@@ -122,7 +122,7 @@ bool agree(const PoseEstimate& a, const PoseEstimate& b) {
   constexpr double kLimit = 22.46;
   const PoseVector apart = difference(a.pose, b.pose);
   const PoseMatrix covariance = a.covariance + b.covariance;
-  return apart.dot(covariance.ldlt().solve(apart)) <= kLimit;
+  return mahalanobisSquare(apart, covariance) <= kLimit;
 }
 
 }  // namespace omnitag

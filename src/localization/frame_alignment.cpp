@@ -1,4 +1,3 @@
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cstddef>
 #include <optional>
@@ -6,6 +5,7 @@
 #include <vector>
 
 #include "frame_tracker.h"
+#include "omnitag/common/symmetric_matrix.h"
 #include "omnitag/measurement/consensus.h"
 
 namespace omnitag {
@@ -39,8 +39,9 @@ PosePrior FrameTracker::afterPush(const PoseEstimate& alone) const {
   PoseVector apart = prior_.errorOf(alone.pose);
   apart.tail(apart.size() - count).setZero();
   const PoseMatrix covariance = prior_.covariance() + alone.covariance;
-  const auto moved = apart.head(count);
-  if (moved.dot(covariance.topLeftCorner(count, count).ldlt().solve(moved)) <= limit) return prior_;
+  if (mahalanobisSquare(apart.head(count), covariance.topLeftCorner(count, count)) <= limit) {
+    return prior_;
+  }
   return prior_.pushed(anyPush(kTimes * translationPart(apart).norm(),
                                kTimes * rotationPart(apart).norm(), poseModel()));
 }

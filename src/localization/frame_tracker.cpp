@@ -1,6 +1,5 @@
 #include "frame_tracker.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,6 +7,7 @@
 
 #include "omnitag/common/parallel.h"
 #include "omnitag/common/stopwatch.h"
+#include "omnitag/common/symmetric_matrix.h"
 #include "omnitag/marker/marker_association.h"
 
 namespace omnitag {
@@ -244,8 +244,7 @@ bool FrameTracker::isSurprising() const {
   if (!solution_ || !has_prior_) return false;
   constexpr double kLimit = 9.0;  // chi-square, 3 degrees of freedom, one of 30
   const Eigen::Vector3d off = difference(solution_->map_from_base.pose, predicted_.pose).head<3>();
-  const Eigen::Matrix3d covariance = floorCovariance(predicted_);
-  return off.dot(covariance.ldlt().solve(off)) > kLimit;
+  return mahalanobisSquare(off, floorCovariance(predicted_)) > kLimit;
 }
 
 bool FrameTracker::isDoubtful() const {

@@ -1,4 +1,3 @@
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <utility>
 
@@ -7,6 +6,7 @@
 #include "frame_steps.h"
 #include "frame_tracker.h"
 #include "omnitag/common/stopwatch.h"
+#include "omnitag/common/symmetric_matrix.h"
 #include "omnitag/localization/localizer.h"
 #include "omnitag/localization/relocalization.h"
 #include "omnitag/localization/reprojection.h"
@@ -205,7 +205,7 @@ bool Localizer::markersAgree(const MountedCamera& camera, const PoseEstimate& pr
   const PoseVector apart = difference(fit->map_from_base.pose, predicted.pose);
   const PoseMatrix covariance =
       predicted.covariance + fit->map_from_base.covariance + kSway * kSway * PoseMatrix::Identity();
-  return apart.dot(covariance.ldlt().solve(apart)) <= kMaxDeviations * kMaxDeviations;
+  return mahalanobisSquare(apart, covariance) <= kMaxDeviations * kMaxDeviations;
 }
 
 bool Localizer::isElsewhere(const TrackingTools& tools, const Frame& frame,

@@ -1,6 +1,5 @@
 #include "omnitag/localization/planar_pose.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -8,6 +7,8 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+
+#include "omnitag/common/symmetric_matrix.h"
 
 namespace omnitag {
 namespace {
@@ -42,9 +43,8 @@ Eigen::Matrix3d homography(double size, const Corners<Eigen::Vector3d>& directio
     equations.block<3, 3>(row, 6) = cross;
     ahead += d;
   }
-  const Eigen::Matrix<double, 9, 9> squares = equations.transpose() * equations;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> eigen(squares);
-  const Eigen::Matrix3d least = Eigen::Map<const Eigen::Matrix3d>(eigen.eigenvectors().data());
+  const EigenPairs squares = eigenPairs(equations.transpose() * equations);
+  const Eigen::Matrix3d least = Eigen::Map<const Eigen::Matrix3d>(squares.vectors.data());
   return least.col(2).dot(ahead) < 0.0 ? -least : least;
 }
 

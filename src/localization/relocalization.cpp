@@ -1,11 +1,11 @@
 #include "omnitag/localization/relocalization.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include "omnitag/common/symmetric_matrix.h"
 #include "pose_hypotheses.h"
 
 namespace omnitag {
@@ -88,9 +88,9 @@ PoseEstimate spread(const PoseHypothesis& hypothesis, const RelocalizationProble
   const MarkerObservation observation = problem.observation(reading, *hypothesis.entries[reading]);
   const double times = unnoticed(problem);
   PoseEstimate estimate = poseOf(hypothesis, problem, times);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(floorCovariance(estimate));
-  const Eigen::Vector3d axis = eigen.eigenvectors().col(2);
-  const double deviation = std::sqrt(eigen.eigenvalues()(2));
+  const EigenPairs spread = eigenPairs(floorCovariance(estimate));
+  const Eigen::Vector3d axis = spread.vectors.col(2);
+  const double deviation = std::sqrt(spread.values(2));
 
   double reach = kDeviations * deviation;
   for (const double side : {-1.0, 1.0}) {

@@ -1,13 +1,12 @@
 #include "omnitag/localization/reprojection.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
+#include "omnitag/common/symmetric_matrix.h"
 #include "omnitag/measurement/frame_equations.h"
 #include "omnitag/measurement/marker_misplacement.h"
 
@@ -260,8 +259,8 @@ bool isDetermined(const PoseEstimate& estimate) {
   constexpr double kSmallestRatio = 1e-9;
   const Eigen::Matrix3d covariance = floorCovariance(estimate);
   if (!covariance.allFinite()) return false;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance);
-  return eigen.eigenvalues()(0) > kSmallestRatio * eigen.eigenvalues()(2);
+  const SmallVector values = eigenPairs(covariance).values;
+  return values(0) > kSmallestRatio * values(2);
 }
 
 }  // namespace

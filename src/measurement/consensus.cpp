@@ -1,10 +1,11 @@
 #include "omnitag/measurement/consensus.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cstddef>
 #include <limits>
 #include <utility>
+
+#include "omnitag/common/symmetric_matrix.h"
 
 namespace omnitag {
 namespace {
@@ -103,12 +104,10 @@ std::optional<PoseEstimate> poseOf(const Markers& markers, const std::vector<boo
                                    const PosePrior& prior, const Pose& pose,
                                    const ImagingError& error) {
   const FrameEquations all = sumOf(markers, which, prior, pose, error);
-  const Eigen::LLT<FrameMatrix> factors(all.information);
-  if (factors.info() != Eigen::Success) return std::nullopt;
-  const FrameVector change = factors.solve(all.gradient);
-  if (!change.allFinite()) return std::nullopt;
-  const FrameMatrix covariance = factors.solve(FrameMatrix::Identity());
-  return PoseEstimate{moved(pose, change.head<6>()), covariance.topLeftCorner<6, 6>()};
+  const auto change = solutionOf(all);
+  if (!change) return std::nullopt;
+  return PoseEstimate{moved(pose, change->head<6>()),
+                      inverseOf(all.information).topLeftCorner<6, 6>()};
 }
 
 }  // namespace omnitag

@@ -4,6 +4,8 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "omnitag/common/symmetric_matrix.h"
+
 namespace omnitag {
 namespace {
 
@@ -64,7 +66,7 @@ int possibleErrors(const ImagingError& error) {
 double chiSquareOf(const FrameEquations& marker, const PoseMatrix& scale,
                    const FrameVector& change) {
   const PoseVector gradient = (marker.gradient - marker.information * change).head<6>();
-  return gradient.dot(scale.ldlt().solve(gradient));
+  return mahalanobisSquare(gradient, scale);
 }
 
 double chiSquareOf(const FrameEquations& marker, const FrameVector& change) {
@@ -83,7 +85,7 @@ PoseEstimate estimateOf(const FrameEquations& markers, const PosePrior& prior, c
   FrameMatrix information = markers.information;
   information.topLeftCorner<6, 6>() += prior.information;
   information.diagonal().tail<kImagingUnknowns>().array() += 1.0;
-  const PoseRows gain = information.llt().solve(FrameMatrix::Identity()).topRows<6>();
+  const PoseRows gain = inverseOf(information).topRows<6>();
   const auto through = [](const auto& rows, const auto& covariance) -> PoseMatrix {
     return rows * covariance * rows.transpose();
   };

@@ -1,7 +1,8 @@
 #include "omnitag/measurement/pose_prior.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
+
+#include "omnitag/common/symmetric_matrix.h"
 
 namespace omnitag {
 namespace {
@@ -16,7 +17,7 @@ PosePrior PosePrior::about(const PoseEstimate& estimate) {
   prior.pose = estimate.pose;
   PoseMatrix covariance = estimate.covariance;
   covariance.diagonal() = covariance.diagonal().cwiseMax(kExact * kExact).eval();
-  prior.information = covariance.llt().solve(PoseMatrix::Identity());
+  prior.information = inverseOf(covariance);
   prior.shared = estimate.shared;
   prior.knows_place = true;
   return prior;
@@ -49,15 +50,14 @@ PosePrior PosePrior::pushed(const PoseVector& deviations) const {
   return about(estimate);
 }
 
-PoseMatrix PosePrior::covariance() const { return information.llt().solve(PoseMatrix::Identity()); }
+PoseMatrix PosePrior::covariance() const { return inverseOf(information); }
 
 PosePrior PosePrior::withoutPlace() const {
   if (!knows_place) return *this;
   PosePrior prior;
   prior.pose = pose;
   // What the rest is known to without them.
-  prior.information.bottomRightCorner<3, 3>() =
-      covariance().bottomRightCorner<3, 3>().llt().solve(Eigen::Matrix3d::Identity());
+  prior.information.bottomRightCorner<3, 3>() = inverseOf(covariance().bottomRightCorner<3, 3>());
   return prior;
 }
 

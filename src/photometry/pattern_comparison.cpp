@@ -1,11 +1,12 @@
 #include "pattern_comparison.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+
+#include "omnitag/common/symmetric_matrix.h"
 
 namespace omnitag {
 namespace {
@@ -15,12 +16,12 @@ namespace {
 template <int Size>
 Eigen::Matrix<double, Size, Size> normalizing(const Eigen::Matrix<double, Size, Size>& gram) {
   using Vector = Eigen::Matrix<double, Size, 1>;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, Size, Size>> eigen(gram);
+  const auto [values, vectors] = eigenPairs(gram);
   constexpr double kSame = 1e-9;
-  const double least = kSame * eigen.eigenvalues().maxCoeff();
-  const Vector scales = eigen.eigenvalues().unaryExpr(
+  const double least = kSame * values.maxCoeff();
+  const Vector scales = values.unaryExpr(
       [least](double value) { return value > least ? 1.0 / std::sqrt(value) : 0.0; });
-  return scales.asDiagonal() * eigen.eigenvectors().transpose();
+  return scales.asDiagonal() * vectors.transpose();
 }
 
 }  // namespace

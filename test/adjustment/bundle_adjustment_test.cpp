@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "../../src/adjustment/perturbed_cameras.h"
+#include "../support/sweep.h"
 #include "drive.h"
 #include "omnitag/adjustment/observability.h"
 #include "omnitag/camera/camera_file.h"
@@ -167,6 +168,7 @@ TEST_F(BundleAdjustmentTest, FindsBackToTheTruth) {
 }
 
 TEST_F(BundleAdjustmentTest, DeviationsAreThoseOfManyDrives) {
+  if (test::kIsSanitized) GTEST_SKIP() << test::kForStatistics;
   constexpr double kNoise = 0.05;
   constexpr int kDrives = 30;
   const BundleConfig config = freeCamera(kNoise);

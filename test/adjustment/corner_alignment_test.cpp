@@ -8,6 +8,7 @@
 #include "../support/panorama_renderer.h"
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
+#include "../support/sweep.h"
 
 namespace omnitag {
 namespace {
@@ -77,6 +78,7 @@ TEST_F(CornerAlignmentTest, FindsTheCornersFromAPoseThatIsOff) {
 }
 
 TEST_F(CornerAlignmentTest, CovarianceIsThatOfTheErrors) {
+  if (test::kIsSanitized) GTEST_SKIP() << test::kForStatistics;
   constexpr int kPlaces = 60;
   double squares = 0.0;
   for (int i = 0; i < kPlaces; ++i) {

@@ -6,6 +6,7 @@
 #include <random>
 #include <string>
 
+#include "../support/sweep.h"
 #include "drive.h"
 #include "omnitag/adjustment/timed_calibration.h"
 #include "omnitag/camera/camera_file.h"
@@ -66,6 +67,7 @@ TEST_F(TimeCalibrationTest, RecoversOffsetAndReadout) {
 }
 
 TEST_F(TimeCalibrationTest, SaysHowExactItIs) {
+  if (test::kIsSanitized) GTEST_SKIP() << test::kForStatistics;
   const ShutterConfig shutter{0.02, 5e-5, 0.0};
   constexpr int kDrives = 20;
   double offsets = 0.0;

@@ -9,6 +9,7 @@
 #include "../support/panorama_renderer.h"
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
+#include "../support/sweep.h"
 #include "omnitag/localization/localizer.h"
 
 namespace omnitag {
@@ -117,6 +118,10 @@ TEST_F(MeasuredPoseTest, IsNotTheOtherPoseThatASingleMarkerLeaves) {
 /// Drives of two stretches in which markers are in sight, each before one in which they are not.
 class FilteredPoseTest : public testing::Test {
  protected:
+  void SetUp() override {
+    if (test::kIsSanitized) GTEST_SKIP() << test::kForStatistics;
+  }
+
   static constexpr unsigned kDrives = 16;
   const std::vector<std::size_t> last_seen_{7, 23};
   const std::vector<std::size_t> last_hidden_{15, 31};
@@ -126,14 +131,19 @@ class FilteredPoseTest : public testing::Test {
                   const std::vector<std::size_t>& frames = {}) const {
     std::vector<double> all;
     for (unsigned seed = 1; seed <= kDrives; ++seed) {
-      const std::vector<double> nees = drive_.nees(input, map_deviation, seed);
+      const std::vector<double> nees = drive().nees(input, map_deviation, seed);
       if (frames.empty()) all.insert(all.end(), nees.begin(), nees.end());
       for (const std::size_t frame : frames) all.push_back(nees.at(frame));
     }
     return mean(all);
   }
 
-  test::FilteredDrive drive_{32};
+ private:
+  /// All tests share its images.
+  static const test::FilteredDrive& drive() {
+    static const test::FilteredDrive drive(32);
+    return drive;
+  }
 };
 
 // If all frames of a drive erred as one, 16 drives would have 48 degrees of freedom, and the mean
