@@ -3,7 +3,7 @@
 
 What clang-tidy takes goes into the headers of other libraries, which a unit reads once for all of its
 sources. Reads a compile_commands.json, and writes into a folder the units and a compile_commands.json
-of them. A unit holds sources of one folder, and none two that define the same name for themselves.
+of them. A unit holds sources of one folder, and no two that define the same name for themselves.
 """
 
 import argparse
@@ -50,26 +50,25 @@ def own_names(source: str) -> Set[str]:
 def units_of(sources: List[Path], public: Set[str]) -> List[List[Path]]:
     """Shares sources of one folder out among as few units as their number and names allow.
 
-    One with a name for itself that is also public is alone: it would hide that from the others.
+    A name for itself that is also public hides that from all that follow in the unit: such a source
+    comes late, and none after it that uses the public one.
     """
+    texts = {source: source.read_text(encoding="utf-8") for source in sources}
+    own = {source: own_names(text) for source, text in texts.items()}
     units: List[List[Path]] = [[] for _ in range(-(-len(sources) // LARGEST_UNIT))]
-    names: List[Set[str]] = [set() for _ in units]
-    alone = []
-    for source in sources:
-        own = own_names(source.read_text(encoding="utf-8"))
-        if own & public:
-            alone.append([source])
-            continue
+    taken: List[Set[str]] = [set() for _ in units]
+    for source in sorted(sources, key=lambda source: len(own[source] & public)):
+        words = own[source] | set(re.findall(r"\w+", texts[source])) & public
         for index in sorted(range(len(units)), key=lambda i: len(units[i])):
-            if not own & names[index]:
+            if not words & taken[index]:
                 break
         else:
             index = len(units)
             units.append([])
-            names.append(set())
+            taken.append(set())
         units[index].append(source)
-        names[index] |= own
-    return [unit for unit in units if unit] + alone
+        taken[index] |= own[source]
+    return [unit for unit in units if unit]
 
 
 def main() -> None:

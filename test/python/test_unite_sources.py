@@ -66,13 +66,16 @@ class UniteSources(unittest.TestCase):
             units = self.units({"a/1.cpp": source(first), "a/2.cpp": source(second)})
             self.assertEqual(units, [["a/1.cpp"], ["a/2.cpp"]], first)
 
-    def test_what_hides_a_public_name_is_alone(self):
+    def test_what_hides_a_public_name_hides_it_from_nobody_that_uses_it(self):
         header = "namespace omnitag {\n\nstruct Public {\n  int member;\n};\n\nint offered(int a);\n\n}\n"
-        units = self.units({"a/1.cpp": source("struct Public {\n  int b;\n};"),
-                            "a/2.cpp": source("int offered(double a) {\n}"),
-                            "a/3.cpp": source("int member() {\n}"), "a/4.cpp": source(""),
+        hides_function = source("int offered(double a) {\n}")
+        units = self.units({"a/1.cpp": source("struct Public {\n  int b;\n};"), "a/2.cpp": hides_function,
+                            "a/3.cpp": source("int b(Public a) {\n  return offered(a.member);\n}"),
                             "b/public.h": header})
-        self.assertEqual(sorted(units), [["a/1.cpp"], ["a/2.cpp"], ["a/3.cpp", "a/4.cpp"]])
+        self.assertEqual(units, [["a/3.cpp", "a/1.cpp", "a/2.cpp"]])
+        units = self.units({"a/1.cpp": hides_function,
+                            "a/2.cpp": source("using Public = int;\nint a = offered(1);")})
+        self.assertEqual(units, [["a/1.cpp"], ["a/2.cpp"]])
 
     def test_programs_are_apart(self):
         units = self.units({"a/1.cpp": "int main() {\n}\n", "a/2.cpp": "int main(int argc) {\n}\n"})
