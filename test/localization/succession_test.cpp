@@ -7,6 +7,7 @@
 #include "../support/panorama_renderer.h"
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
+#include "../support/sweep.h"
 #include "omnitag/localization/localizer.h"
 
 namespace omnitag {
