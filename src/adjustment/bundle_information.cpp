@@ -193,7 +193,7 @@ void addLandmarks(const Bundle& bundle, const Linearization& linear,
 }  // namespace
 
 double alikeFactor(std::size_t readings) {
-  // So many readings have as much of that as of noise.
+  // With this many readings, that is as large as the noise.
   constexpr double kAlike = 20.0;
   return 1.0 + static_cast<double>(readings) / kAlike;
 }

@@ -9,7 +9,7 @@
 namespace omnitag {
 namespace {
 
-/// By so many scales a guess of the camera may be off, as a standard deviation.
+/// By this many scales a guess of the camera may be off (standard deviation).
 constexpr double kScalesOfGuess = 4.0;
 /// m and rad: nothing beside a bundle's other numbers is known as exactly, which is as good as
 /// holding it.

@@ -10,7 +10,7 @@
 /// Numbers and words about a calibration.
 namespace omnitag {
 
-/// A number with so many decimals, or so many significant digits.
+/// A number with this many decimals, or this many significant digits.
 std::string decimals(double number, int count);
 std::string significant(double number, int count);
 

@@ -10,7 +10,7 @@
 
 namespace omnitag {
 
-/// What a calibration has come to, with the indices of parameters as the model has them.
+/// The result of a calibration, with the indices of parameters as in the model.
 struct CalibrationOutcome {
   const CameraFit& fit;
   std::vector<Eigen::Index> observed;

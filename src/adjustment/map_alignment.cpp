@@ -60,7 +60,7 @@ double independentShare(const std::vector<Eigen::Vector2d>& errors) {
   return (1.0 - correlation) / (1.0 + correlation);
 }
 
-/// Of the fit about the middle of so many points, whose errors have these variances.
+/// Of the fit about the middle of this many points, whose errors have these variances.
 Eigen::Matrix3d covarianceOf(const std::vector<PosePair>& pairs, const std::vector<bool>& agrees,
                              double position_variance, double heading_variance) {
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();

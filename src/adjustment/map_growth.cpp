@@ -124,7 +124,7 @@ bool isSure(const MarkerEstimate& estimate, const MapBuilderConfig& config) {
          estimate.orientationDeviation() <= kSlack * config.max_orientation_deviation;
 }
 
-/// At most so many of the readings, evenly spread.
+/// At most this many of the readings, evenly spread.
 std::vector<ReadingPlace> evenly(const std::vector<ReadingPlace>& readings, std::size_t at_most) {
   const std::size_t every = (readings.size() + at_most - 1) / at_most;
   std::vector<ReadingPlace> some;
@@ -132,7 +132,7 @@ std::vector<ReadingPlace> evenly(const std::vector<ReadingPlace>& readings, std:
   return some;
 }
 
-/// Places markers that enough frames show, and those anew that were taken for the mirror image of
+/// Places markers that enough frames show, and again those that were taken for the mirror image of
 /// what they are. Returns how many were placed that had no place.
 std::size_t placeMarkers(Recording* recording, const MapBuilderConfig& config) {
   std::size_t count = 0;

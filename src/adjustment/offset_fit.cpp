@@ -47,7 +47,7 @@ struct Motion {
   Eigen::Vector2d squares;
 };
 
-/// The same as odometry has it at an offset.
+/// The same by odometry, at an offset.
 struct Comparison {
   const Motion* motion;
   /// Odometry's less the images', and its derivative by the offset.

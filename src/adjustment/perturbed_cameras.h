@@ -20,7 +20,7 @@ struct PixelDerivatives {
 };
 
 /// A camera and, for its derivatives, those with one parameter a little larger or smaller. All
-/// corners of an iteration share them: they are made anew only for new values.
+/// corners of an iteration share them: they are remade only for new values.
 class PerturbedCameras {
  public:
   /// `free`: indices of the parameters that vary; the others keep those of `start`. Keeps a

@@ -21,14 +21,14 @@ class Writer {
 
   const std::string& model() const { return model_; }
 
-  /// A number of the lens as the file has it, so that no digit is lost or made up.
+  /// A number of the lens as in the file, so that no digit is lost or made up.
   std::string lens(const std::string& key) const {
     return file_.mapping("lens").has(key) ? file_.mapping("lens").text(key) : "0";
   }
   std::string image(const std::string& key) const { return file_.mapping("image").text(key); }
   std::string number(const std::string& key) const { return file_.text(key); }
 
-  /// At least so many coefficients, with zeros at the end, joined by commas.
+  /// At least this many coefficients, with zeros at the end, joined by commas.
   std::string distortion(std::size_t count) const {
     std::vector<std::string> numbers;
     if (file_.has("distortion")) numbers = file_.texts("distortion");

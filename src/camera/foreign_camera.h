@@ -13,7 +13,7 @@
 /// throw InputError with one line that names file, line and key.
 namespace omnitag {
 
-/// A lens as all of these tools have it; pixels.
+/// A lens as all of these tools describe it; pixels.
 struct Intrinsics {
   ImageSize size;
   double fx = 0.0;
@@ -30,7 +30,7 @@ YAML::Node describedCamera(const std::string& model, const Intrinsics& intrinsic
 YAML::Node describedCamera(const std::string& model, const Intrinsics& intrinsics,
                            const std::vector<double>& distortion);
 
-/// OpenCV's coefficients of an ordinary lens, under `key`, as a pinhole camera has them: k1, k2,
+/// OpenCV's coefficients of an ordinary lens, under `key`, as for a pinhole camera: k1, k2,
 /// p1, p2 and k3. There may be more, as of its rational model, where those are 0, or none.
 std::vector<double> pinholeDistortion(const YamlReader& file, const std::string& key,
                                       std::vector<double> coefficients);

@@ -25,7 +25,7 @@ struct Account {
 /// What is known of a frame before it is looked at.
 FrameResult emptyResult(const Frame& frame, const LocalizerConfig& config);
 
-/// What a robot may have gone through that is not where `account` has it but at `pose`: that
+/// What a robot may have gone through that is not where `account` puts it but at `pose`: that
 /// something carried it there, and that it was elsewhere all along. The account's markers then hang
 /// elsewhere. `before`: the account's hypothesis without the frame.
 std::vector<Hypothesis> childrenAt(const Pose& pose, const Frame& frame,
@@ -36,7 +36,7 @@ std::vector<Hypothesis> childrenAt(const Pose& pose, const Frame& frame,
 std::vector<Account> accountsOf(std::vector<Hypothesis> children, const PoseEstimate& pose,
                                 FrameResult result, const Frame& frame);
 
-/// The account of a robot that is where it was expected, although its markers have it elsewhere.
+/// The account of a robot that is where it was expected, although its markers put it elsewhere.
 Account stayingAt(const PoseEstimate& predicted, const FrameResult& found, Account account);
 
 /// A detection of the map as it is remembered from a pose.

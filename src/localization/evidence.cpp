@@ -96,7 +96,7 @@ double Evidence::logOfMissed(const std::vector<std::size_t>& entries,
 }
 
 double deviationsOfStart(const PosePrior& start, const Eigen::Isometry3d& motion) {
-  // How the robot leans is told anew by each image.
+  // Each image tells afresh how the robot leans.
   const PoseVector any_lean =
       poseVector(Eigen::Vector3d(0.0, 0.0, 1.0), Eigen::Vector3d(1.0, 1.0, 0.0));
   const PosePrior loose = start.pushed(any_lean);

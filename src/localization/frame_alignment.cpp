@@ -47,7 +47,8 @@ PosePrior FrameTracker::afterPush(const PoseEstimate& alone) const {
 }
 
 void FrameTracker::align() {
-  // Those that are off by their corners or their pixels are left out, and the rest is aligned anew.
+  // Those that are off by their corners or their pixels are left out, and the rest is aligned
+  // again.
   constexpr int kRounds = 3;
   const std::size_t all = usedEntries().size();
   for (int round = 0; round < kRounds && solution_; ++round) {

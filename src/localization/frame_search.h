@@ -26,7 +26,7 @@ std::vector<std::size_t> addDetections(const TrackingTools& tools,
 /// Why a marker without an entry is not accepted. One that is explored will have an entry.
 const char* whyUnknown(const LocalizerConfig& config);
 
-/// Whether a marker of the map is read where a pose has it, to about a module.
+/// Whether a marker of the map is read at its projection from a pose, to about a module.
 bool isInPlace(const MarkerReading& reading, const TrackingTools& tools,
                const MountedCamera& camera, const Pose& map_from_base);
 
@@ -43,11 +43,11 @@ void rejectAccepted(const char* reason, FrameResult* result);
 /// they hang elsewhere.
 int contradictions(const FrameResult& result, const MarkerMap& map);
 
-/// Sets how far the markers are from where the frame's pose has them; NaN without one.
+/// Sets how far the markers are from their projections by the frame's pose; NaN without one.
 void setResiduals(const TrackingTools& tools, const MountedCamera& camera, FrameResult* result);
 
 /// A pose that a search found by the markers at the entries `decoded`, made more exact by those
-/// that no view around was right to decode: they are recognized where it has them.
+/// that no view around was right to decode: they are recognized at their projections.
 PoseEstimate withUndecoded(const TrackingTools& tools, const Frame& frame,
                            const MountedCamera& camera, const PoseEstimate& found,
                            const std::vector<std::size_t>& decoded, const PosePrior& prior,

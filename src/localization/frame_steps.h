@@ -57,7 +57,7 @@ std::vector<MarkerReading> readViews(const TrackingTools& tools, std::vector<Vie
 bool isPlaceKnown(const TrackingTools& tools, const MountedCamera& camera,
                   const PredictedMarker& predicted);
 
-/// The marker at an entry of the map, where its pattern is found about where `belief` has it.
+/// The marker at an entry of the map, where its pattern is found near its projection by `belief`.
 std::optional<MarkerObservation> recognizeMarker(const TrackingTools& tools,
                                                  const cv::Mat& panorama,
                                                  const MountedCamera& camera, std::size_t entry,
@@ -81,8 +81,9 @@ std::optional<PhotometricFit> alignWithPixels(const TrackingTools& tools, const 
                                               const std::vector<std::size_t>& entries,
                                               const Pose& initial, const PosePrior& prior);
 
-/// A pose that stands on the corners of so many markers, although it was to be aligned with pixels:
-/// of a marker or two alone, corners may be much farther off than they are where many agree.
+/// A pose that stands on the corners of this many markers, although it was to be aligned with
+/// pixels: of a marker or two alone, corners may be much farther off than they are where many
+/// agree.
 PoseEstimate standingOnCorners(const PoseEstimate& pose, std::size_t markers,
                                const LocalizerConfig& config);
 

@@ -55,8 +55,8 @@ class FrameTracker {
   };
 
   void remember();
-  /// Looks for the patterns of the markers that were not found, the likeliest first, until so many
-  /// are found.
+  /// Looks for the patterns of the markers that were not found, the likeliest first, until this
+  /// many are found.
   void recognize(const PoseEstimate& belief, std::size_t enough);
   /// Looks for the patterns of all others and solves again: once more where the solution told too
   /// little of where they are.
@@ -64,11 +64,11 @@ class FrameTracker {
   /// Looks for the patterns of all that were not found, or of the likely ones; whether it found
   /// one.
   bool recognizeAll(const PoseEstimate& belief, bool are_only_likely);
-  /// Looks for the pattern of one about where a pose has it; its place must be known that well.
+  /// Looks for the pattern of one near its projection from a pose, which must be known that well.
   void recognizeOne(std::size_t target, const PoseEstimate& belief);
   /// Decodes views of the likeliest, one after another, until two markers are found.
   void decodeAnchors();
-  /// Decodes views of these markers that have no more than so many pixels.
+  /// Decodes views of these markers that have at most this many pixels.
   void decode(const std::vector<std::size_t>& targets, double max_pixels);
   /// Those that were not found yet and that nothing hides, the likely ones first, then the largest.
   std::vector<std::size_t> missing() const;
@@ -85,7 +85,7 @@ class FrameTracker {
   /// Looks for the others there, also with the decoder.
   void lookWherePredicted();
   /// Whether the solution is off the prediction, or leaves out some that were found, while too few
-  /// agree with it sharply for these to be sure to be the ones that hang where the map has them.
+  /// agree with it sharply for these to be surely the ones that hang in their places.
   bool isDoubtful() const;
   /// Looks for the patterns of all from a pose, far around and for however much they are slanted,
   /// and solves again: what was recognized from a pose that is wrong is drawn a little toward that
@@ -111,13 +111,13 @@ class FrameTracker {
   void settleWithPrediction();
   void settleAmongMarkers();
   /// Leaves out those that hung elsewhere in the images before, unless they are in their places as
-  /// the others have it, or, without others, the prediction.
+  /// the others put it, or, without others, the prediction.
   void leaveOutKnown();
-  /// Whether a marker hangs elsewhere as a solution has it: beside its place, or rather where a
+  /// Whether a marker hangs elsewhere according to a solution: beside its place, or rather where a
   /// group does that was moved. `was_known`: whether it did so before.
   bool isDisplaced(const MarkerObservation& observation, const PoseSolution& solution,
                    const std::vector<Eigen::Isometry3d>& motions, bool was_known) const;
-  /// Whether one that did so before is in its place as the prior has it, and not where a group is.
+  /// Whether one that did so before is in its place by the prior, and not where a group is.
   bool mayBeInPlace(const MarkerObservation& observation,
                     const std::vector<Eigen::Isometry3d>& motions) const;
   /// Standard deviations (Misfit) by which a marker is off at most that hangs in its place.

@@ -14,8 +14,8 @@
 namespace omnitag {
 namespace {
 
-/// The largest markers, so many in all sectors: more of them hardly tell more of where to look for
-/// the others.
+/// The largest markers, this many in all sectors: more of them hardly tell more of where to look
+/// for the others.
 constexpr std::size_t kAtMost = 16;
 
 /// Adds what another sector showed.
@@ -37,7 +37,7 @@ bool isEnough(const FrameResult& seen) {
   return accepted > 2 || (accepted == 2 && seen.predicted.size() == 2);
 }
 
-/// Whether all markers of the map that were read are where a pose has them.
+/// Whether all markers of the map that were read are at their projections from a pose.
 bool areInPlace(const std::vector<MarkerReading>& readings, const TrackingTools& tools,
                 const MountedCamera& camera, const Pose& map_from_base) {
   return std::all_of(readings.begin(), readings.end(), [&](const MarkerReading& reading) {

@@ -22,7 +22,7 @@ PoseEstimate modest(const PoseEstimate& pose, const FrameResult& result) {
   return {pose.pose, rise * rise * pose.covariance, rise * rise * pose.shared};
 }
 
-/// Those of the map's markers that were read but where only the predicted pose has them.
+/// Those of the map's markers that were read, but only where the predicted pose projects them.
 std::vector<std::size_t> entriesWherePredicted(const TrackingTools& tools,
                                                const MountedCamera& camera,
                                                const PoseEstimate& predicted,

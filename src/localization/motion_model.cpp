@@ -293,7 +293,7 @@ void MotionModel::standAnew(double interval, const std::optional<Pose>& odom_fro
   auto slow = covariance_.bottomRightCorner<3, 3>();
   slow.diagonal() += whole * (interval / config_.floor.settling_time);
   slow.diagonal() = slow.diagonal().cwiseMin(whole).eval();
-  // This image's height, roll and pitch are the slow part and one that is drawn anew.
+  // This image's height, roll and pitch are the slow part and a new random one.
   Covariance take = Covariance::Identity();
   take.middleRows<3>(3).setZero();
   take.block<3, 3>(3, kSize - 3).setIdentity();

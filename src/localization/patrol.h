@@ -13,14 +13,14 @@ namespace omnitag {
 
 /// Looks for what a pose does not let expect: markers that hang elsewhere than the map says, and
 /// others than those of the map. With a view now and then, so that AttentionConfig::period shows
-/// everything, at a cost of so many pixels that no frame takes much longer than others; while
+/// everything, at such a cost in pixels that no frame takes much longer than others; while
 /// exploring with more (Exploration).
 class Patrol {
  public:
   void seek(std::vector<Marker> markers) { exploration_.seek(std::move(markers)); }
 
-  /// Adds what is read where the frame's pose does not have it. Where `result->explored` already
-  /// holds what was read all around, nothing more is read.
+  /// Adds what is read elsewhere than the frame's pose projects it. Where `result->explored`
+  /// already holds what was read all around, nothing more is read.
   void look(const TrackingTools& tools, const Frame& frame, const MountedCamera& camera,
             const Pose& map_from_base, FrameResult* result);
 

@@ -75,7 +75,7 @@ std::optional<FrameResult> lookFrom(const Relocalization& found, const Glance& s
   }
   const std::vector<std::size_t> explaining = addDetections(tools, seen.readings, found, &around);
   if (contradictions(around, tools.map) > 0) return std::nullopt;
-  // Those of the map are found anew from the pose.
+  // Those of the map are found again from the pose.
   const auto isMapped = [](const MarkerDetection& detection) { return detection.accepted; };
   around.detections.erase(
       std::remove_if(around.detections.begin(), around.detections.end(), isMapped),

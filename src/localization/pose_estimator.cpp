@@ -135,7 +135,7 @@ std::vector<bool> agreeing(const std::vector<Misfit>& misfits, const EstimatorCo
   return agree;
 }
 
-/// Pairs of so many observations: all, or an even choice where these are too many.
+/// Pairs of this many observations: all, or an even choice if there are too many.
 std::vector<std::array<std::size_t, 2>> pairsOf(std::size_t count) {
   constexpr std::size_t kMost = 30;
   const std::size_t all = count * (count - 1) / 2;

@@ -84,7 +84,7 @@ class Search {
   }
 
  private:
-  /// Whether a pose that leaves so many readings unexplained could rival the best one.
+  /// Whether a pose that leaves this many readings unexplained could rival the best one.
   bool isWorthLooking(std::size_t unexplained) const {
     return static_cast<double>(unexplained) * kCostOfUnexplained <
            least_cost_ + problem_.config.min_lead;
@@ -223,7 +223,7 @@ class Search {
     return grown;
   }
 
-  /// Refines a seed with all readings that agree, to so many deviations, until no more join or
+  /// Refines a seed with all readings that agree to this many deviations, until no more join or
   /// leave.
   std::optional<PoseHypothesis> grow(const Seed& seed, decltype(&refineFromAfar) refine,
                                      double max_misfit) const {

@@ -24,7 +24,7 @@ struct State {
   ImagingError error = ImagingError::Zero();
 };
 
-/// An observation's corners less where a state has them, and by what they change.
+/// An observation's corners less their projections at a state, and the derivatives.
 struct Projection {
   CornerResiduals residuals;
   CornerJacobian by_frame;

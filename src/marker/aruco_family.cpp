@@ -51,9 +51,9 @@ struct Cell {
   int row;
 };
 
-/// The cells of a square of so many modules a side in the library's order: a quarter of them, then
-/// the same ones a quarter turn on, clockwise, and at last the middle one, if there is one. So a
-/// turn of the marker is a rotation of its bits.
+/// The cells of a square of this many modules a side in the library's order: a quarter of them,
+/// then the same ones a quarter turn on, clockwise, and at last the middle one, if there is one. So
+/// a turn of the marker is a rotation of its bits.
 std::vector<Cell> cellsInOrder(int side) {
   std::vector<Cell> cells;
   for (int ring = 0; ring < side / 2; ++ring) {

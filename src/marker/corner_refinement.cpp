@@ -79,7 +79,7 @@ std::optional<Profile> profileAcross(const cv::Mat& image, const Line& edge, dou
   return profile;
 }
 
-/// The edge between the corners `index` and `index` + 1, moved to where the image has it.
+/// The edge between the corners `index` and `index` + 1, moved to where it is in the image.
 Line refineEdge(const cv::Mat& image, const Corners<Eigen::Vector2d>& corners, std::size_t index,
                 int modules_per_edge) {
   const Eigen::Vector2d& from = corners[index];

@@ -137,7 +137,7 @@ std::optional<Corners<Eigen::Vector2d>> cornersInView(const Corners<Eigen::Vecto
   return in_view;
 }
 
-/// A tag of which the panorama's pixels are known, about, in a view: its edges are found anew
+/// A tag of which the panorama's pixels are known, about, in a view: its edges are found again
 /// there. Nothing where one of its corners is off what the view shows.
 std::optional<TagDetection> findAgain(TagDetection tag, const View& view, const cv::Mat& view_image,
                                       const ViewWarper& warper) {

@@ -15,7 +15,7 @@
 namespace omnitag {
 namespace {
 
-/// To a millionth, or so many digits, without needless zeros.
+/// To a millionth, or this many digits, without trailing zeros.
 std::string number(double value, int digits = 6) {
   std::array<char, 64> text{};
   std::snprintf(text.data(), text.size(), "%.*f", digits, value);

@@ -11,7 +11,7 @@
 
 namespace omnitag {
 
-/// What a marker's pixels, about so many of them at most, say about the image's blur once the
+/// What a marker's pixels, at most about this many of them, say about the image's blur once the
 /// unknowns change so.
 BlurEquations blurEquationsOf(const MarkerPixels& pixels, const LitPatch& patch,
                               const TagPattern& pattern, const MountedCamera& camera,

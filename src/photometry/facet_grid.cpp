@@ -11,7 +11,7 @@
 namespace omnitag {
 namespace {
 
-/// Pixels of the corners of so many facets along either side, each projected.
+/// Pixels of the corners of this many facets along either side, each projected.
 NodeGrid projectedNodes(const Marker& marker, const TagPattern& pattern,
                         const MountedCamera& camera, const Pose& map_from_base, int facets) {
   const double metres_per_module = marker.size / pattern.widthBetweenCorners();

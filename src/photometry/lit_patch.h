@@ -10,7 +10,7 @@
 namespace omnitag {
 
 /// The light on a marker: black, and the coefficients of the contrast, a polynomial of the second
-/// degree over the marker, as lamps nearby and soft shadows have it.
+/// degree over the marker, as with lamps nearby and soft shadows.
 constexpr int kLightTerms = 7;
 using Light = Eigen::Matrix<double, kLightTerms, 1>;
 

@@ -157,7 +157,7 @@ std::vector<MarkerPatch> MarkerFitter::patches(const MountedCamera& camera, cons
                                                int max_pixels, const MarkerPatch::Choice& choice,
                                                std::size_t worth_a_thread) const {
   constexpr std::size_t kEnoughForLight = 60;
-  // So many more are looked at to find those at edges.
+  // This many more are looked at to find those at edges.
   constexpr std::size_t kLookedAt = 2;
   std::vector<double> areas;
   for (const std::size_t entry : entries_) areas.push_back(areaOf(map_.markers[entry], pose));

@@ -91,8 +91,8 @@ class MarkerFitter {
  private:
   std::optional<MarkerFit> fitOf(std::size_t index, MarkerPixels pixels,
                                  const Alignment& alignment) const;
-  /// With so many pixels at edges at most, all together, but for what a marker needs. Large markers
-  /// get more of them: they are near, and each of their pixels tells more of the pose.
+  /// With at most this many pixels at edges, all together, except for what a marker needs. Large
+  /// markers get more of them: they are near, and each of their pixels tells more of the pose.
   std::vector<MarkerPatch> patches(const MountedCamera& camera, const Pose& pose, int max_pixels,
                                    const MarkerPatch::Choice& choice,
                                    std::size_t worth_a_thread) const;

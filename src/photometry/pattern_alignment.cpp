@@ -39,7 +39,7 @@ class Aligner {
         fit_{start, 0.0},
         size_(sizeOf(footprints, start.predicted_middle)) {}
 
-  /// Steps with so many unknowns until they change hardly anything; false where that fails.
+  /// Takes steps with this many unknowns until they hardly change anything; false if that fails.
   template <int Unknowns>
   bool converge(double blur) {
     constexpr int kMaxSteps = 10;

@@ -122,8 +122,8 @@ class Sorter {
     return ray ? plane_.meet(*ray) : std::nullopt;
   }
 
-  /// Modules around a position that a pixel there, or one so many pixels beside it, may turn out to
-  /// see.
+  /// Modules around a position that a pixel there, or one this many pixels beside it, may turn out
+  /// to see.
   Eigen::Vector2d surroundingsAt(const Eigen::Vector2d& position,
                                  const Eigen::Vector2d& beside) const {
     const Facet& facet = facets_.at(position);

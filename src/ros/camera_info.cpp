@@ -39,7 +39,7 @@ YAML::Node nodeOf(const sensor_msgs::RegionOfInterest& roi) {
   return node;
 }
 
-/// The message as a file would have it.
+/// The message as a camera file.
 YAML::Node nodeOf(const sensor_msgs::CameraInfo& info) {
   YAML::Node node(YAML::NodeType::Map);
   node["width"] = info.width;

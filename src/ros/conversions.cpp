@@ -85,7 +85,7 @@ geometry_msgs::Transform toMessage(const Eigen::Isometry3d& target_from_source) 
 geometry_msgs::PoseWithCovariance toMessage(const PoseEstimate& estimate) {
   geometry_msgs::PoseWithCovariance message;
   message.pose = toMessage(estimate.pose);
-  // Of rotations about the axes of the map, as ROS has it.
+  // Of rotations about the axes of the map, as in ROS.
   const Eigen::Matrix3d map_from_base = estimate.pose.toIsometry().linear();
   Eigen::Matrix<double, 6, 6> turned;
   for (int i = 0; i < 6; ++i) {

@@ -57,7 +57,7 @@ struct Bundle {
     /// W with W^T W = covariance^-1, in units of BundleConfig::noise: makes residuals independent.
     Eigen::Matrix<double, 8, 8> whitening = Eigen::Matrix<double, 8, 8>::Identity();
   };
-  /// The robot's motion as odometry has it, in base_link of the first frame, and the standard
+  /// The robot's motion by odometry, in base_link of the first frame, and the standard
   /// deviations of its x, y (m) and yaw (rad). z errs as x and y do, roll and pitch as yaw does,
   /// where the robot is free.
   struct Motion {

@@ -43,7 +43,8 @@ struct BundleInformation {
 };
 
 /// What a marker errs by in all images alike, as in a shadow that stands still, does not become
-/// less by reading it often: by how much its covariance is larger than so many readings make it.
+/// less by reading it often: by how much its covariance is larger than its number of readings makes
+/// it.
 double alikeFactor(std::size_t readings);
 
 /// Why there is none: a direction in which everything may move and nothing changes.

@@ -16,7 +16,7 @@
 namespace omnitag {
 
 struct CalibrationConfig {
-  /// Names of parameters to keep as the guess has them.
+  /// Names of parameters to keep at the guess.
   std::set<std::string> fixed;
   /// Pixels: a corner that is farther off than this counts less and less.
   double robust_width = 0.25;

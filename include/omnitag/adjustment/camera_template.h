@@ -35,7 +35,7 @@ Eigen::VectorXd valuesOf(const std::vector<CalibrationParameter>& parameters);
 /// The numbers are the lens's fx, fy, cx and cy and, of a mirror, radius_of_curvature,
 /// conic_constant and apex_distance (of a tabulated one apex_distance alone), of the equidistant
 /// model k1 to k4, of others what they have of xi, alpha, beta, k1, k2, p1 and p2. The rest stays
-/// as the file has it.
+/// as in the file.
 class CameraTemplate {
  public:
   /// Throws InputError where the file describes no camera, or one whose model is not calibrated.

@@ -19,7 +19,7 @@ struct AlignedCorners {
 };
 
 /// Places a marker's corners by all of its pixels, several times more exactly than decoding does:
-/// the pattern is laid where a pose and the marker's place have it, to about half a pixel, and its
+/// the pattern is projected by a pose and the marker's place, to about half a pixel, and its
 /// corners are moved, what is between them in proportion, until it explains the panorama's grey
 /// levels (CV_8UC1); the light is free. Least squares (Gauss-Newton) with robust weights. The
 /// covariance is the inverse of the pixels' information at the noise that their residuals show,

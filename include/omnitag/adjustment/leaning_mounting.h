@@ -16,7 +16,7 @@ Eigen::Matrix3d fromRollPitchYaw(const Eigen::Vector3d& roll_pitch_yaw);
 /// place and heading of the robot. What they do tell: the height and how the camera leans.
 class LeaningMounting {
  public:
-  /// z (m), roll and pitch (rad), as tf has them.
+  /// z (m), roll and pitch (rad), as in tf.
   using Values = Eigen::Vector3d;
 
   /// x, y and yaw are those of this mounting. Throws InputError where the optical axis is nearer to

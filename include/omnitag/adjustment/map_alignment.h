@@ -11,7 +11,7 @@
 
 namespace omnitag {
 
-/// The robot at one time, in the map that was built and as another localizer has it in its own.
+/// The robot at one time, in the map that was built, and in that of another localizer.
 struct PosePair {
   Pose in_map;
   Pose in_other;

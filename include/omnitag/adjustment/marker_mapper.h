@@ -90,7 +90,7 @@ class MarkerMapper {
   struct Track {
     std::vector<MarkerSighting> sightings;
     std::optional<MarkerEstimate> estimate;
-    /// Where map() has it.
+    /// Its place in map().
     std::optional<std::size_t> entry;
     /// Sightings at two places at once: not one marker but two.
     int repetitions = 0;

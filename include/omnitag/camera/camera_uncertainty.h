@@ -23,7 +23,7 @@ struct CameraUncertainty {
     return principal_point == 0.0 && scale == 0.0 && tilt == 0.0 && rim == 0.0;
   }
 
-  /// That of images with so many times as many pixels along each side.
+  /// That of images with `factor` times as many pixels along each side.
   CameraUncertainty scaled(double factor) const {
     return {factor * principal_point, factor * scale, factor * tilt, factor * rim};
   }

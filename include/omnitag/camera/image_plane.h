@@ -28,7 +28,7 @@ class ImagePlane {
   /// (rad). See EquirectangularCamera.
   static ImagePlane equirectangular(const ImageSize& size);
 
-  /// That of images with so many times as many pixels along each side.
+  /// That of images with `factor` times as many pixels along each side.
   ImagePlane scaled(double factor) const;
 
   /// The pixel of a point of the ideal plane and, on request, its derivative with respect to it.

@@ -100,7 +100,7 @@ class MountedCamera {
   std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& in_base,
                                          Eigen::Matrix<double, 2, 3>* by_point) const;
   Ray inBase(const Ray& in_camera, const Eigen::Vector2d& pixel) const;
-  /// The pixel as the model has it of one that the camera's error has displaced.
+  /// The model's pixel for one that the camera's error has displaced.
   Eigen::Vector2d withoutError(const Eigen::Vector2d& pixel) const;
 
   std::shared_ptr<const CameraModel> camera_;

@@ -17,7 +17,7 @@ struct ShutterConfig {
   double exposure_time = 0.0;
 
   /// s, from the image's stamp to the middle of a row's exposure, and to the beginning of the first
-  /// and the end of the last exposure of an image with so many rows.
+  /// and the end of the last exposure of an image with this many rows.
   double timeOf(double row) const { return image_time_offset + row * row_readout_time; }
   double begin(int rows) const;
   double end(int rows) const;
@@ -39,11 +39,11 @@ struct BaseMotion {
   /// along x and y and the rate of yaw.
   Eigen::Vector3d deviations = Eigen::Vector3d::Zero();
 
-  /// base_link at the stamp, from where it is so many seconds later.
+  /// base_link at the stamp, from where it is this many seconds later.
   Eigen::Isometry3d after(double time) const;
 };
 
-/// The velocity that leads to a motion in so many seconds, as BaseMotion has it.
+/// The velocity, as in BaseMotion, that makes a motion in this many seconds.
 PoseVector velocityOf(const Eigen::Isometry3d& motion, double duration);
 
 }  // namespace omnitag

@@ -4,7 +4,7 @@
 
 namespace omnitag {
 
-/// Where a place of a grid with so many columns stands, row by row.
+/// The index of a grid's cell, row by row; the grid has `columns` columns.
 inline std::size_t gridIndex(int column, int row, int columns) {
   return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
          static_cast<std::size_t>(column);

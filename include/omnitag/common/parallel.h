@@ -8,9 +8,9 @@
 
 namespace omnitag {
 
-/// Calls `work(worker, i)` for every i below `count`, on at most so many threads at once, this one
-/// among them; each of them is another worker, numbered from 0. The calls must not depend on each
-/// other and must not throw. Threads are made anew each time, which takes some ten microseconds:
+/// Calls `work(worker, i)` for every i below `count`, on at most this many threads at once, this
+/// one among them; each of them is another worker, numbered from 0. The calls must not depend on
+/// each other and must not throw. Threads are started each time, which takes some ten microseconds:
 /// `worth_a_thread` calls take longer than that.
 template <typename Work>
 void forEachIndexByWorker(std::size_t count, int threads, std::size_t worth_a_thread,

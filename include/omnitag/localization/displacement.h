@@ -15,7 +15,7 @@
 
 namespace omnitag {
 
-/// How far a marker hangs from where the map has it, as it was observed from a known pose of the
+/// How far a marker hangs from its place in the map, as it was observed from a known pose of the
 /// robot, at the height and the tilt that the map says; of several entries with its id, the
 /// nearest. `standing`: how the robot stands. `observation.map_entry` is not looked at. Nothing
 /// where the map has no such marker, or where none at this height looks like what was observed.

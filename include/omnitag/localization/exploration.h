@@ -36,7 +36,7 @@ class Exploration {
                           const std::vector<MarkerReading>& read, const LocalizerConfig& config);
 
  private:
-  /// Views around sought markers that have about so many pixels together, one at least.
+  /// Views around sought markers that have about this many pixels together, at least one.
   std::vector<View> viewsOfSought(double max_pixels, const MountedCamera& camera,
                                   const Pose& map_from_base, const ContourTable& table,
                                   const std::vector<MarkerReading>& read,

@@ -78,23 +78,23 @@ struct MarkerDetection {
   double margin = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// A marker that was read elsewhere than the map has it.
+/// A marker that was read elsewhere than at its place in the map.
 struct DisplacedMarker {
   std::size_t map_entry = 0;
-  /// m, from where the map has it to where it seems to hang, at the same height.
+  /// m, from its place in the map to where it seems to hang, at the same height.
   double distance = 0.0;
 };
 
 /// Markers that seem to have been moved as one.
 struct GroupDisplacement {
   std::vector<std::size_t> entries;
-  /// m, of their middle, from where the map has it.
+  /// m, of their middle, from its place in the map.
   Eigen::Vector3d shift;
   /// rad, about the map's z.
   double turn = 0.0;
 };
 
-/// A pose that the robot may have, and the probability that it has it.
+/// A pose that the robot may have, and the probability of that.
 struct WeightedPose {
   PoseEstimate map_from_base;
   double probability = 1.0;
@@ -143,7 +143,7 @@ struct FrameResult {
   std::vector<std::string> advice;
   /// What the frame was expected to show.
   std::vector<PredictedMarker> predicted;
-  /// Entries of the map that were looked for where the pose has them, in vain.
+  /// Entries of the map that were looked for at their projections, in vain.
   std::vector<std::size_t> missed;
   /// Entries of the map that hang elsewhere than it says, if the expected pose is right; and
   /// whether that is open, since they may as well be right and the expected pose wrong.

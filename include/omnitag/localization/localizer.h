@@ -88,7 +88,7 @@ class Localizer {
   std::vector<Account> track(const Frame& frame, const MountedCamera& camera,
                              const Hypothesis& before, const PoseEstimate& predicted,
                              bool is_likeliest, std::vector<MarkerObservation>* seen);
-  /// The pose of the markers that are found about where the prediction has them, the blur with
+  /// The pose of the markers that are found near their predictions, the blur with
   /// which they are found best, and other poses that they may stand for.
   std::optional<PoseEstimate> followMarkers(const TrackingTools& tools, const Frame& frame,
                                             const MountedCamera& camera,
@@ -96,7 +96,7 @@ class Localizer {
                                             FrameResult* result,
                                             std::vector<MarkerObservation>* seen,
                                             std::vector<PoseEstimate>* alternatives);
-  /// What the frame gives for a robot that is at another pose than its account has it.
+  /// What the frame gives for a robot at another pose than in its account.
   std::vector<Account> alternativesAt(const PoseEstimate& pose, const Frame& frame,
                                       const MountedCamera& camera, const Hypothesis& before,
                                       const Account& account,
@@ -114,7 +114,7 @@ class Localizer {
   bool isElsewhere(const TrackingTools& tools, const Frame& frame, const MountedCamera& camera,
                    const Hypothesis& hypothesis, const PoseEstimate& tracked, FrameResult* result);
 
-  /// Searches for a robot that is lost, or seems not to be where the account has it: what that
+  /// Searches for a robot that is lost, or seems not to be where its account puts it: what that
   /// gives, for the account and for where the robot is found.
   std::vector<Account> lookFor(const Frame& frame, const MountedCamera& camera, Account account,
                                const std::optional<PoseEstimate>& predicted, bool is_refuted);

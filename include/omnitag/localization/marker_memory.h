@@ -50,12 +50,12 @@ struct DisplacedGroup {
 };
 
 /// Which markers of the map the images before showed, in their places or elsewhere, and which they
-/// did not though a pose had them in view: as one hypothesis of the robot's poses has it.
+/// did not although they were in view, according to one hypothesis of the robot's poses.
 class MarkerMemory {
  public:
   explicit MarkerMemory(const AttentionConfig& config) : config_(config) {}
 
-  /// A marker in its place, as the pose of its frame has it.
+  /// A marker in its place, from the pose of its frame.
   void addSeen(const RememberedSighting& sighting);
   /// `viewpoint`: the camera's place in the map.
   void addMissed(std::size_t entry, const Eigen::Vector3d& viewpoint, double stamp);

@@ -76,7 +76,7 @@ MotionModelConfig readMotionModelConfig(const YamlReader& reader);
 /// at constant velocity. A Kalman filter over the pose, the velocity in base_link and, on a floor,
 /// the slow part of height, roll and pitch; the images' share comes as a finished pose.
 ///
-/// On a floor the pose is carried within the plane, and height, roll and pitch are predicted anew
+/// On a floor the pose is carried within the plane, and height, roll and pitch are predicted afresh
 /// for each image: as odometry has roll and pitch, plus the slow part, give or take the fast one.
 class MotionModel {
  public:
@@ -102,7 +102,7 @@ class MotionModel {
   /// s from the last correction or start to the last stamp.
   double uncorrectedTime() const { return stamp_ - corrected_stamp_; }
 
-  /// How the base moves as odometry has it, or, at the last stamp, as the images have shown.
+  /// How the base moves by odometry, or, at the last stamp, by the images.
   BaseMotion motionBy(const PoseVector& odometry) const;
   BaseMotion motion() const;
   /// The same of a base that nothing is known of.

@@ -51,7 +51,7 @@ struct PoseSolution {
 /// How many markers agree with a pose as well as by chance.
 std::size_t sharplyAgreeing(const std::vector<Misfit>& misfits);
 
-/// Whether so many of the markers that are expected, two thirds, leave no doubt that the pose on
+/// Whether enough of the markers that are expected, two thirds, leave no doubt that the pose on
 /// which they agree is right. Some may have been moved as one, and then one or the other that was
 /// not may seem in its place by chance.
 bool isLargeMajority(std::size_t agreeing, std::size_t expected);

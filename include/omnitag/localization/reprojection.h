@@ -24,7 +24,7 @@ struct ReprojectionConfig {
   double robust_misfit = 4.0;
 };
 
-/// How far the corners of an observation are off where a pose has them.
+/// How far the corners of an observation are off their projections from a pose.
 struct Misfit {
   /// Pixels, RMS over the corners; infinity where the pose hides one.
   double residual = 0.0;

@@ -22,7 +22,7 @@ struct GlanceAim {
   /// Where all of a marker must be.
   Annulus where = {};
   Sector toward = {};
-  /// Of those that were read the largest, so many.
+  /// At most this many of those that were read, the largest.
   std::size_t at_most = std::numeric_limits<std::size_t>::max();
   /// Whether the first glance is only for markers that stand out from the light and dark around
   /// them, which takes a fifth to two fifths less time.
@@ -38,12 +38,12 @@ struct Glance {
 
 /// Reads markers in the panorama as it is, at first reduced, without the views that show everything
 /// undistorted: several times faster than looking all around, and enough for markers that are
-/// neither small nor seen much from the side. Their corners are then found anew in a view of each,
+/// neither small nor seen much from the side. Their corners are then found again in a view of each,
 /// since the panorama bends their edges. Not safe to use from two threads at once.
 class GlanceReader {
  public:
   /// `config`: the settings of the last glance. The families are those of `detector`. `threads`:
-  /// how many find corners anew.
+  /// how many find corners again.
   GlanceReader(std::shared_ptr<const CameraModel> camera, const TagDetectorConfig& config,
                const TagDetector& detector, int threads = 1);
 

@@ -7,12 +7,12 @@
 
 namespace omnitag {
 
-/// A marker as a map file's constraint has it: by its name, or by its id.
+/// A marker in a constraint of a map file: by its name, or by its id.
 struct MarkerReference {
   std::string name;
   int id = -1;
 
-  /// As the file has it.
+  /// As in the file.
   std::string text() const { return name.empty() ? std::to_string(id) : name; }
 };
 

@@ -43,7 +43,7 @@ struct MarkerMap {
   /// Of markers that do not say otherwise: empty and 0 where there are none.
   std::string default_family = {};
   double default_size = 0.0;
-  /// Of markers that do not say otherwise, as Marker has them.
+  /// Of markers that do not say otherwise: see Marker.
   double default_deviation = 0.0;
   double default_orientation_deviation = 0.0;
 };

@@ -29,7 +29,7 @@ std::string newMapText(const std::string& frame_id, const std::vector<MapEntry>&
 std::string withEntries(const std::string& text, const std::vector<MapEntry>& entries,
                         const std::string& origin);
 
-/// What is to become of an entry of a map file: it stays as it is, goes, or is written anew.
+/// What is to become of an entry of a map file: it stays, goes, or is rewritten.
 struct EntryChange {
   bool is_removed = false;
   std::optional<Marker> moved;

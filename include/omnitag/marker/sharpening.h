@@ -5,7 +5,7 @@
 
 namespace omnitag {
 
-/// An image (CV_8UC1) that was blurred with so many pixels (standard deviation), as sharp as noise
+/// An image (CV_8UC1) that was blurred by this many pixels (standard deviation), as sharp as noise
 /// allows; the image itself where it was hardly blurred. What decoders look for are modules of some
 /// pixels, which two steps of Van Cittert's iteration bring back.
 cv::Mat sharpened(const cv::Mat& image, double blur);

@@ -43,7 +43,7 @@ class TagPattern {
   /// within the drawing.
   White average(const Eigen::Vector2d& position, const Eigen::Vector2d& size) const;
 
-  /// What a pixel sees: a parallelogram by its sides (modules), blurred by a Gaussian of so many
+  /// What a pixel sees: a parallelogram by its sides (modules), blurred by a Gaussian of this many
   /// pixels squared, and swept along a way (modules). Where it is sharp, the parallelogram is cut
   /// into four, each of which is averaged over as if its sides ran along the modules. Where it is
   /// blurred, all of it is a Gaussian: one along the modules at each of some places of a line,
@@ -156,7 +156,7 @@ class TagPattern {
     int module;
     double within;
   };
-  /// What a Gaussian sees along one axis: shares of so many modules from the first on, which add up
+  /// What a Gaussian sees along one axis: shares of `count` modules from the first on, which add up
   /// to 1, and their derivatives by its middle.
   struct Profile {
     static constexpr int kMost = 32;

@@ -14,7 +14,7 @@ struct FrameEquations {
   FrameMatrix information = FrameMatrix::Zero();
   /// The information times the change that the markers ask for.
   FrameVector gradient = FrameVector::Zero();
-  /// Covariance of the gradient's error: what chance gives each image anew, and what all images
+  /// Covariance of the gradient's error: what is random in each image, and what all images
   /// share.
   FrameMatrix by_chance = FrameMatrix::Zero();
   FrameMatrix by_shared = FrameMatrix::Zero();

@@ -19,7 +19,7 @@ struct PosePrior {
   /// A pose that is known with its covariance.
   static PosePrior about(const PoseEstimate& estimate);
 
-  /// Nothing of x, y and yaw; z, roll and pitch as `lean` has them (its x, y and yaw are not looked
+  /// Nothing of x, y and yaw; z, roll and pitch from `lean` (its x, y and yaw are not looked
   /// at), with these standard deviations (m and rad).
   static PosePrior standing(const Pose& lean, double height_deviation, double lean_deviation);
 

@@ -24,7 +24,7 @@ struct BlurEquations {
 };
 
 /// Learns the blur from image to image: the lens's, which hardly changes, and the turn during the
-/// exposure, which each image has anew.
+/// exposure, which differs from image to image.
 class BlurFilter {
  public:
   /// Pixels squared, of the lens, to begin with.

@@ -69,9 +69,9 @@ class MarkerPatch {
  public:
   /// Which of a marker's pixels are looked at, and how closely.
   struct Choice {
-    /// About so many at most, on an even grid.
+    /// About this many at most, on an even grid.
     std::size_t max_considered = std::numeric_limits<std::size_t>::max();
-    /// Of those, at most so many near edges of the pattern, which tell where it is, and so many
+    /// Of those, at most this many near edges of the pattern, which tell where it is, and this many
     /// with nothing but even black or even white around them, which only tell the light.
     std::size_t max_at_edges = std::numeric_limits<std::size_t>::max();
     std::size_t max_on_even_ground = std::numeric_limits<std::size_t>::max();
@@ -103,13 +103,13 @@ class MarkerPatch {
                       const ImagingError& error_change) const;
 
  private:
-  /// Keeps at most so many of the pixels, evenly spread.
+  /// Keeps at most this many of the pixels, evenly spread.
   void keep(const std::vector<PixelPosition>& pixels, std::size_t at_most);
   /// The facet of a position about which a pixel sees nothing but the drawing; null elsewhere.
   const Facet* facetWithinDrawing(const Eigen::Vector2d& position) const;
   MarkerPixel pixelAt(const cv::Mat& panorama, const PixelPosition& place,
                       const Facet& facet) const;
-  /// So many pixels at most, none yet.
+  /// Room for this many pixels, none yet.
   MarkerPixels emptyPixels(std::size_t at_most) const;
 
   const Marker& marker_;

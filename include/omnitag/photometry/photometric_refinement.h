@@ -19,7 +19,7 @@ namespace omnitag {
 /// How a pose is aligned with the grey levels of the panorama.
 struct PhotometricConfig {
   /// Grey levels, the least that noise is taken for: grey levels are rounded, and no pattern is
-  /// printed and lit as evenly as the model has it.
+  /// printed and lit as evenly as in the model.
   double min_noise = 1.0;
   /// Pixels of the panorama: standard deviation of what all of a marker's pixels err by together,
   /// since neither the camera model nor the pattern's is perfect.

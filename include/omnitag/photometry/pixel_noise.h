@@ -7,7 +7,7 @@ namespace omnitag {
 
 /// How far grey levels are off: noise on even ground, and at edges as much more as if these were
 /// displaced by chance from pixel to pixel. No sensor and no print has an edge just as a pixel's
-/// average over an ideal pattern has it.
+/// average over an ideal pattern does.
 struct PixelNoise {
   double flat = 10.0;  // grey levels
   double edge = 0.05;  // pixels

@@ -19,7 +19,7 @@ struct ClockReading {
   double steady = 0.0;
 };
 
-/// Reads a clock; anew where the thread was interrupted meanwhile, a few times at most.
+/// Reads a clock, again if the thread was interrupted meanwhile, a few times at most.
 template <typename Clock>
 ClockReading readClocks(const Clock& clock) {
   constexpr double kSameMoment = 1e-3;  // s

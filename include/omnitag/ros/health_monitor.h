@@ -34,7 +34,7 @@ class HealthMonitor {
   /// Mapping has added markers behind those that the map had, or moved some of its own.
   void mapChanged(const MarkerMap& map, const std::vector<ProvisionalMarker>& provisional);
 
-  /// The localizer has started anew: what the images before told of the map counts no longer.
+  /// The localizer has started afresh: forgets what earlier images told of the map.
   void startedAnew();
 
   /// The message was no image of this camera.
@@ -45,7 +45,7 @@ class HealthMonitor {
   void transformMissing(const std::string& why);
   /// tf was read and sent; `failure`: why it could not be, empty where it could.
   void transformsServed(const std::string& failure);
-  /// `conflict`: why no transform is sent, as ParentWatch has it; empty: all is well.
+  /// `conflict`: why no transform is sent, from ParentWatch; empty: all is well.
   void parentChecked(const std::string& conflict);
   /// The image was localized; `odometry_problem` is empty where odometry is there or not asked for.
   void localized(const LocalizationStatus& status, const FrameResult& result,

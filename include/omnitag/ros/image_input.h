@@ -42,7 +42,7 @@ class ImageInput {
 
   /// The next image, if there is one: where none waits, serves the queue as serve() does.
   std::optional<ReceivedImage> next(double duration);
-  /// Takes what has come on the queue; waits for it where nothing has, but no longer than so many s
+  /// Takes what has come on the queue; waits for it where nothing has, but no longer than this (s)
   /// nor than to close().
   void serve(double duration);
   /// Nothing comes any more.

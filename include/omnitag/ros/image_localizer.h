@@ -30,8 +30,8 @@ struct WantedExtras {
 struct LocalizedImage {
   AssembledFrame input;
   FrameResult result;
-  /// s by which stamps went back before this image, so that the localizer started anew; 0: they did
-  /// not.
+  /// s by which stamps went back before this image, so that the localizer started afresh; 0: they
+  /// did not.
   double went_back = 0.0;
   /// s by which the clock was set before this image, negative for back; the pose was kept.
   double clock_step = 0.0;
@@ -54,18 +54,19 @@ class ImageLocalizer {
   /// FrameAssembler throws, and keeps its state then.
   ///
   /// Where stamps alone step back by more than `restart_time_jump`, as when a bag loops, the
-  /// localizer starts anew: with the initial pose of the parameters, or searching. What it has
+  /// localizer starts afresh: with the initial pose of the parameters, or searching. What it has
   /// mapped stays.
   std::optional<LocalizedImage> localize(const cv_bridge::CvImageConstPtr& image,
                                          const tf2::BufferCore& transforms,
                                          const WantedExtras& wanted = {});
 
-  /// The clock that stamps the images, as far as is known, was set by so many s: the pose is kept
+  /// The clock that stamps the images, as far as is known, was set by this (s): the pose is kept
   /// where the stamps follow it.
   void clockStepped(double seconds) { timeline_.clockStepped(seconds); }
 
-  /// Does something to the localizer before the next image is localized, after it has started anew
-  /// where that image makes it: sets a pose, or forgets it. What was asked for before gives way.
+  /// Does something to the localizer before the next image is localized, after it has started
+  /// afresh where that image makes it: sets a pose, or forgets it. What was asked for before gives
+  /// way.
   void beforeNextImage(std::function<void(Localizer*)> request) { request_ = std::move(request); }
 
   /// Goes on with another localizer, made of another map or of other settings. Not while an image

@@ -62,7 +62,7 @@ class LocalizerServer {
   void onImage(const ReceivedImage& received);
   void waitForTransforms(const std_msgs::Header& header);
   void logClockStep(double step) const;
-  /// Forgets what was shown and told before stamps went back by so many s.
+  /// Forgets what was shown and told before stamps went back by this (s).
   void startAnew(double went_back);
   void publish(const LocalizedImage& localized);
   void sendTransform(const std::optional<geometry_msgs::TransformStamped>& transform,
@@ -73,7 +73,7 @@ class LocalizerServer {
   void onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message);
   /// Throws InputError.
   void takePose(const geometry_msgs::PoseWithCovarianceStamped& message);
-  /// map_from_frame of a message's frame, as tf has it now. Throws InputError.
+  /// map_from_frame of a message's frame, the latest in tf. Throws InputError.
   Eigen::Isometry3d mapFrom(const std::string& frame) const;
   /// Odometry when the robot was where a message says; the newest where tf does not reach there.
   std::optional<Pose> odometryAt(const ros::Time& stamp) const;

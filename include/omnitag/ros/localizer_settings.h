@@ -24,7 +24,7 @@ struct Successor {
   bool has_other_map = false;
 };
 
-/// The localizer's map and settings as they change while it runs. A change makes a localizer anew,
+/// The localizer's map and settings as they change while it runs. A change makes a new localizer,
 /// beside the one that works, which is then handed over; where that is not possible, InputError is
 /// thrown and nothing changes. Every change says in words what it did. Safe to use from several
 /// threads.

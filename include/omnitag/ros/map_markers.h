@@ -19,12 +19,12 @@ visualization_msgs::MarkerArray mapMarkers(const MarkerMap& map,
                                            const std::vector<ProvisionalMarker>& provisional,
                                            const std::string& map_frame);
 
-/// The map as RViz shows it, drawn anew where people could see that mapping has gone on.
+/// The map as RViz shows it, redrawn where mapping has made a visible difference.
 class MapDrawing {
  public:
   MapDrawing(const MarkerMap& map, const std::string& map_frame);
 
-  /// Whether it was drawn anew: where markers came or went, are used now, or are 1 cm from where
+  /// Whether it was redrawn: where markers came or went, are used now, or are 1 cm from where
   /// they were last drawn.
   bool update(const MarkerMap& map, const std::vector<ProvisionalMarker>& provisional);
 

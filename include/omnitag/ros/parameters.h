@@ -54,8 +54,8 @@ struct LocalizerParameters {
   double transform_tolerance = 0.1;
   /// s of ROS's clock between repetitions of map -> odom where images give none.
   double transform_period = 0.05;
-  /// s by which stamps may step back before time counts as set back and the localizer starts anew;
-  /// images that are late by less are dropped.
+  /// s by which stamps may step back before time counts as set back and the localizer starts
+  /// afresh; images that are late by less are dropped.
   double restart_time_jump = 1.0;
 
   /// m between poses of the published path, and how many poses it keeps.

@@ -28,8 +28,8 @@ class StampTimeline {
   /// s by which stamps alone may step back and count as late; by more, they went back.
   explicit StampTimeline(double restart_time_jump) : restart_time_jump_(restart_time_jump) {}
 
-  /// The clock was set by so many seconds; the next stamps may show it, or not, where another clock
-  /// stamps the images.
+  /// The clock was set by this many seconds; the next stamps may show it, or not, where another
+  /// clock stamps the images.
   void clockStepped(double seconds);
 
   /// Where an image that comes now would belong.

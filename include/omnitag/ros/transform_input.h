@@ -24,12 +24,12 @@ class TransformInput {
   TransformInput(const TransformInput&) = delete;
   TransformInput& operator=(const TransformInput&) = delete;
 
-  /// Takes what has come; waits for it where nothing has, but no longer than so many s nor than to
+  /// Takes what has come; waits for it where nothing has, but no longer than this (s) nor than to
   /// close().
   void serve(double duration);
   /// What has been taken. May be read by any thread.
   const tf2::BufferCore& buffer() const { return buffer_; }
-  /// As ParentWatch has it of what has been taken.
+  /// ParentWatch::conflict() of what has been taken.
   std::optional<std::string> parentConflict() const { return parents_.conflict(steadyTime()); }
   /// Nothing comes any more.
   void close() { queue_.disable(); }

@@ -7,7 +7,7 @@
 
 namespace omnitag {
 
-/// A point of a map as a command line has it: a marker's name or id, and its x and y in another
+/// A point of a map on a command line: a marker's name or id, and its x and y in another
 /// map.
 struct AlignPoint {
   std::string marker;

@@ -55,7 +55,7 @@ class BagInput {
   /// All transforms of /tf and /tf_static, also from beyond the span.
   const tf2::BufferCore& transforms() const { return *transforms_; }
 
-  /// Why the bag has no place for a transform from the map, as ParentWatch has it; nothing where it
+  /// Why the bag has no place for a transform from the map, from ParentWatch; nothing where it
   /// has. `frames`: with the map's frame filled in.
   std::optional<std::string> parentConflict(const FrameNames& frames) const;
 

@@ -5,7 +5,7 @@
 
 namespace omnitag {
 
-/// A mounting as an option has it: X,Y,Z,ROLL,PITCH,YAW in metres and radians, the camera's optical
+/// A mounting as an option: X,Y,Z,ROLL,PITCH,YAW in metres and radians, the camera's optical
 /// frame in the robot's (base_from_camera), with tf's angles. Throws InputError, which names the
 /// option.
 Eigen::Isometry3d parseMounting(const std::string& option, const std::string& text);

@@ -56,7 +56,7 @@ std::optional<BuildOptions> parseBuildOptions(int argc, char** argv) {
       "params", textOption(&options.params, "P.yaml"), "parameters, as in config/localizer.yaml")(
       "max-images",
       po::value<int>(&options.max_images)->value_name("N")->default_value(options.max_images),
-      "of a longer recording so many are used, evenly spread");
+      "of a longer recording this many are used, evenly spread");
   addAlignmentOptions(&options.alignment, &description);
   if (!parseCommandLine(argc, argv, kUsage, description)) return std::nullopt;
   if (options.seed.empty() && options.size == 0.0) {

@@ -61,11 +61,11 @@ std::optional<BagOptions> parseOptions(int argc, char** argv) {
       "from", po::value<double>()->value_name("S")->notifier([&options](double seconds) {
         options.span.from = checkedSeconds("--from", seconds);
       }),
-      "begin so many seconds after the first message was recorded")(
+      "begin this many seconds after the first message was recorded")(
       "until", po::value<double>()->value_name("S")->notifier([&options](double seconds) {
         options.span.until = checkedSeconds("--until", seconds);
       }),
-      "and end after so many")(
+      "and end this many after it")(
       "initial-pose",
       po::value<std::string>()->value_name("X,Y,YAW")->notifier(
           [&options](const std::string& text) { options.initial_pose = parsePose(text); }),
