@@ -5,5 +5,5 @@ from distutils.core import setup
 from catkin_pkg.python_setup import generate_distutils_setup
 
 setup(**generate_distutils_setup(packages=["omnitag", "omnitag.foreign_maps", "omnitag.printing",
-                                          "omnitag.rendering"],
-                                package_dir={"": "python"}))
+                                           "omnitag.rendering"],
+                                 package_dir={"": "python"}))

@@ -38,7 +38,7 @@ def read_detections(path: str, marker_map: MarkerMap) -> List[Detection]:
     try:
         with open(path, encoding="utf-8", newline="") as file:
             rows = csv.reader(file, strict=True)
-            header = next(rows, [])
+            header: List[str] = next(rows, [])
             missing = [column for column in COLUMNS if column not in header]
             if missing:
                 raise InputError("{}:1: expected a header line with {}, found no column {}".format(

@@ -31,7 +31,8 @@ class CameraErrors(NamedTuple):
     def drawn(self, generator: np.random.Generator) -> Tuple[float, float, float, float]:
         """Errors of cx, cy, scale and apex distance with these deviations."""
         factors = (self.principal_point, self.principal_point, self.scale, self.apex)
-        return tuple(np.array(factors) * generator.standard_normal(4))
+        cx, cy, scale, apex = np.array(factors) * generator.standard_normal(4)
+        return cx, cy, scale, apex
 
     def exactly(self) -> Tuple[float, float, float, float]:
         """The same, of cx and of cy alike, as they are."""

@@ -14,6 +14,10 @@ PAPER_POSITION_RMSE = 0.54  # the paper's units
 PAPER_MEAN_RANGE = 70.0  # the paper's units
 PAPER_PERCENT_OF_RANGE = 0.8  # as printed there
 
+# Of an estimate that does not keep to the floor.
+STANDING_FIGURES = ("height_rmse", "height_max", "roll_rmse_deg", "roll_max_deg",
+                    "pitch_rmse_deg", "pitch_max_deg")
+
 
 @dataclass(frozen=True)
 class Evaluation:
@@ -42,39 +46,40 @@ class Evaluation:
         """The index of the largest position error."""
         return int(np.argmax(self.distances))
 
-    def figures(self) -> Dict[str, Union[int, float, None]]:
-        """The figures by name; lengths in m, None where no mean range is known."""
+    @property
+    def matched_share(self) -> float:
+        """Of the reference frames, 0 to 1: those with an estimate."""
+        return len(self.stamps) / len(self.reference)
+
+    def error_figures(self) -> Dict[str, float]:
+        """The errors' figures by name, lengths in m; those of STANDING_FIGURES where known."""
         distances = self.distances
-        rmse = _root_mean_square(distances)
-        degrees = np.degrees(self.heading_errors)
-        return {
-            "position_rmse": rmse,
+        figures = {
+            "position_rmse": _root_mean_square(distances),
             "position_mean": float(np.mean(distances)),
             "position_median": float(np.median(distances)),
             "position_max": float(np.max(distances)),
-            "heading_rmse_deg": _root_mean_square(degrees),
-            "heading_max_deg": float(np.max(np.abs(degrees))),
-            **self._standing_figures(),
+        }
+        for name, errors in (("heading", self.heading_errors), *self.standing_errors.items()):
+            values, suffix = (errors, "") if name == "height" else (np.degrees(errors), "_deg")
+            figures[name + "_rmse" + suffix] = _root_mean_square(values)
+            figures[name + "_max" + suffix] = float(np.max(np.abs(values)))
+        return figures
+
+    def figures(self) -> Dict[str, Union[int, float, None]]:
+        """All figures by name; lengths in m, None where unknown."""
+        errors = self.error_figures()
+        return {
+            **errors,
+            **{name: errors.get(name) for name in STANDING_FIGURES},
             "reference_frames": len(self.reference),
             "matched_frames": len(self.stamps),
-            "matched_share": len(self.stamps) / len(self.reference),
+            "matched_share": self.matched_share,
             "unmatched_estimates": self.unmatched_estimates,
             "mean_range": self.mean_range,
             "position_rmse_percent_of_range":
-                None if not self.mean_range else 100.0 * rmse / self.mean_range,
+                None if not self.mean_range else 100.0 * errors["position_rmse"] / self.mean_range,
         }
-
-    def _standing_figures(self) -> Dict[str, Optional[float]]:
-        figures = {}
-        for name, suffix in (("height", ""), ("roll", "_deg"), ("pitch", "_deg")):
-            errors = self.standing_errors.get(name)
-            if errors is not None and suffix:
-                errors = np.degrees(errors)
-            figures[name + "_rmse" + suffix] = (
-                None if errors is None else _root_mean_square(errors))
-            figures[name + "_max" + suffix] = (
-                None if errors is None else float(np.max(np.abs(errors))))
-        return figures
 
 
 def evaluate(estimate: Trajectory, reference: Trajectory, tolerance: float,

@@ -71,7 +71,7 @@ class TopView:
         self._markers = marker_map.markers
         self._reference = reference
         places = [marker.position[:2] for marker in self._markers]
-        places += [frame.pose[:2] for frame in frames if frame.pose]
+        places += [np.array(frame.pose[:2]) for frame in frames if frame.pose]
         low = np.min(places, axis=0) - MARGIN
         high = np.max(places, axis=0) + MARGIN
         self._scale = float(np.min(np.array(size) / (high - low)))

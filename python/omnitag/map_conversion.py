@@ -22,7 +22,7 @@ class Conversion(NamedTuple):
     text: str
     format: str
     remarks: Tuple[str, ...]
-    count: int
+    marker_count: int
 
 
 def convert(source: str, wanted: Optional[str], given: Given) -> Conversion:

@@ -256,5 +256,5 @@ def _contradiction(pair: _Pair, fit: _Fit) -> str:
     difference = pair.difference(fit)
     return ("{}: the maps have it {:.3f} m and {:.1f} deg apart, more than their deviations allow: "
             "it stays where the first has it".format(
-                _label(pair.a), np.linalg.norm(difference[:3]),
+                _label(pair.a), float(np.linalg.norm(difference[:3])),
                 np.degrees(np.linalg.norm(difference[3:]))))

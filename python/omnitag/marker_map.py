@@ -1,7 +1,7 @@
 """The marker map: which tags hang where."""
 
 from dataclasses import dataclass
-from typing import Dict, NamedTuple, Optional, Tuple
+from typing import Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
@@ -87,7 +87,7 @@ def load_marker_map(path: str) -> MarkerMap:
     defaults = MarkerDefaults(_family(root["family"]) if "family" in root else None,
                               _size(root["size"]) if "size" in root else None,
                               *_deviations(root))
-    markers = []
+    markers: List[Marker] = []
     names: Dict[str, int] = {}
     for value in root["markers"].items("a list of markers"):
         entry = value.mapping(MARKER_KEYS)
@@ -151,7 +151,7 @@ def read_rotation(entry: Mapping) -> np.ndarray:
         if key in entry:
             raise entry[key].error("either yaw and roll or orientation", "both")
     quaternion = np.array(entry["orientation"].reals(4))
-    length = np.linalg.norm(quaternion)
+    length = float(np.linalg.norm(quaternion))
     if abs(length - 1.0) > QUATERNION_TOLERANCE:
         raise entry["orientation"].error("a quaternion of length 1",
                                          "length {:.6g}".format(length))

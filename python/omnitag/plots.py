@@ -1,7 +1,7 @@
 """Pictures of an evaluation."""
 
 import os
-from typing import List, Optional, Sequence, Tuple
+from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 import matplotlib
 
@@ -28,6 +28,8 @@ GREY = "#8C979F"
 PALE = "#D3D9DD"
 ERROR_COLOURS = "viridis"
 
+Drawing = Callable[[Evaluation, Optional[MarkerMap], List[Detection]], Figure]
+
 GAP_PERIODS = 1.5  # further apart than this many usual periods: estimates are missing between
 
 STYLE = {
@@ -45,7 +47,7 @@ def write_report(directory: str, evaluation: Evaluation, marker_map: Optional[Ma
     """Draw every picture that the data allow; gives their paths."""
     os.makedirs(directory, exist_ok=True)
     detections = detections or []
-    figures = {"route.png": _route, "errors.png": _errors}
+    figures: Dict[str, Drawing] = {"route.png": _route, "errors.png": _errors}
     if any(_is_fitted(detection) for detection in detections):
         figures["residuals.png"] = _residuals
     paths = []
@@ -74,12 +76,12 @@ def _route(evaluation: Evaluation, marker_map: Optional[MarkerMap],
     points = view.scatter(*evaluation.positions.T, c=scale * evaluation.distances, s=26,
                           cmap=ERROR_COLOURS, edgecolors=INK, linewidths=0.5, zorder=5, vmin=0.0,
                           label="estimated poses")
-    _draw_worst_frame(view, evaluation, marker_map, detections)
+    markers = () if marker_map is None else marker_map.markers
+    _draw_worst_frame(view, evaluation, markers, detections)
     figure.colorbar(points, ax=view, location="bottom", shrink=0.5, aspect=40, pad=0.02,
                     label="position error [{}]".format(unit))
-    if marker_map is not None:
-        for marker in marker_map.markers:
-            _draw_marker(view, marker)
+    for marker in markers:
+        _draw_marker(view, marker)
     _draw_heading(view, evaluation)
     view.set_aspect("equal", adjustable="datalim")
     view.margins(0.08)
@@ -112,7 +114,7 @@ def _draw_marker(axes: Axes, marker: Marker) -> None:
                   textcoords="offset points", ha=alignment, va="center", fontsize=9.5, zorder=7)
 
 
-def _draw_worst_frame(axes: Axes, evaluation: Evaluation, marker_map: Optional[MarkerMap],
+def _draw_worst_frame(axes: Axes, evaluation: Evaluation, markers: Sequence[Marker],
                       detections: List[Detection]) -> None:
     """A ring about the largest error, and the bearings measured there, as far as their markers."""
     frame = evaluation.worst_frame
@@ -121,7 +123,7 @@ def _draw_worst_frame(axes: Axes, evaluation: Evaluation, marker_map: Optional[M
     position = evaluation.positions[frame]
     segments = []
     for detection in used:
-        to_marker = marker_map.markers[detection.map_entry].position[:2] - position
+        to_marker = markers[detection.map_entry].position[:2] - position
         direction = evaluation.headings[frame] + detection.bearing
         if np.isnan(direction):
             segments.append((position, position + to_marker))
@@ -152,7 +154,7 @@ def _draw_heading(axes: Axes, evaluation: Evaluation) -> None:
 def _draw_error_cloud(axes: Axes, evaluation: Evaluation) -> None:
     """Position errors as one sees them from above, with the RMSE as a circle."""
     unit, scale = _error_unit(evaluation)
-    rmse = scale * evaluation.figures()["position_rmse"]
+    rmse = scale * evaluation.error_figures()["position_rmse"]
     reach = 1.12 * scale * max(np.max(evaluation.distances), 1e-9)
     axes.scatter(*(scale * evaluation.position_errors.T), c=scale * evaluation.distances, s=26,
                  cmap=ERROR_COLOURS, edgecolors=INK, linewidths=0.5, vmin=0.0, zorder=3)
@@ -172,7 +174,7 @@ def _draw_histogram(axes: Axes, evaluation: Evaluation) -> None:
     unit, scale = _error_unit(evaluation)
     axes.hist(scale * evaluation.distances, bins="auto", color=SKY, edgecolor="white")
     for name, colour, style in (("median", BLUE, "--"), ("rmse", VERMILION, "-")):
-        value = evaluation.figures()["position_" + name]
+        value = evaluation.error_figures()["position_" + name]
         axes.axvline(scale * value, color=colour, linestyle=style, linewidth=1.8,
                      label="{} {}".format("RMSE" if name == "rmse" else name, length(value)))
     axes.set_title("Error distribution", loc="left")
@@ -196,7 +198,7 @@ def _errors(evaluation: Evaluation, _: Optional[MarkerMap],
     time = _broken_at_gaps(evaluation, (evaluation.stamps - begin) * 1e-9)
     distances = _broken_at_gaps(evaluation, scale * evaluation.distances)
     headings = _broken_at_gaps(evaluation, np.degrees(evaluation.heading_errors))
-    figures = evaluation.figures()
+    figures = evaluation.error_figures()
 
     axes[0].fill_between(time, distances, color=SKY, alpha=0.35, linewidth=0)
     axes[0].plot(time, distances, color=BLUE, marker=".", linewidth=1.3)
@@ -218,8 +220,8 @@ def _errors(evaluation: Evaluation, _: Optional[MarkerMap],
         stamps, counts = np.unique([detection.stamp for detection in detections
                                     if detection.accepted], return_counts=True)
         width = 0.8 * np.median(np.diff(stamps)) * 1e-9 if len(stamps) > 1 else 0.1
-        axes[-1].bar((stamps - begin) * 1e-9, counts, width=width, color=SKY,
-                    label="mean {:.1f}".format(np.mean(counts)) if len(counts) else None)
+        mean = "mean {:.1f}".format(float(np.mean(counts))) if len(counts) else None
+        axes[-1].bar((stamps - begin) * 1e-9, counts, width=width, color=SKY, label=mean)
         axes[-1].set_title("Markers used", loc="left")
         axes[-1].set_ylabel("per frame")
         axes[-1].yaxis.get_major_locator().set_params(integer=True)

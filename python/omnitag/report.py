@@ -8,13 +8,13 @@ from omnitag.evaluation import (PAPER_MEAN_RANGE, PAPER_PERCENT_OF_RANGE, PAPER_
 
 def table(evaluation: Evaluation) -> str:
     """Lines of text: what was compared, the errors, and the paper's beside them."""
-    figures = evaluation.figures()
+    figures = evaluation.error_figures()
     seconds = (evaluation.stamps - evaluation.reference.stamps[0]) * 1e-9
     worst_heading = int(np.argmax(np.abs(evaluation.heading_errors)))
     lines = [
         _line("Frames", "with an estimate", "{} of {}".format(
-            figures["matched_frames"], figures["reference_frames"]),
-            "{:.1f} %".format(100.0 * figures["matched_share"])),
+            len(evaluation.stamps), len(evaluation.reference)),
+            "{:.1f} %".format(100.0 * evaluation.matched_share)),
     ]
     if evaluation.unmatched_estimates:
         lines.append(_line("", "estimates without a reference",
@@ -27,12 +27,12 @@ def table(evaluation: Evaluation) -> str:
         _line("", "maximum", length(figures["position_max"]),
               "at {:.3f} s".format(seconds[evaluation.worst_frame])),
         "",
-        _line("Heading error", "RMS", "{:.4f} deg".format(figures["heading_rmse_deg"])),
-        _line("", "maximum", "{:.4f} deg".format(figures["heading_max_deg"]),
+        _line("Heading error", "RMS", _degrees(figures["heading_rmse_deg"])),
+        _line("", "maximum", _degrees(figures["heading_max_deg"]),
               "at {:.3f} s".format(seconds[worst_heading])),
     ]
     for name, errors in evaluation.standing_errors.items():
-        suffix, show = ("", length) if name == "height" else ("_deg", "{:.4f} deg".format)
+        suffix, show = ("", length) if name == "height" else ("_deg", _degrees)
         lines += [
             "",
             _line("{} error".format(name.capitalize()), "RMS",
@@ -41,6 +41,7 @@ def table(evaluation: Evaluation) -> str:
                   "at {:.3f} s".format(seconds[int(np.argmax(np.abs(errors)))])),
         ]
     if evaluation.mean_range:
+        percent = 100.0 * figures["position_rmse"] / evaluation.mean_range
         lines += [
             "",
             _line("Relative error", "", "here", "Fiala's paper"),
@@ -49,8 +50,7 @@ def table(evaluation: Evaluation) -> str:
             _line("", "mean range to the markers used", length(evaluation.mean_range),
                   "{:g} units".format(PAPER_MEAN_RANGE)),
             _line("", "RMSE / mean range",
-                  "{:.4f} %".format(figures["position_rmse_percent_of_range"]),
-                  "{:g} %".format(PAPER_PERCENT_OF_RANGE)),
+                  "{:.4f} %".format(percent), "{:g} %".format(PAPER_PERCENT_OF_RANGE)),
         ]
     return "\n".join(lines)
 
@@ -60,6 +60,10 @@ def length(metres: float) -> str:
     if metres < 0.1:
         return "{:.3f} mm".format(1e3 * metres)
     return "{:.3f} m".format(metres)
+
+
+def _degrees(angle: float) -> str:
+    return "{:.4f} deg".format(angle)
 
 
 def _line(group: str, name: str, value: str, remark: str = "") -> str:

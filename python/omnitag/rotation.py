@@ -1,11 +1,14 @@
 """Rotations, (3, 3), and the numbers that files have for them; angles in rad."""
 
-from typing import Sequence, Tuple
+from typing import Sequence, Tuple, Union
 
 import numpy as np
 
+Numbers = Union[Sequence[float], np.ndarray]
+"""A few: the parts of a vector or of a quaternion."""
 
-def rotation_from_vector(vector: Sequence[float]) -> np.ndarray:
+
+def rotation_from_vector(vector: Numbers) -> np.ndarray:
     """About `vector` by its length."""
     angle = np.linalg.norm(vector)
     if angle == 0.0:
@@ -40,7 +43,7 @@ def rpy_from_rotation(rotation: np.ndarray) -> Tuple[float, float, float]:
             float(np.arctan2(rotation[1, 0], rotation[0, 0])))
 
 
-def rotation_from_quaternion(quaternion: Sequence[float]) -> np.ndarray:
+def rotation_from_quaternion(quaternion: Numbers) -> np.ndarray:
     """Of a unit quaternion x, y, z, w."""
     x, y, z, w = quaternion
     return np.array([

@@ -134,7 +134,7 @@ def _parse_pose(fields: List[str], place: str) -> Tuple[int, np.ndarray]:
         if not np.isfinite(pose[index]):
             raise InputError("{}: {}: expected a finite number, found {!r}".format(
                 place, name, text))
-    length = np.linalg.norm(pose[3:])
+    length = float(np.linalg.norm(pose[3:]))
     if abs(length - 1.0) > QUATERNION_TOLERANCE:
         raise InputError("{}: expected a quaternion of length 1, found length {:.6g}".format(
             place, length))

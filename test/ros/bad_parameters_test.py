@@ -48,7 +48,8 @@ class BadParametersTest(unittest.TestCase):
         return [
             ({}, "/bad: map_file: expected the path of a file, found nothing"),
             ({"camera_file": CAMERA}, "/bad: map_file: expected the path of a file, found nothing"),
-            ({"camera_file": "/no/such.yaml", "map_file": MAP}, "/no/such.yaml: expected a readable file, found none"),
+            ({"camera_file": "/no/such.yaml", "map_file": MAP},
+             "/no/such.yaml: expected a readable file, found none"),
             ({"camera_file": bad_camera, "map_file": MAP}, bad_camera + ":"),
             ({"camera_file": CAMERA, "map_file": bad_map}, bad_map + ":"),
             ({"camera_file": CAMERA, "map_file": CAMERA}, CAMERA),

@@ -18,7 +18,7 @@ from omnitag.msg import LocalizationStatus
 from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import CompressedImage, Image
 from std_srvs.srv import Empty, Trigger
-from visualization_msgs.msg import Marker, MarkerArray
+from visualization_msgs.msg import MarkerArray
 
 
 class LocalizerTest(unittest.TestCase):

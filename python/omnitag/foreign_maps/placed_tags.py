@@ -6,6 +6,7 @@ import numpy as np
 
 from omnitag.command_line import InputError
 from omnitag.marker_map import Marker, MarkerMap
+from omnitag.rotation import Numbers
 from omnitag.tag_bitmap import FAMILIES, tag_family
 
 QUATERNION_TOLERANCE = 1e-3
@@ -37,7 +38,7 @@ def pose_of(rotation: np.ndarray, position: Sequence[float]) -> np.ndarray:
     return pose
 
 
-def unit_quaternion(quaternion: Sequence[float], error) -> np.ndarray:
+def unit_quaternion(quaternion: Numbers, error) -> np.ndarray:
     """The same of length 1; raises what `error` makes where its length is not nearly that."""
     length = float(np.linalg.norm(quaternion))
     if abs(length - 1.0) > QUATERNION_TOLERANCE:

@@ -47,7 +47,8 @@ def read(root: Mapping, given: Given) -> ReadMap:
                 if "pose" not in tag:
                     left_out.append("tag {}, which has no pose".format(tag["id"].integer()))
                     continue
-                markers.append(_marker(tag, body, map_from_body, Given(family, given.size)))
+                size = _size(tag, body, given.size)
+                markers.append(_marker(tag, map_from_body, family, size))
     if not markers:
         raise root["bodies"].error("a static body that has a tag with a pose", "none")
     remarks = ("left out: " + ", ".join(left_out),) if left_out else ()
@@ -71,16 +72,23 @@ def text_of(marker_map: MarkerMap, path: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _marker(tag: Mapping, body: Mapping, map_from_body: np.ndarray, given: Given) -> Marker:
-    size = tag["size"] if "size" in tag else body.get("default_tag_size")
-    if size is None and given.size is None:
+def _size(tag: Mapping, body: Mapping, given: Optional[float]) -> float:
+    """In m: the tag's own, else its body's, else the one given."""
+    value = tag["size"] if "size" in tag else body.get("default_tag_size")
+    if value is not None:
+        size = value.real()
+        if size <= 0.0:
+            raise value.error("a positive number of metres")
+        return size
+    if given is None:
         raise tag.error("'size' or the body's 'default_tag_size', or --size", "none")
-    metres = given.size if size is None else size.real()
-    if metres <= 0.0:
-        raise size.error("a positive number of metres")
+    return given
+
+
+def _marker(tag: Mapping, map_from_body: np.ndarray, family: str, size: float) -> Marker:
     noise = tag["pose"].any_mapping()
-    return Marker(check_id(tag["id"].integer(), given.family, tag["id"].error), given.family, "",
-                  metres, map_from_body @ _pose(tag["pose"]), _deviation(noise, "position_noise"),
+    return Marker(check_id(tag["id"].integer(), family, tag["id"].error), family, "", size,
+                  map_from_body @ _pose(tag["pose"]), _deviation(noise, "position_noise"),
                   _deviation(noise, "rotation_noise"))
 
 
@@ -106,8 +114,8 @@ def _deviation(pose: Mapping, key: str) -> Optional[float]:
 def _pose_lines(indent: str, pose: np.ndarray, deviation: float,
                 orientation_deviation: float) -> List[str]:
     vectors = (("position", pose[:3, 3]), ("rotation", vector_from_rotation(pose[:3, :3])),
-               ("position_noise", [max(deviation, 1e-6)] * 3),
-               ("rotation_noise", [max(orientation_deviation, 1e-6)] * 3))
+               ("position_noise", np.full(3, max(deviation, 1e-6))),
+               ("rotation_noise", np.full(3, max(orientation_deviation, 1e-6))))
     lines = []
     for name, vector in vectors:
         lines.append(indent + name + ":")

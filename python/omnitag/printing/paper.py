@@ -33,10 +33,11 @@ def page_size(least: Tuple[float, float], paper: str, what: str) -> Tuple[float,
         return PAPERS[paper]
     alike = _ISO if paper in _ISO else _US
     enough = next((name for name in alike if _holds(PAPERS[name], least)), "fit")
+    (width, height), (paper_width, paper_height) = least, PAPERS[paper]
     raise InputError(
         "{} needs {:.0f} x {:.0f} mm of paper, {} has {:g} x {:g}; the smallest paper that fits is "
-        "{}, and --poster cuts it over several sheets".format(what, *least, paper, *PAPERS[paper],
-                                                              enough))
+        "{}, and --poster cuts it over several sheets".format(
+            what, width, height, paper, paper_width, paper_height, enough))
 
 
 def blank_page(size: Tuple[float, float]) -> Tuple[Figure, Axes]:

@@ -61,7 +61,12 @@ class SequenceBag:
                         connection_header=header)
 
     def write_odometry(self, odometry: Optional[Odometry], samples: Iterable[Sample]) -> None:
-        """Transforms from base_link to the odometry frame; in the bag before an image of then."""
+        """Transforms from base_link to the odometry frame; in the bag before an image of then.
+
+        Without odometry, none.
+        """
+        if odometry is None:
+            return
         for sample in samples:
             transform = TransformStamped()
             transform.header.stamp = _time(sample.stamp)
@@ -125,6 +130,6 @@ def _time(nanoseconds: int) -> genpy.Time:
     return genpy.Time(*divmod(int(nanoseconds), 10**9))
 
 
-def _assign(target: object, names: str, values: np.ndarray) -> None:
+def _assign(target: object, names: str, values: Iterable[float]) -> None:
     for name, value in zip(names, values):
         setattr(target, name, float(value))

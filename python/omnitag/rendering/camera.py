@@ -1,7 +1,7 @@
 """The camera files that can be rendered: a lens that looks at a mirror, and an ideal fisheye."""
 
 from itertools import product
-from typing import NamedTuple, Tuple, Union
+from typing import List, NamedTuple, Tuple, Union
 
 import numpy as np
 
@@ -145,7 +145,7 @@ def _mirror(value: Value) -> Union[ConicMirror, TabulatedMirror]:
         return _tabulated_mirror(
             value.mapping(("profile", "samples", "apex_distance", "rim_radius")))
     entry = value.mapping(CONIC_KEYS + (("coefficients",) if profile == "aspheric" else ()))
-    coefficients = ()
+    coefficients: Tuple[float, ...] = ()
     if profile == "aspheric":
         coefficients = tuple(item.real() for item in entry["coefficients"].items())
     mirror = ConicMirror(positive(entry["apex_distance"]), positive(entry["rim_radius"]),
@@ -169,7 +169,7 @@ def _conic_constant(profile: str, entry: Mapping) -> float:
 
 
 def _tabulated_mirror(entry: Mapping) -> TabulatedMirror:
-    samples = []
+    samples: List[Tuple[float, float]] = []
     for item in entry["samples"].items("a list of [rho, sag]"):
         rho, sag = item.reals(2)
         if rho < 0.0:

@@ -32,18 +32,15 @@ class Effects(NamedTuple):
 
 def read_effects(entry: Mapping) -> Effects:
     """The effects among the keys of a world's images."""
+    usual = Effects()
     given = {key: positive(entry[key]) for key in ("gain", "gamma") if key in entry}
     if "turn" in entry:
         given["turn"] = entry["turn"].real()
-    if "blur" in entry:
-        given["blur"] = _blur(entry["blur"])
+    blur = _blur(entry["blur"]) if "blur" in entry else usual.blur
     if "vignetting" in entry:
         given["vignetting"] = share(entry["vignetting"])
-    if "bayer" in entry:
-        given["bayer"] = entry["bayer"].text()
-        if given["bayer"] not in PATTERNS:
-            raise entry["bayer"].error("one of " + ", ".join(PATTERNS))
-    return Effects(**given)
+    bayer = _bayer(entry["bayer"]) if "bayer" in entry else usual.bayer
+    return Effects(blur=blur, bayer=bayer, **given)
 
 
 def collected_light(light: np.ndarray, camera: Camera, effects: Effects) -> np.ndarray:
@@ -88,3 +85,10 @@ def _blur(value: Value) -> Tuple[float, float]:
         return centre, rim
     deviation = not_negative(value)
     return deviation, deviation
+
+
+def _bayer(value: Value) -> str:
+    pattern = value.text()
+    if pattern not in PATTERNS:
+        raise value.error("one of " + ", ".join(PATTERNS))
+    return pattern

@@ -39,13 +39,12 @@ def read_floor(value: Value) -> Floor:
     """The mapping `floor` of a world file; what is left out is level."""
     entry = value.mapping((*DEVIATION_KEYS, "constant_lean", "constant_height", "seed"))
     given = {key: not_negative(entry[key]) for key in DEVIATION_KEYS if key in entry}
-    if "constant_lean" in entry:
-        given["constant_lean"] = tuple(entry["constant_lean"].reals(2))
+    roll, pitch = (entry["constant_lean"].reals(2) if "constant_lean" in entry
+                   else LEVEL.constant_lean)
     if "constant_height" in entry:
         given["constant_height"] = entry["constant_height"].real()
-    if "seed" in entry:
-        given["seed"] = seed(entry["seed"])
-    return Floor(**given)
+    return Floor(constant_lean=(roll, pitch),
+                 seed=seed(entry["seed"]) if "seed" in entry else LEVEL.seed, **given)
 
 
 def on_floor(floor: Floor, frames: Sequence[Frame]) -> List[Frame]:

@@ -21,7 +21,7 @@ class FreeSpace:
     def __init__(self, world: World) -> None:
         self._room = world.room
         self._discs = []
-        self._polygons = []
+        self._polygons: List[np.ndarray] = []
         for shape in world.furniture:
             if shape.parent_from_shape[2, 3] >= HEADROOM:
                 continue

@@ -18,8 +18,8 @@ _POSE_KEYS = ("position", "yaw", "roll", "orientation")
 class Change(NamedTuple):
     """An entry of the map that the room does not keep to."""
 
-    index: int
-    """Of the entry."""
+    map_entry: int
+    """Its place in the map, from 0."""
     marker: Optional[Marker]
     """What hangs instead; none where the marker is missing."""
     during: Stretches
@@ -44,7 +44,7 @@ class HungMarkers(NamedTuple):
         hung: List[Optional[Marker]] = list(self.mapped)
         for change in self.changes:
             if change.during.cover(moment):
-                hung[change.index] = change.marker
+                hung[change.map_entry] = change.marker
         hung += [decoy.marker for decoy in self.decoys if decoy.during.cover(moment)]
         return [marker for marker in hung if marker is not None]
 

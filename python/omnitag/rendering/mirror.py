@@ -1,6 +1,6 @@
 """Mirror profiles: surfaces of revolution about the optical axis."""
 
-from typing import NamedTuple, Sequence, Tuple
+from typing import NamedTuple, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -23,7 +23,7 @@ class ConicMirror(NamedTuple):
     coefficients: Tuple[float, ...] = ()
     """a4, a6, ... in m^-3, m^-5, ..."""
 
-    def sag(self, rho: np.ndarray) -> np.ndarray:
+    def sag(self, rho: Union[float, np.ndarray]) -> np.ndarray:
         """Metres along the axis from the apex to the surface at `rho` metres off the axis.
 
         NaN where the conic does not reach that far.
@@ -55,7 +55,7 @@ class TabulatedMirror(NamedTuple):
     samples: Tuple[Tuple[float, float], ...]
     """(rho, sag) in metres, with increasing rho >= 0."""
 
-    def sag(self, rho: np.ndarray) -> np.ndarray:
+    def sag(self, rho: Union[float, np.ndarray]) -> np.ndarray:
         """Metres along the axis from the apex to the surface at `rho` metres off the axis."""
         rho = np.asarray(rho, dtype=float)
         start, cubic, jumps = self.truncated_powers()
@@ -100,10 +100,10 @@ def _spline_slopes(knots: np.ndarray, values: np.ndarray) -> np.ndarray:
     right = np.zeros(size)
     for i in range(1, size - 1):
         before, after = steps[i - 1], steps[i]
-        matrix[i, i - 1 : i + 2] = after, 2.0 * (before + after), before
+        matrix[i, i - 1:i + 2] = after, 2.0 * (before + after), before
         right[i] = 3.0 * (after * secants[i - 1] + before * secants[i])
     for row, (i, j) in ((0, (0, 1)), (size - 1, (size - 3, size - 2))):
-        matrix[row, i : i + 3] = (
+        matrix[row, i:i + 3] = (
             steps[j] ** 2, steps[j] ** 2 - steps[i] ** 2, -steps[i] ** 2,
         )
         right[row] = 2.0 * (steps[j] ** 2 * secants[i] - steps[i] ** 2 * secants[j])

@@ -55,13 +55,11 @@ def read_odometry(value: Value) -> Odometry:
     entry = value.mapping(("frame_id", *NOISE_KEYS, "scale", "rate", "seed", "lean"))
     given = {key: not_negative(entry[key]) for key in NOISE_KEYS if key in entry}
     given.update({key: positive(entry[key]) for key in ("scale", "rate") if key in entry})
-    if "frame_id" in entry:
-        given["frame_id"] = entry["frame_id"].text()
-    if "seed" in entry:
-        given["seed"] = seed(entry["seed"])
-    if "lean" in entry:
-        given["lean"] = boolean(entry["lean"])
-    return Odometry(**given)
+    usual = Odometry()
+    return Odometry(
+        frame_id=entry["frame_id"].text() if "frame_id" in entry else usual.frame_id,
+        seed=seed(entry["seed"]) if "seed" in entry else usual.seed,
+        lean=boolean(entry["lean"]) if "lean" in entry else usual.lean, **given)
 
 
 def odometry_samples(odometry: Odometry, frames: Sequence[Frame], rows: Sequence[int],
@@ -108,7 +106,9 @@ class _Wheels:
         duration = after.stamp - before.stamp
         samples = []
         for time in self._ticks(0, duration)[1:]:
-            now = self._path.pose(before, before.stamp + time) if time < duration else after
+            now: Union[Frame, Pose] = after
+            if time < duration:
+                now = self._path.pose(before, before.stamp + time)
             motion = self._scaled(_true_motion(before, now)) + time / duration * error
             samples.append(self.sample(before, before.stamp + time, _moved(start, motion)))
         return samples
@@ -137,10 +137,11 @@ class _Wheels:
 
     def sample(self, frame: Frame, stamp: int, planar: np.ndarray) -> Sample:
         """With the lean that the robot has at `stamp`, on the stretch that `frame` is on."""
+        sample = Sample(stamp, *planar)
         if not self._odometry.lean:
-            return Sample(stamp, *planar)
+            return sample
         pose = self._path.pose(frame, stamp)
-        return Sample(stamp, *planar, pose.z, pose.roll, pose.pitch)
+        return sample._replace(z=pose.z, roll=pose.roll, pitch=pose.pitch)
 
     def _scaled(self, motion: np.ndarray) -> np.ndarray:
         return np.array([self._odometry.scale, self._odometry.scale, 1.0]) * motion

@@ -63,7 +63,8 @@ def _second_derivatives(knots: np.ndarray, values: np.ndarray) -> np.ndarray:
     bends: List[np.ndarray] = [np.zeros_like(values[0]) for _ in knots]
     steps = np.diff(knots)
     secants = np.diff(values, axis=0) / steps[:, None]
-    diagonals, rights = [], []
+    diagonals: List[float] = []
+    rights: List[np.ndarray] = []
     for i in range(1, len(knots) - 1):
         diagonal, right = 2.0 * (steps[i - 1] + steps[i]), 6.0 * (secants[i] - secants[i - 1])
         if diagonals:

@@ -1,8 +1,10 @@
 """Poses of what stands on the floor, and of what leans."""
 
-from typing import NamedTuple
+from typing import NamedTuple, Union
 
 import numpy as np
+
+Angles = Union[float, np.ndarray]
 
 
 def upright_transform(position: np.ndarray, yaw: float) -> np.ndarray:
@@ -27,7 +29,7 @@ def leaning_transform(position: np.ndarray, yaw: float, roll: float, pitch: floa
     return transform
 
 
-def leaning_quaternion(yaw: np.ndarray, roll: np.ndarray, pitch: np.ndarray) -> np.ndarray:
+def leaning_quaternion(yaw: Angles, roll: Angles, pitch: Angles) -> np.ndarray:
     """(..., 4) unit quaternions x, y, z, w of Rz(yaw) Ry(pitch) Rx(roll), in rad."""
     sy, sr, sp = (np.sin(0.5 * np.asarray(angle, dtype=float)) for angle in (yaw, roll, pitch))
     cy, cr, cp = (np.cos(0.5 * np.asarray(angle, dtype=float)) for angle in (yaw, roll, pitch))

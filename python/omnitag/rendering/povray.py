@@ -8,12 +8,13 @@ only the camera's own vectors decide about handedness in POV-Ray.
 import os
 import subprocess
 import tempfile
-from typing import Dict, Optional, Sequence
+from typing import Dict, Optional
 
 import cv2
 import numpy as np
 
 from omnitag.command_line import InputError
+from omnitag.rotation import Numbers
 
 MILLIMETRES = 1000.0
 
@@ -25,12 +26,12 @@ _OPTIONS = ("Antialias=on", "Sampling_Method=1", "Antialias_Threshold=0.03", "Ji
             "Grayscale_Output=on", "Display=off", "Work_Threads=1")
 
 
-def vector(values: Sequence[float]) -> str:
+def vector(values: Numbers) -> str:
     """A vector as it stands."""
     return "<{}>".format(", ".join("{:.12g}".format(float(value)) for value in values))
 
 
-def point(metres: Sequence[float]) -> str:
+def point(metres: Numbers) -> str:
     """A point or an extent, given in metres."""
     return vector(MILLIMETRES * np.asarray(metres, dtype=float))
 

@@ -11,7 +11,8 @@ from omnitag.trajectory import Trajectory, format_stamp, parse_stamp
 
 PLANAR_FIELDS = ["stamp", "x", "y", "yaw"]
 LEAN_FIELDS = ["z", "roll", "pitch"]
-HEADERS = [PLANAR_FIELDS + lean + jump for lean in ([], LEAN_FIELDS) for jump in ([], ["jump"])]
+HEADERS = [PLANAR_FIELDS + lean * LEAN_FIELDS + jump * ["jump"]
+           for lean in (False, True) for jump in (False, True)]
 
 
 class Frame(NamedTuple):

@@ -265,7 +265,8 @@ def _shape(value: Value, materials: Dict[str, Material]) -> Shape:
     size = entry["size"].reals(3)
     if min(size) <= 0.0:
         raise entry["size"].error("three positive numbers", str(size))
-    return Box(tuple(size), parent_from_shape, material, during)
+    x, y, z = size
+    return Box((x, y, z), parent_from_shape, material, during)
 
 
 def _named(value: Value, materials: Dict[str, Material]) -> Material:
