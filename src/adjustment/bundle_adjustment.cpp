@@ -29,7 +29,7 @@ class ProgressCallback final : public ceres::IterationCallback {
   double start_ = 0.0;
 };
 
-/// First the poses, then all else.
+/// The poses are eliminated first.
 std::shared_ptr<ceres::ParameterBlockOrdering> orderingOf(BundleProblem* bundle) {
   const std::vector<double*> poses = bundle->independentPoses();
   if (poses.empty()) return nullptr;

@@ -10,12 +10,12 @@
 namespace omnitag {
 namespace {
 
-/// Pixels, of a corner that the camera would not see.
+/// Residual of a corner that the camera would not see, in pixels.
 constexpr double kHidden = 300.0;
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Ceres stores row by row, and does not ask for the derivatives by what is held.
+/// Ceres stores row by row, and does not request derivatives by held blocks.
 void store(const RowMajor& jacobian, double* rows) {
   if (rows == nullptr) return;
   std::copy_n(jacobian.data(), jacobian.size(), rows);

@@ -11,25 +11,26 @@
 #include "omnitag/adjustment/bundle.h"
 #include "perturbed_cameras.h"
 
-/// The terms of a bundle's sum of squares, over its blocks of parameters: of a frame x, y, yaw, z,
-/// roll and pitch of its pose; of a landmark the MarkerIncrement from a place, and the size; of the
-/// camera the offsets of its free parameters, in their scales.
+/// The terms of a bundle's sum of squares, over its blocks of parameters: of a frame, x, y, yaw, z,
+/// roll and pitch of its pose; of a landmark, its MarkerIncrement from a reference place, and its
+/// size; of the camera, the offsets of its free parameters, in their scales.
 namespace omnitag {
 
 using SixBlock = std::array<double, 6>;
 
 SixBlock blockOf(const Pose& pose);
-/// The yaw may have turned more than once.
+/// The yaw may exceed a full turn.
 Pose poseOfBlock(const double* block);
-/// How a pose changes, as a PoseVector, with its block.
+/// Derivative of a pose, as a PoseVector, by its block.
 PoseMatrix poseByBlock(const Pose& pose);
 
 Marker markerAt(const Marker& about, const double* increment, double size);
 
-/// Squares up to what chance (99 of 100) leaves, and from there on Cauchy's function.
+/// Squares up to what chance leaves (99 of 100), Cauchy's function beyond.
 class ExpectedLoss final : public ceres::LossFunction {
  public:
-  /// Of chi-square with the residual's degrees of freedom: 20.1 of 8, 16.8 of 6, 6.6 of 1.
+  /// `expected`: of chi-square with the residual's degrees of freedom: 20.1 for 8, 16.8 for 6, 6.6
+  /// for 1.
   explicit ExpectedLoss(double expected) : expected_(expected) {}
   void Evaluate(double square, double* out) const override;
 
@@ -40,11 +41,11 @@ constexpr double kExpectedOfMarker = 20.1;
 constexpr double kExpectedOfPlace = 16.8;
 constexpr double kExpectedOfNumber = 6.6;
 
-/// What a marker's corners are off in an image, whitened. Blocks: frame, landmark, size and, where
-/// any of the camera's parameters are free, these.
+/// Whitened errors of a marker's corners in an image. Blocks: frame, landmark, size and, if any of
+/// the camera's parameters are free, these.
 class MarkerCost final : public ceres::CostFunction {
  public:
-  /// Keeps references, and `about`, from which the landmark's increment counts.
+  /// Keeps the references. `about`: the marker from which the landmark's increment counts.
   MarkerCost(PerturbedCameras* cameras, const Eigen::Isometry3d& base_from_camera,
              const Marker& about, const Bundle::Observation& observation, double noise);
   bool Evaluate(const double* const* parameters, double* residuals,
@@ -58,7 +59,7 @@ class MarkerCost final : public ceres::CostFunction {
   double noise_;
 };
 
-/// Some numbers of a block, each with a value that it is known to have, and its standard deviation.
+/// Prior of some numbers of a block: for each, the known value and its standard deviation.
 class KnownNumbersCost final : public ceres::CostFunction {
  public:
   struct Known {
@@ -75,8 +76,8 @@ class KnownNumbersCost final : public ceres::CostFunction {
   std::vector<Known> known_;
 };
 
-/// What the motion between two frames is off from odometry, in its deviations: along x, y and yaw,
-/// and along all six where the robot is free. Blocks: both frames.
+/// Error of the motion between two frames relative to odometry, in its deviations: along x, y and
+/// yaw, or along all six axes if the robot is free. Blocks: both frames.
 class MotionCost final : public ceres::CostFunction {
  public:
   MotionCost(const Bundle::Motion& motion, bool is_free);
@@ -90,7 +91,7 @@ class MotionCost final : public ceres::CostFunction {
   bool is_free_;
 };
 
-/// What a constraint is off, in its deviation. Blocks: the landmarks that it names.
+/// Error of a constraint, in its deviation. Blocks: the landmarks that it names.
 class ConstraintCost final : public ceres::CostFunction {
  public:
   /// `about`: the constraint's markers, from which their increments count.

@@ -17,8 +17,8 @@ namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
 
-/// The derivatives of all terms by the blocks that are estimated, the poses' first, then what is
-/// wanted: the markers', the sizes', the camera's.
+/// The derivatives of all terms by the estimated blocks: first the poses', then the wanted ones,
+/// those of the places, the sizes and the camera.
 class Linearization {
  public:
   Linearization(const Bundle& bundle, const BundleConfig& config)
@@ -36,19 +36,19 @@ class Linearization {
 
   Eigen::Index wanted() const { return unknowns_ - poses_; }
   Eigen::Index camera() const { return wanted() - wanted_before_camera_; }
-  /// Where a landmark's place and size are among what is wanted; negative where they are held.
+  /// Indices of a landmark's place and size among the wanted unknowns; negative if they are held.
   Eigen::Index placeOf(std::size_t landmark) const { return place_[landmark]; }
   Eigen::Index sizeOf(std::size_t landmark) const { return size_[landmark]; }
 
-  /// What the residuals show the noise to be, as a factor of what it is taken for.
+  /// The noise that the residuals show, as a factor of the assumed one.
   double noise() const {
     return std::sqrt(weighted_squares_ /
                      std::max(1.0, 8.0 * static_cast<double>(bundle_.observations.size()) -
                                        static_cast<double>(unknowns_)));
   }
 
-  /// The information of what is wanted, the poses eliminated; and, eliminated alike, some gradients
-  /// (a column for each way that all residuals may err by in common).
+  /// The information of the wanted unknowns with the poses eliminated; likewise the gradients of
+  /// common errors (a column for each way that all residuals may err in common).
   Eigen::MatrixXd reduced(const Eigen::MatrixX2d& common_errors,
                           Eigen::MatrixX2d* common_gradient) const {
     const Sparse by_wanted = jacobian_.rightCols(wanted());
@@ -58,7 +58,7 @@ class Linearization {
     const Sparse by_poses = jacobian_.leftCols(poses_);
     const Sparse mixed = by_wanted.transpose() * by_poses;
     const Eigen::SimplicialLDLT<Sparse> poses(Sparse(by_poses.transpose() * by_poses));
-    // In slices, as a whole recording's would not fit into memory.
+    // In slices: for a whole recording at once, memory would not suffice.
     constexpr Eigen::Index kSlice = 128;
     const Sparse transposed = mixed.transpose();
     for (Eigen::Index first = 0; first < wanted(); first += kSlice) {
@@ -71,7 +71,7 @@ class Linearization {
     return information;
   }
 
-  /// Whitened residuals if all corners were off by a pixel, a column for each of the ways.
+  /// Whitened residuals if all corners were off by a pixel, a column for each direction.
   Eigen::MatrixX2d commonErrors(const Eigen::Vector2d& centre, double noise) const {
     Eigen::MatrixX2d errors = Eigen::MatrixX2d::Zero(jacobian_.rows(), 2);
     for (std::size_t i = 0; i < bundle_.observations.size(); ++i) {
@@ -91,7 +91,7 @@ class Linearization {
   }
 
  private:
-  /// Returns where it begins; negative for none.
+  /// Returns the block's first index; negative for none.
   Eigen::Index addBlock(double* block, Eigen::Index size) {
     constexpr Eigen::Index kNone = -(Eigen::Index{1} << 40);
     if (block == nullptr) return kNone;
@@ -106,7 +106,7 @@ class Linearization {
     options.residual_blocks = problem_.observationTerms();
     options.residual_blocks.insert(options.residual_blocks.end(), problem_.otherTerms().begin(),
                                    problem_.otherTerms().end());
-    // Weights as they are: what Ceres would add for how these change makes no covariance.
+    // The weights are kept fixed: Ceres's correction for their change would not give a covariance.
     options.apply_loss_function = false;
     std::vector<double> residuals;
     ceres::CRSMatrix crs;
@@ -141,8 +141,8 @@ class Linearization {
   double weighted_squares_ = 0.0;
 };
 
-/// How each landmark's increment changes as the map as a whole is shifted along x, y, z and turned
-/// about them.
+/// Derivatives of the landmarks' increments by a shift of the whole map along x, y, z and a
+/// rotation about them.
 Eigen::MatrixXd wholeMapMotions(const Bundle& bundle, const std::vector<Eigen::Index>& places,
                                 Eigen::Index size) {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
@@ -159,13 +159,13 @@ Eigen::MatrixXd wholeMapMotions(const Bundle& bundle, const std::vector<Eigen::I
   return motions;
 }
 
-/// Fills in the landmarks' part, `covariance` being that of the places and sizes.
+/// Fills in the landmarks' part; `covariance`: of the places and sizes.
 void addLandmarks(const Bundle& bundle, const Linearization& linear,
                   const Eigen::MatrixXd& covariance, BundleInformation* information) {
   std::vector<Eigen::Index> places;
   for (std::size_t i = 0; i < bundle.landmarks.size(); ++i) places.push_back(linear.placeOf(i));
   const Eigen::MatrixXd motions = wholeMapMotions(bundle, places, covariance.rows());
-  // The map is laid on the truth by the markers' positions alone.
+  // The map is aligned with the true one by the markers' positions alone.
   Eigen::MatrixXd by_position = Eigen::MatrixXd::Zero(6, covariance.rows());
   for (const Eigen::Index place : places) {
     if (place >= 0) by_position.middleCols<3>(place) = motions.middleRows<3>(place).transpose();
@@ -193,7 +193,7 @@ void addLandmarks(const Bundle& bundle, const Linearization& linear,
 }  // namespace
 
 double alikeFactor(std::size_t readings) {
-  // With this many readings, that is as large as the noise.
+  // With this many readings, the common error is as large as the noise.
   constexpr double kAlike = 20.0;
   return 1.0 + static_cast<double>(readings) / kAlike;
 }
@@ -232,7 +232,7 @@ std::optional<BundleInformation> information(const Bundle& bundle, const BundleC
     result.camera -= mixed.transpose() * by_camera;
     result.common_error_gradient -= by_camera.transpose() * gradient.topRows(markers);
     if (camera > 0) {
-      // What is not known of the camera leaves the markers open, too.
+      // The camera's uncertainty adds to that of the markers.
       Eigen::MatrixXd with_guess = result.camera;
       with_guess.diagonal().array() += 1.0 / 16.0;
       covariance += by_camera * with_guess.ldlt().solve(by_camera.transpose());

@@ -9,10 +9,9 @@
 namespace omnitag {
 namespace {
 
-/// By this many scales a guess of the camera may be off (standard deviation).
+/// Standard deviation of a guess of the camera, in scales.
 constexpr double kScalesOfGuess = 4.0;
-/// m and rad: nothing beside a bundle's other numbers is known as exactly, which is as good as
-/// holding it.
+/// m and rad: far more exact than anything else in a bundle, which is as good as holding it.
 constexpr double kExact = 1e-6;
 
 /// The rotation vector of a rotation.
@@ -89,7 +88,7 @@ void BundleProblem::addPriorsOfMarkers() {
       known.push_back({k, 0.0, std::max(deviation, kExact)});
       is_soft = is_soft && deviation > kExact;
     }
-    // What says where the map is does not give way.
+    // Priors that define where the map is have no robust loss.
     others_.push_back(add(std::make_unique<KnownNumbersCost>(6, std::move(known)),
                           is_soft ? &place_loss_ : nullptr, {block}));
   }

@@ -11,7 +11,7 @@
 
 namespace omnitag {
 
-/// A bundle's parameters and, over them, Ceres's problem.
+/// A bundle's parameters and Ceres's problem over them.
 class BundleProblem {
  public:
   /// Keeps references to both.
@@ -19,11 +19,11 @@ class BundleProblem {
 
   ceres::Problem& problem() { return problem_; }
 
-  /// Puts the parameters into the bundle that this was made from, or into a copy of it.
+  /// Writes the parameters to the bundle that this was made from, or to a copy of it.
   void store(Bundle* bundle) const;
 
-  /// Blocks that are estimated; none where a frame, a landmark or its size is held, or nothing says
-  /// anything of it.
+  /// The blocks that are estimated; null if a frame, a landmark or its size is held, or no term
+  /// depends on it.
   double* poseBlock(std::size_t frame) { return estimated(poses_[frame].data()); }
   double* placeBlock(std::size_t landmark) {
     return estimated(markers_[landmark].increment.data());
@@ -31,16 +31,16 @@ class BundleProblem {
   double* sizeBlock(std::size_t landmark) { return estimated(&markers_[landmark].size); }
   double* cameraBlock() { return offsets_.size() == 0 ? nullptr : estimated(offsets_.data()); }
 
-  /// Of the bundle's observations, in their order.
+  /// Terms of the bundle's observations, in their order.
   const std::vector<ceres::ResidualBlockId>& observationTerms() const { return observations_; }
-  /// All others but what is known of the camera's parameters, and that one, if there is any.
+  /// All other terms except the prior of the camera's parameters.
   const std::vector<ceres::ResidualBlockId>& otherTerms() const { return others_; }
 
-  /// Frames that may be eliminated at once: no odometry ties one of them to another.
+  /// Frames that can be eliminated at once: none are tied to each other by odometry.
   std::vector<double*> independentPoses();
 
  private:
-  /// The increment counts from where the prior has the marker, or from where it starts.
+  /// The increment counts from the place of the prior, or from the initial place if there is none.
   struct MarkerBlocks {
     Marker about;
     SixBlock increment{};

@@ -15,11 +15,11 @@ namespace {
 constexpr std::size_t kMinMarkers = 3;
 constexpr std::size_t kMinFrames = 10;
 
-/// Pixels, mean edge: the corners of smaller markers, whose modules are hardly two pixels wide, are
-/// several times less exact and drawn inwards.
+/// Mean edge in pixels: the corners of smaller markers, whose modules are hardly two pixels wide,
+/// are several times less exact and displaced inwards.
 constexpr double kLargeEdge = 16.0;
 
-/// What was met on the way through the readings.
+/// Counts of what the readings contain.
 struct Census {
   std::set<std::size_t> entries;
   std::set<int> ambiguous_ids;

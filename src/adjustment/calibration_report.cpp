@@ -87,7 +87,7 @@ std::optional<double> rimOf(const CameraTemplate& camera, const CalibrationResul
     const bool is_well = now >= farthest + kMargin && std::abs(now / guessed - 1.0) <= kFarOff;
     if (is_well) return std::nullopt;
   } catch (const InputError&) {
-    // The guess's rim is none of this mirror.
+    // The guess's rim is impossible on this mirror.
   }
   return camera.rimAt(values, std::max(guessed, farthest + kMargin));
 }

@@ -7,28 +7,28 @@
 #include "omnitag/adjustment/camera_calibration.h"
 #include "omnitag/adjustment/observability.h"
 
-/// Numbers and words about a calibration.
+/// Numbers and words for reports on a calibration.
 namespace omnitag {
 
 /// A number with this many decimals, or this many significant digits.
 std::string decimals(double number, int count);
 std::string significant(double number, int count);
 
-/// The names of all parameters, with commas.
+/// The names of all parameters, separated by commas.
 std::string namesOf(const CalibrationModel& model);
 
-/// A line about each pair of parameters of which the images hardly tell the one without the other.
+/// Adds a line about each pair of parameters that the images hardly separate.
 void addTradeOffs(const CalibrationModel& model, const ParameterUncertainty& uncertainty,
                   std::vector<std::string>* remarks);
 
-/// Where the camera leans, a line about how far the mirror's distance, as exactly as it is known,
-/// leaves the robot's place open.
+/// If the camera leans, adds a line about how uncertain the robot's place is because of the
+/// uncertain distance of the mirror.
 void addLean(const std::vector<CalibratedParameter>& parameters,
              const Eigen::Isometry3d& base_from_camera, std::vector<std::string>* remarks);
 
-/// The rim (m) to write. The guess's in metres stays (nothing), as somebody may have measured it,
-/// unless it then images elsewhere than the guess's circle by far, or hides corners that were seen:
-/// then the circle stays.
+/// The rim (m) to write; nothing to keep the guess's, which may have been measured. If the
+/// guess's rim would image far from the guess's circle or hide corners that were seen, the circle
+/// is kept instead.
 std::optional<double> rimOf(const CameraTemplate& camera, const CalibrationResult& result);
 
 }  // namespace omnitag

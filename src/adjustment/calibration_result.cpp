@@ -39,9 +39,9 @@ std::vector<CalibratedParameter> parametersOf(const CalibrationOutcome& outcome,
   return parameters;
 }
 
-/// What chance leaves of the camera where its mounting is known: how the robot leans, and with it
-/// the camera, is estimated in each image anyway. What all corners err by alike, parameters do not
-/// pass on as they do what chance gives each.
+/// The camera's uncertainty by chance, given its mounting: the lean of the robot, and with it of
+/// the camera, is estimated in each image anyway. Without errors common to all corners: these do
+/// not propagate through the parameters as random ones do.
 ParameterUncertainty uncertaintyOfCameraAlone(const CalibrationModel& model,
                                               const std::vector<Eigen::Index>& observed,
                                               const Eigen::MatrixXd& information) {
@@ -53,7 +53,7 @@ ParameterUncertainty uncertaintyOfCameraAlone(const CalibrationModel& model,
   return uncertaintyOf(model, camera, {information.topLeftCorner(size, size)});
 }
 
-/// A line about each marker that hangs far from where the map has it.
+/// Adds a line about each marker that hangs far from its place in the map.
 void addMoved(const Bundle& bundle, std::vector<std::string>* remarks) {
   constexpr double kFar = 5.0;  // deviations
   for (const Bundle::Landmark& landmark : bundle.landmarks) {
@@ -69,7 +69,7 @@ void addMoved(const Bundle& bundle, std::vector<std::string>* remarks) {
 }  // namespace
 
 CameraInformation withCommonError(CameraInformation information) {
-  // Pixels: where the edges of blurred markers seem to be.
+  // Pixels: apparent displacement of the edges of blurred markers.
   constexpr double kCommonError = 0.01;
   information.common_error = kCommonError;
   return information;

@@ -14,15 +14,15 @@ namespace omnitag {
 struct CalibrationOutcome {
   const CameraFit& fit;
   std::vector<Eigen::Index> observed;
-  /// Why each parameter was held; empty for one that was not.
+  /// Why each parameter was held; empty if it was not.
   std::vector<std::string> why_held;
 };
 
-/// With what the edges of blurred markers err by together.
+/// With the error that the edges of blurred markers have in common.
 CameraInformation withCommonError(CameraInformation information);
 
-/// The outcome with what is known of its exactness. Throws InputError where no camera of the
-/// model's kind explains the images.
+/// The result with its uncertainty. Throws InputError if no camera of the model's kind explains
+/// the images.
 CalibrationResult resultOf(const CalibrationOutcome& outcome, const ResidualSummary& before,
                            const CalibrationConfig& config);
 

@@ -41,7 +41,7 @@ class Calibrator {
   bool impliesConic() const { return model().camera().impliesConicConstant(); }
   double valueOf(Eigen::Index index) const { return fit_.bundle.values(index); }
 
-  /// The poses alone: what a guess is worth.
+  /// The residuals of the guess, with only the poses adjusted.
   ResidualSummary summaryOfGuess() {
     const Bundle start = fit_.bundle;
     fit_.adjust("poses with the guess", {}, Moving::kCameraAndPoses);
@@ -50,8 +50,9 @@ class Calibrator {
     return summary;
   }
 
-  /// From the bearings' poses to a camera. With a profile that is far from the mirror's, the rest
-  /// would run off to make up for it: then another one is looked for from the beginning.
+  /// From the bearings' poses to a camera. If the profile is far from the mirror's, the
+  /// other parameters would diverge to compensate: then the conic constant is estimated from
+  /// the beginning.
   void approach() {
     constexpr double kFarOff = 0.5;  // pixels
     constexpr double kFarBetter = 0.5;
@@ -67,7 +68,7 @@ class Calibrator {
     if (!doubts_profile_) fit_.bundle = believed;
   }
 
-  /// More and more is set free.
+  /// Releases more and more parameters.
   void setFree() {
     Indices radial = fit_.indicesOf({"fx", "fy", "apex_distance", "z"});
     if (doubts_profile_) radial.push_back(*model().indexOf("conic_constant"));
@@ -82,8 +83,8 @@ class Calibrator {
 
   bool mayDoubtProfile() const { return impliesConic() && !fit_.isFixed("conic_constant"); }
 
-  /// All that may be estimated: but for the mirror's size and a conic constant that the profile
-  /// implies, as long as these are not in doubt.
+  /// All parameters that may be estimated: without the mirror's size and a conic constant that the
+  /// profile implies, unless these are in doubt.
   Indices candidates() const {
     Indices indices;
     for (std::size_t i = 0; i < model().parameters().size(); ++i) {
@@ -99,7 +100,7 @@ class Calibrator {
   }
 
   /// Whether the corners fit clearly better once `*doubts` adds a parameter to the candidates; if
-  /// they do not, all stays as it was.
+  /// not, everything is restored.
   bool fitsBetter(const std::string& step, bool* doubts) {
     const Bundle believed = fit_.bundle;
     const double before = fit_.rms();
@@ -115,7 +116,7 @@ class Calibrator {
     return true;
   }
 
-  /// A profile that implies the conic constant is believed unless another constant fits better.
+  /// A profile that implies the conic constant is kept unless another constant fits better.
   void decideProfile() {
     fit_.adjust("everything", candidates(), Moving::kAll);
     if (doubts_profile_) {
@@ -128,8 +129,8 @@ class Calibrator {
     }
   }
 
-  /// The size of a mirror shows in parallax alone: a caliper measures it better than images do,
-  /// which are believed only where they contradict.
+  /// The size of a mirror shows only in parallax: a caliper measures it better than images do, so
+  /// that the guess is kept unless they contradict it.
   void decideSize() {
     Indices all = fit_.indicesOf({"radius_of_curvature"});
     if (all.empty()) return;
@@ -144,9 +145,9 @@ class Calibrator {
     size_deviation_ = uncertaintyOf(model(), all, fit_.cameraInformation(all)).deviations(0);
   }
 
-  /// Of a mirror that is none of the guess's kind, whether it is a sphere or a paraboloid: that of
-  /// the two whose conic constant the estimate agrees with, unless the corners then fit clearly
-  /// worse. The lens's and the mirror's distance are several times better known then.
+  /// Whether a mirror that does not have the guess's profile is a sphere or a paraboloid: the one
+  /// whose conic constant agrees with the estimate, unless the corners then fit clearly worse. The
+  /// distances of the lens and the mirror are then known several times better.
   void settleProfile() {
     if (!doubts_profile_) return;
     const Indices all = candidates();
@@ -178,8 +179,8 @@ class Calibrator {
     const double before = fit_.rms();
     for (const auto& [index, deviation] : held_) fit_.bundle.values(index) = fit_.guess()(index);
     fit_.adjust("what is observed", observed_, Moving::kAll);
-    // Two that trade off against each other may both be off in the guess, by more than the rest can
-    // make up for.
+    // The guess of two parameters that trade off against each other may be so far off that the
+    // others cannot compensate.
     holds_estimates_ = isClearlyBetter(before, fit_.rms());
     if (!holds_estimates_) return;
     fit_.bundle = estimated;
@@ -233,14 +234,14 @@ class Calibrator {
   CameraFit fit_;
   bool doubts_profile_ = false;
   bool doubts_size_ = false;
-  /// Whether it is a sphere or a paraboloid, though the guess was another.
+  /// Whether the mirror is a sphere or a paraboloid, although the guess was another.
   bool is_settled_ = false;
   double size_deviation_ = 0.0;
-  /// How much better the last doubt made it, in words.
+  /// The improvement by the last doubt, in words.
   std::string improvement_;
   Indices observed_;
   std::vector<std::pair<Eigen::Index, double>> held_;
-  /// Whether these are held where they fit instead of at the guess.
+  /// Whether these are held at their estimates instead of at the guess.
   bool holds_estimates_ = false;
 };
 

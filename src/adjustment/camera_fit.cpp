@@ -18,7 +18,8 @@ namespace {
 
 constexpr std::size_t kMinFrames = 10;
 
-/// The misfit of a marker's corners (RMS) from which on it counts less and less, in the noise.
+/// The misfit of a marker's corners (RMS) beyond which it counts less and less, relative to
+/// the noise.
 const double kWidthOfNoise = std::sqrt(0.25 * kExpectedOfMarker);
 
 }  // namespace
@@ -98,7 +99,7 @@ BundleConfig CameraFit::configOf(const Indices& free, Moving moving) const {
   config.adjusts_poses = moving != Moving::kCamera;
   config.adjusts_markers = moving == Moving::kAll;
   if (moving == Moving::kAll) {
-    // A part of both is the mounting's, one the floor's.
+    // Both have a part due to the mounting and one due to the floor.
     config.height_deviation = std::sqrt(2.0) * config_.floor.height_deviation;
     config.lean_deviation = std::sqrt(2.0) * config_.floor.lean_deviation;
   }
@@ -116,7 +117,7 @@ void CameraFit::adjust(const std::string& step, const Indices& free, Moving movi
   for (int round = 0; round < kMaxRounds; ++round) {
     const double width =
         std::max(config_.robust_width, std::min(kWide * medianResidual(), kWidest));
-    // Once more with a width that is hardly narrower changes nothing.
+    // Repeating with a width that is hardly narrower changes nothing.
     constexpr double kHardly = 0.9;
     if (width > kHardly * last_width) break;
     last_width = width;
@@ -128,7 +129,7 @@ void CameraFit::adjust(const std::string& step, const Indices& free, Moving movi
 }
 
 void CameraFit::settle(const Indices& free) {
-  // A residual that is nothing at all would make everything else count for nothing.
+  // With residuals of zero, all other terms would have no weight.
   constexpr double kLeast = 1e-3;  // pixels
   noise_ = std::max(information(free).noise, kLeast);
   omnitag::adjust(&bundle, configOf(free, Moving::kAll));
@@ -148,7 +149,7 @@ BundleInformation CameraFit::information(const Indices& free) const {
                      ": drive past all markers, and see that some are in sight together");
   }
   if (noise_ > 0.0) return *told;
-  // At the noise that shows.
+  // At the noise that the residuals show.
   constexpr double kLeast = 1e-4;  // pixels
   config.noise = std::max(told->noise, kLeast);
   const auto again = omnitag::information(bundle, config, &undetermined);

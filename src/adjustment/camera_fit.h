@@ -10,19 +10,19 @@
 
 namespace omnitag {
 
-/// What moves in a step of a calibration.
+/// What is adjusted in a step of a calibration.
 enum class Moving {
   kCamera,          ///< the camera's parameters alone
   kCameraAndPoses,  ///< the poses on an even floor, too
-  kAll,             ///< all that is not exactly known: also how the robot leans, and the markers
+  kAll,             ///< everything not exactly known: also the robot's lean, and the markers
 };
 
-/// A recording as a bundle whose camera is looked for, step by step.
+/// A recording as a bundle whose camera is estimated step by step.
 class CameraFit {
  public:
   using Indices = std::vector<Eigen::Index>;
 
-  /// The poses as bearings tell them. Keeps references to `config` and `progress`. Throws
+  /// Takes initial poses from bearings. Keeps references to `config` and `progress`. Throws
   /// InputError as calibrateCamera() does.
   CameraFit(const CameraTemplate& guess, const MarkerMap& map,
             const std::vector<FrameReadings>& frames, const CalibrationConfig& config,
@@ -32,28 +32,27 @@ class CameraFit {
   Eigen::VectorXd guess() const { return model().guess(); }
   const std::string& nameOf(Eigen::Index index) const;
   bool isFixed(const std::string& name) const { return config_.fixed.count(name) > 0; }
-  /// Of those names, the parameters that there are and that may change.
+  /// The parameters with those names that exist and may change.
   Indices indicesOf(std::initializer_list<const char*> names) const;
 
-  /// Minimizes with a robust width that narrows as the residuals do.
+  /// Minimizes with a robust width that narrows with the residuals.
   void adjust(const std::string& step, const Indices& free, Moving moving);
-  /// Once more, with the noise that the residuals show.
+  /// Adjusts once more, at the noise that the residuals show.
   void settle(const Indices& free);
 
   double medianResidual() const;
   double rms() const;
-  /// What the images tell of these parameters.
+  /// The information of the images about these parameters.
   CameraInformation cameraInformation(const Indices& free) const;
-  /// Of everything, at the noise that the residuals show. Throws InputError where something is not
-  /// told at all.
+  /// The information about everything, at the noise that the residuals show. Throws InputError if
+  /// something is not determined at all.
   BundleInformation information(const Indices& free) const;
 
-  /// Takes out what says nothing about the camera. Throws InputError where too little is left.
+  /// Removes outliers. Throws InputError if too little is left.
   void leaveOutOutliers();
 
   Bundle bundle;
   std::vector<std::string> remarks;
-  /// Of the bundle's frames, s.
   std::size_t frameCount() const { return bundle.frames.size(); }
 
  private:
@@ -62,7 +61,7 @@ class CameraFit {
 
   const CalibrationConfig& config_;
   const CalibrationProgress& progress_;
-  /// Pixels along each axis, as the residuals show it; 0 as long as that is not known.
+  /// Pixels along each axis, from the residuals; 0 while it is unknown.
   double noise_ = 0.0;
 };
 

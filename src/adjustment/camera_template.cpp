@@ -13,10 +13,10 @@
 namespace omnitag {
 namespace {
 
-/// How far beyond its rim a mirror is taken to go on.
+/// Factor by which a mirror is extended beyond its rim.
 constexpr double kWidening = 1.3;
 
-/// Where the coefficients of a distortion matter: near the edge of a fisheye, in rad.
+/// Angle at which distortion coefficients matter: near the edge of a fisheye, in rad.
 constexpr double kWideAngle = 1.5;
 
 CalibrationParameter relative(const std::string& name, const std::string& unit, double value,
@@ -61,7 +61,7 @@ void addEquidistant(const YamlReader& camera, std::vector<CalibrationParameter>*
   }
 }
 
-/// What is beside the lens of a central camera: xi, alpha, beta.
+/// Parameters of a central camera in addition to its lens: xi, alpha, beta.
 void addShape(const YamlReader& camera, std::vector<CalibrationParameter>* parameters) {
   for (const char* name : {"xi", "alpha", "beta"}) {
     if (camera.has(name)) parameters->push_back({name, "", camera.number(name), 0.2, 0.2});
@@ -81,7 +81,7 @@ void addPinhole(const YamlReader& camera, std::vector<CalibrationParameter>* par
   }
 }
 
-/// The profile's name for a conic constant; a profile with coefficients is an aspheric one anyway.
+/// The profile's name for a conic constant; with coefficients, a profile is aspheric anyway.
 std::string profileNameOf(double conic_constant) {
   if (conic_constant == 0.0) return "spherical";
   if (conic_constant == -1.0) return "parabolic";
@@ -232,7 +232,7 @@ double CameraTemplate::silhouette(const Eigen::VectorXd& values) const {
     const double height = apex_distance + point.sag;
     return height > 0.0 && height > rho * point.slope;
   };
-  // As far as any mirror can be of use: seen at 80 degrees off the lens's axis.
+  // Farthest useful radius of a mirror: seen at 80 degrees off the lens's axis.
   constexpr double kFarthest = 5.0;
   // A conic's slope is infinite where it ends.
   constexpr double kInside = 0.999;

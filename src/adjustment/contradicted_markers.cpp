@@ -22,7 +22,7 @@ class ContradictionSearch {
       const std::vector<ReadingPlace> readings = readingsOfId(m);
       if (!isSuspect(m, readings)) continue;
       const RecordedMarker& marker = recording_.markers[m];
-      // One of another size seems to hang elsewhere from wherever it is seen.
+      // A marker of another size seems to hang elsewhere from wherever it is seen.
       if (const auto sized = sizeContradicting(m, readings)) {
         result_.remarks.push_back(describeSize(marker, *sized));
         if (!marker.is_seed) result_.left_out.push_back(m);
@@ -47,7 +47,7 @@ class ContradictionSearch {
   }
 
  private:
-  /// None where sizes are estimated anyway.
+  /// Nothing if sizes are estimated anyway.
   std::optional<Marker> sizeContradicting(std::size_t index,
                                           const std::vector<ReadingPlace>& readings) const {
     if (config_.estimates_sizes && !recording_.markers[index].is_seed) return std::nullopt;
@@ -63,7 +63,7 @@ class ContradictionSearch {
            "have sizes estimated (--estimate-sizes)";
   }
 
-  /// With those of a seed's readings that hang elsewhere than the seed says.
+  /// Including readings with a seed's id that hang elsewhere than the seed says.
   std::vector<ReadingPlace> readingsOfId(std::size_t index) const {
     const Marker& marker = recording_.markers[index].marker;
     const auto twins = std::count_if(

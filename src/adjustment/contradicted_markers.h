@@ -9,19 +9,19 @@
 
 namespace omnitag {
 
-/// Markers that many readings contradict, as they are of another size, or were moved.
+/// Markers that many readings contradict, because they have another size or were moved.
 struct ContradictedMarkers {
-  /// Which one, and what it seems to be, a line each.
+  /// Which marker, and what it seems to be, a line each.
   std::vector<std::string> remarks;
-  /// Those that no place explains; not of the seed, whose markers stay.
+  /// Markers that no single place explains; none of the seed, whose markers stay.
   std::vector<std::size_t> left_out;
 };
 
-/// Of each marker that many readings contradict, its size or where it hung when. Throws
-/// DegenerateRecording for one that hangs at several places at once.
+/// For each marker that many readings contradict, its size, or where it hung when. Throws
+/// DegenerateRecording for a marker that hangs at several places at once.
 ContradictedMarkers contradictedMarkers(const Recording& recording, const MapBuilderConfig& config);
 
-/// Pixels, RMS over its corners, by which a reading is off from where a marker images.
+/// Distance of a reading from where a marker images, RMS over its corners, in pixels.
 double residualOf(const Recording& recording, const ReadingPlace& place, const Marker& marker);
 
 }  // namespace omnitag

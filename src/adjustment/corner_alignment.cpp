@@ -14,10 +14,10 @@
 namespace omnitag {
 namespace {
 
-/// Pixels at edges that are used, at most.
+/// Largest number of pixels at edges that are used.
 constexpr std::size_t kMaxPixels = 2500;
 
-/// Where the shift of a corner is among the unknowns.
+/// Index of a corner's shift among the unknowns.
 constexpr Eigen::Index shiftOf(Eigen::Index corner) { return 2 * corner; }
 
 /// The corners' shifts, then the light.
@@ -27,14 +27,14 @@ using Normal = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 
 GridLight lightOf(const Unknowns& unknowns) { return unknowns.tail<kGridLightTerms>(); }
 
-/// A pixel against the pattern at the present unknowns.
+/// A pixel compared with the pattern at the present unknowns.
 struct Sample {
   double grey = 0.0;
   PixelResidual residual;
   Unknowns by_unknowns = Unknowns::Zero();
 };
 
-/// How much each corner's shift moves a place between them; `position` in modules of the drawing.
+/// How much each corner's shift moves a position between them (modules of the drawing).
 Eigen::Vector4d shares(const Eigen::Vector2d& position, const TagPattern& pattern) {
   const double half = 0.5 * pattern.width();
   const double reach = 0.5 * pattern.widthBetweenCorners();
@@ -89,8 +89,8 @@ PixelNoise noiseOf(const std::vector<Sample>& samples) {
   return noiseOf(std::move(residuals), kLeastFlat);
 }
 
-/// With contrasts that bend by about `bend` grey levels from node to node, where pixels do not
-/// know.
+/// Normal equations, with a prior of contrasts that bend by about `bend` grey levels from node
+/// to node.
 Normal normalOf(const std::vector<Sample>& samples, const PixelNoise& noise, const GridLight& light,
                 double bend, Unknowns* right_side) {
   Normal normal = Normal::Zero();
@@ -105,7 +105,7 @@ Normal normalOf(const std::vector<Sample>& samples, const PixelNoise& noise, con
   return normal;
 }
 
-/// The light at which the pattern fits best where it is, saturated or not.
+/// The light that fits best with the pattern at its projection; saturated pixels count, too.
 Unknowns fitLight(const std::vector<Footprint>& footprints, const cv::Mat& panorama,
                   const TagPattern& pattern) {
   const std::vector<Sample> samples = samplesAt(Unknowns::Zero(), footprints, panorama, pattern);
@@ -167,10 +167,10 @@ std::optional<AlignedCorners> alignCorners(const cv::Mat& panorama, const Marker
   AlignedCorners aligned;
   aligned.pixels = projection->pixels + unknowns.head<8>();
   aligned.covariance = normal.inverse().topLeftCorner<8, 8>();
-  // What the pixels' noise does not know: the pattern was laid out for the pose that was given, the
-  // edges of shadows are sharper than the grid, and no camera is known exactly.
+  // Errors that the pixels' noise does not include: the pattern was projected from the given pose,
+  // the edges of shadows are sharper than the grid, and no camera is known exactly.
   constexpr double kOfShift = 0.04;
-  constexpr double kOfShadow = 0.005;        // pixels, of contrasts that bend by the mean contrast
+  constexpr double kOfShadow = 0.005;        // pixels, for contrasts that bend by the mean contrast
   constexpr double kLeastDeviation = 0.002;  // pixels
   const GridLight light = lightOf(unknowns);
   const double by_shift = kOfShift * std::sqrt(unknowns.head<8>().squaredNorm() / 4.0);

@@ -8,7 +8,7 @@
 namespace omnitag {
 namespace {
 
-/// m and rad: odometry is not taken for more exact than this over any motion.
+/// Lower bounds of odometry's deviations over any motion, in m and rad.
 constexpr double kLeastTranslationDeviation = 0.002;
 constexpr double kLeastRotationDeviation = 0.002;
 
@@ -38,14 +38,14 @@ Eigen::Vector3d odometryDeviations(const Pose& motion, const MotionModelConfig& 
 
 namespace {
 
-/// By odometry, from a frame to a later one of the same recording.
+/// The motion by odometry from a frame to a later one of the same recording.
 std::optional<Pose> motionBetween(const RecordedFrame& before, const RecordedFrame& frame) {
   const bool follows = &before != &frame && before.input.recording == frame.input.recording;
   if (!follows || !before.input.odom_from_base || !frame.input.odom_from_base) return std::nullopt;
   return inverse(*before.input.odom_from_base) * *frame.input.odom_from_base;
 }
 
-/// Those constraints all of whose markers are landmarks.
+/// The constraints whose markers are all landmarks.
 std::vector<PlaceConstraint> constraintsOf(const std::vector<Bundle::Landmark>& landmarks,
                                            const std::vector<MapConstraint>& constraints) {
   std::vector<Marker> markers;
@@ -65,10 +65,10 @@ BundleConfig bundleConfig(const MapBuilderConfig& config) {
   BundleConfig bundle;
   bundle.estimates_sizes = config.estimates_sizes;
   bundle.is_free = !config.motion.isOnFloor();
-  // A part of both is the mounting's, one the floor's.
+  // Both have a part due to the mounting and one due to the floor.
   bundle.height_deviation = std::sqrt(2.0) * config.motion.floor.height_deviation;
   bundle.lean_deviation = std::sqrt(2.0) * config.motion.floor.lean_deviation;
-  bundle.noise = 1.0;  // whitened by what each reading says
+  bundle.noise = 1.0;  // whitened by each reading's own covariance
   return bundle;
 }
 
@@ -83,7 +83,8 @@ IndexedBundle bundleOf(const Recording& recording, std::optional<std::size_t> he
     if (!marker.is_placed) continue;
     landmark_of[m] = indexed.bundle.landmarks.size();
     indexed.marker_indices.push_back(m);
-    // Without a seed, the marker that the frame stands on sets the scale, where no tape does.
+    // Without a seed, the marker that defines the map's frame sets the scale, unless a distance
+    // was measured.
     const bool knows_size = marker.prior.has_value() && (marker.is_seed || !hasDistance(config));
     indexed.bundle.landmarks.push_back({marker.marker, marker.prior, knows_size});
   }

@@ -10,12 +10,13 @@
 
 namespace omnitag {
 
-/// m (x and y) and rad: standard deviations of what odometry tells of a motion.
+/// Standard deviations of a motion by odometry, in m (x and y) and rad.
 Eigen::Vector3d odometryDeviations(const Pose& motion, const MotionModelConfig& config);
 
-/// The recording's frames with a pose and its placed markers as one problem; `frame_indices` and
-/// `marker_indices` name what the bundle's frames and landmarks are. Readings that are off by more
-/// than a marker that moved would be are left out. The seed is held, and `held_frame`, where given.
+/// The recording's frames that have a pose, and its placed markers, as one problem; `frame_indices`
+/// and `marker_indices` map the bundle's frames and landmarks to the recording. Readings that are
+/// farther off than a moved marker would be are left out. Markers of the seed have their priors;
+/// `held_frame`, if given, is held.
 struct IndexedBundle {
   Bundle bundle;
   std::vector<std::size_t> frame_indices;
@@ -25,7 +26,7 @@ struct IndexedBundle {
 IndexedBundle bundleOf(const Recording& recording, std::optional<std::size_t> held_frame,
                        const MapBuilderConfig& config);
 
-/// Adjusts all, and puts the result into the recording.
+/// Adjusts everything and writes the result to the recording.
 void adjust(IndexedBundle* indexed, Recording* recording, const BundleConfig& config);
 
 BundleConfig bundleConfig(const MapBuilderConfig& config);

@@ -11,7 +11,7 @@ Eigen::Index termOf(Eigen::Index column, Eigen::Index row) {
   return 1 + row * kLightNodes + column;
 }
 
-/// The node before a place along one axis, and how far it is from there to the next.
+/// The node before a place along one axis, and the share of the way to the next node.
 struct BetweenNodes {
   explicit BetweenNodes(double place) {
     const double along = (place + 0.5) * static_cast<double>(kLightNodes - 1);

@@ -5,14 +5,15 @@
 namespace omnitag {
 
 /// The light on a marker: black, and the contrast at the nodes of a grid over its drawing, bilinear
-/// between them. A shadow whose edge crosses the marker fits, which no smooth function of the place
-/// does; what a marker errs by otherwise is the same in all images that are taken in this light.
+/// between them. Unlike a smooth function of the place, this fits a shadow whose edge crosses the
+/// marker; the error left by a misfit would be alike in all images taken in the same light.
 constexpr Eigen::Index kLightNodes = 5;  // along each side
 constexpr Eigen::Index kGridLightTerms = 1 + kLightNodes * kLightNodes;
 using GridLight = Eigen::Matrix<double, kGridLightTerms, 1>;
 
-/// Derivative of a grey level by the light, where so much is white; the grey level is the product
-/// with the light. `place` is on the drawing, whose sides have length 1, from its middle.
+/// Derivative of a grey level by the light, for a pixel with this share of white; its product
+/// with the light is the grey level. `place` is on the drawing, whose sides have length 1, from
+/// its middle.
 GridLight greyByLight(double white, const Eigen::Vector2d& place);
 
 double contrastAt(const Eigen::Vector2d& place, const GridLight& light);

@@ -17,8 +17,8 @@ Eigen::Vector2d transformed(const Pose& other_from_map, const Eigen::Vector2d& p
   return placeOf(other_from_map) + Eigen::Rotation2Dd(other_from_map.yaw) * point;
 }
 
-/// The planar transform that fits weighted points best, with headings that count by
-/// `heading_weight` (1/rad^2, where a point counts by 1/m^2) each.
+/// The planar transform that fits weighted points best; each heading counts by `heading_weight`
+/// (1/rad^2, relative to 1/m^2 for a point).
 Pose bestFit(const std::vector<PosePair>& pairs, const Eigen::VectorXd& weights,
              double heading_weight) {
   const double sum = weights.sum();
@@ -29,7 +29,7 @@ Pose bestFit(const std::vector<PosePair>& pairs, const Eigen::VectorXd& weights,
     middle_in_map += share * placeOf(pairs[i].in_map);
     middle_in_other += share * placeOf(pairs[i].in_other);
   }
-  // The sum of sines and cosines of the angles that each pair speaks for.
+  // Weighted sums of the sine and cosine of the angle given by each pair.
   double sine = 0.0;
   double cosine = 0.0;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -48,7 +48,7 @@ Pose bestFit(const std::vector<PosePair>& pairs, const Eigen::VectorXd& weights,
   return fit;
 }
 
-/// By how many an estimate counts whose errors go on from one to the next by this correlation.
+/// The share of independent errors in a sequence with this correlation of successive errors.
 double independentShare(const std::vector<Eigen::Vector2d>& errors) {
   double together = 0.0;
   double alone = 0.0;
@@ -60,7 +60,8 @@ double independentShare(const std::vector<Eigen::Vector2d>& errors) {
   return (1.0 - correlation) / (1.0 + correlation);
 }
 
-/// Of the fit about the middle of this many points, whose errors have these variances.
+/// Covariance of the fit, about the middle of the points that agree, whose errors have
+/// these variances.
 Eigen::Matrix3d covarianceOf(const std::vector<PosePair>& pairs, const std::vector<bool>& agrees,
                              double position_variance, double heading_variance) {
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
@@ -94,7 +95,7 @@ MapAlignment alignByPoses(const std::vector<PosePair>& pairs) {
   constexpr int kRounds = 30;
   constexpr double kMedians = 3.0;  // beyond, a pair does not agree
   constexpr double kLeast = 1e-4;   // m and rad: nothing is fitted more exactly
-  constexpr double kLever = 1.0;    // m: a heading counts as a point so far away
+  constexpr double kLever = 1.0;    // m: a heading counts as a point this far away
   if (pairs.size() < kFewest) {
     throw InputError(format("poses of the other localizer: expected at least %zu, found %zu",
                             kFewest, pairs.size()));
@@ -178,7 +179,7 @@ MapAlignment alignByPoints(const std::vector<PointPair>& pairs) {
   alignment.all = pairs.size();
   alignment.agreeing = pairs.size();
   alignment.position_residual = std::sqrt(squares / static_cast<double>(size));
-  // Of each coordinate: two a point, three of which the fit takes up.
+  // Of each coordinate: each point has two, and the fit takes up three.
   constexpr double kLeast = 1e-6;  // m
   const double variance =
       std::max(squares, kLeast * kLeast) / (2.0 * static_cast<double>(size) - 3.0);

@@ -55,8 +55,8 @@ class MapBuilder {
   }
 
  private:
-  /// The last adjustment, with covariances; markers that are not known well enough leave, until all
-  /// are.
+  /// The last adjustment, with covariances; repeated without the markers that are not known
+  /// well enough.
   void refine() {
     for (;;) {
       indexed_ = bundleOf(*recording_, std::nullopt, config_);
@@ -73,11 +73,11 @@ class MapBuilder {
     }
   }
 
-  /// Where readings are off by more than their noise, all is less certain. And what a marker errs
-  /// by in all images alike, as in a shadow that stands still, does not become less by reading it
-  /// often.
+  /// Covariances are enlarged if readings are off by more than their noise, and by the errors of
+  /// a marker that are alike in all images, as in a shadow that stands still, which do not
+  /// average out.
   void scaleCovariances() {
-    // Robustly, as those that moved have no say.
+    // By the median, so that markers that moved do not matter.
     std::vector<double> squares;
     for (const ReadingMisfit& each : misfits(indexed_.bundle, 1.0)) {
       if (std::isfinite(each.square)) squares.push_back(each.square);
@@ -97,7 +97,7 @@ class MapBuilder {
     }
   }
 
-  /// Places the corners of all readings of the map's markers by these markers' pixels.
+  /// Locates the corners of all readings of the map's markers by these markers' pixels.
   void alignReadings() {
     std::vector<std::size_t> ignored;
     const TagPatterns patterns(recording_->placedMap(&ignored));
@@ -117,7 +117,7 @@ class MapBuilder {
     }
   }
 
-  /// Relative to markers that are exactly known; within the map where none is.
+  /// Relative to markers that are exactly known; within the map if there are none.
   const MarkerCovariance& covarianceOf(std::size_t landmark) const {
     const auto& landmarks = indexed_.bundle.landmarks;
     const bool is_tied = std::any_of(landmarks.begin(), landmarks.end(), [](const auto& each) {
@@ -238,7 +238,7 @@ class MapBuilder {
   Recording* recording_;
   const MapBuilderConfig& config_;
   const PanoramaSource& panoramas_;
-  /// Without a seed, the marker that the map's frame stands on.
+  /// Without a seed, the marker that defines the map's frame.
   std::optional<std::size_t> reference_;
   IndexedBundle indexed_;
   std::optional<BundleInformation> information_;

@@ -15,7 +15,7 @@
 namespace omnitag {
 namespace {
 
-/// Names of some markers for people, not all of many.
+/// The names of some markers for messages, shortened if they are many.
 std::string namesOf(const std::vector<Marker>& markers) {
   constexpr std::size_t kMost = 8;
   std::string names;
@@ -48,7 +48,7 @@ void checkName(const MarkerMap& map, const std::string& name) {
   }
 }
 
-/// With the map's defaults where it says nothing. Throws InputError where a value is out of range.
+/// The marker, completed with the map's defaults. Throws InputError if a value is out of range.
 Marker completed(Marker marker, const MarkerMap& map) {
   if (marker.family.empty()) marker.family = map.default_family;
   if (tagFamilies().count(marker.family) == 0) {
@@ -161,7 +161,7 @@ std::string MapEditor::reload() {
   for (std::size_t i = 0; i < origins_.size(); ++i) {
     const Marker& marker = map_.markers[i];
     if (!origins_[i]) {
-      // What the file has meanwhile is not added again.
+      // Markers that the file has meanwhile are not added again.
       const auto like = entryLike(next.map_, marker);
       if (like && (!marker.name.empty() || !isElsewhere(next.map_.markers[*like], marker)))
         continue;

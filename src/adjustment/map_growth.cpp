@@ -14,14 +14,14 @@
 namespace omnitag {
 namespace {
 
-/// Log-likelihood by which a marker's place must lead the next best to be believed.
+/// Log-likelihood by which a marker's place must lead the next best to be accepted.
 constexpr double kMinLead = 5.0;
 
 MarkerEstimateConfig estimateConfig(const MapBuilderConfig& config) {
   return {config.corner_noise, config.estimates_sizes};
 }
 
-/// Gives each reading of an id that the seed has the entry that images there, if one does.
+/// Assigns to each reading of a seed's id the entry that images there, if there is one.
 void assignSeeds(const Recording& recording, RecordedFrame* frame) {
   for (std::size_t r = 0; r < frame->markers.size(); ++r) {
     const MarkerReading& reading = frame->input.readings[r];
@@ -37,7 +37,7 @@ void assignSeeds(const Recording& recording, RecordedFrame* frame) {
   }
 }
 
-/// What the frame shows of the map, by the only entries that the readings may be of.
+/// The frame's observations: readings that belong to a single entry.
 std::vector<MarkerObservation> observationsOf(const RecordedFrame& frame, const MarkerMap& map) {
   std::vector<MarkerObservation> observations;
   for (const MarkerReading& reading : frame.input.readings) {
@@ -52,13 +52,14 @@ std::vector<MarkerObservation> observationsOf(const RecordedFrame& frame, const 
 EstimatorConfig estimatorFor(const MapBuilderConfig& config) {
   EstimatorConfig estimator;
   estimator.kind = EstimatorKind::kReprojection;
-  // Of both coordinates of a corner.
+  // `max_residual` is for both coordinates of a corner.
   estimator.max_misfit =
       config.max_residual / (std::sqrt(2.0) * estimator.reprojection.poor_corner_noise);
   return estimator;
 }
 
-/// A pose from a neighbour's by odometry, which tells the two optima of a single marker apart.
+/// A pose predicted from a neighbour by odometry, which distinguishes the two optima of a
+/// single marker.
 std::optional<PoseEstimate> poseFromNeighbour(const Recording& recording, std::size_t index,
                                               const MarkerMap& map,
                                               const MapBuilderConfig& config) {
@@ -113,7 +114,7 @@ std::size_t localizeFrames(Recording* recording, const MapBuilderConfig& config)
 }
 
 bool isSure(const MarkerEstimate& estimate, const MapBuilderConfig& config) {
-  // While the map grows, poses and hence places are not as exact as they will be.
+  // While the map grows, poses and therefore places are not as exact as they will be.
   constexpr double kSlack = 3.0;
   constexpr double kShare = 0.7;
   const auto agreeing =
@@ -132,8 +133,8 @@ std::vector<ReadingPlace> evenly(const std::vector<ReadingPlace>& readings, std:
   return some;
 }
 
-/// Places markers that enough frames show, and again those that were taken for the mirror image of
-/// what they are. Returns how many were placed that had no place.
+/// Places markers that enough frames show, and places those again that were placed as their mirror
+/// image. Returns how many were placed for the first time.
 std::size_t placeMarkers(Recording* recording, const MapBuilderConfig& config) {
   std::size_t count = 0;
   for (std::size_t m = 0; m < recording->markers.size(); ++m) {
@@ -157,7 +158,7 @@ std::size_t placeMarkers(Recording* recording, const MapBuilderConfig& config) {
 }  // namespace
 
 std::size_t startFromOneFrame(Recording* recording, const MapBuilderConfig& config) {
-  // Much larger markers count for more than many small ones.
+  // Large markers count more than small ones.
   const auto worth = [](const RecordedFrame& frame) {
     double sum = 0.0;
     for (const MarkerReading& reading : frame.input.readings) sum += meanEdge(reading.corners);
@@ -182,7 +183,7 @@ std::size_t startFromOneFrame(Recording* recording, const MapBuilderConfig& conf
 
 void grow(Recording* recording, std::optional<std::size_t> held_frame,
           const MapBuilderConfig& config) {
-  // Sizes are estimated once all is in its place.
+  // Sizes are estimated only when everything is in its place.
   BundleConfig bundle_config = bundleConfig(config);
   bundle_config.estimates_sizes = false;
   for (;;) {

@@ -8,12 +8,12 @@
 
 namespace omnitag {
 
-/// Without a seed: chooses the frame that shows most, takes its pose for the origin, and places the
-/// markers that it shows by their corners alone. Returns the frame.
+/// Without a seed: chooses the frame that shows most, takes its pose as the origin, and places the
+/// markers in it by their corners alone. Returns the frame.
 std::size_t startFromOneFrame(Recording* recording, const MapBuilderConfig& config);
 
-/// Gives frames poses by the markers that are placed, places the markers that they show, adjusts
-/// all, and so on until nothing more can be added.
+/// Estimates poses of frames from placed markers, places the markers that they show, and adjusts
+/// everything, until nothing more can be added.
 void grow(Recording* recording, std::optional<std::size_t> held_frame,
           const MapBuilderConfig& config);
 

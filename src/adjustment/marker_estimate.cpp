@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Chi-square with 8 degrees of freedom, which 99 of 100 sightings stay below. From there on a
-/// sighting's squares count by Cauchy's function.
+/// Chi-square with 8 degrees of freedom: 99 of 100 sightings stay below. Beyond, a sighting's
+/// squares count by Cauchy's function.
 constexpr double kExpected = 20.1;
 
 double robustCost(double square) {
@@ -56,8 +56,8 @@ class Problem {
     weights_.assign(sightings.size(), Weight::Identity() / (corner_noise * corner_noise));
   }
 
-  /// Lets each sighting count by the uncertainty of its pose, too, as a marker at this place feels
-  /// it.
+  /// Weights each sighting also by the uncertainty of its pose, as it affects a marker at
+  /// this place.
   void weigh(const Marker& marker) {
     for (std::size_t i = 0; i < sightings_.size(); ++i) {
       const PoseEstimate& pose = sightings_[i].map_from_base;
@@ -70,7 +70,7 @@ class Problem {
     }
   }
 
-  /// Robust; `plain` takes the squares as they are.
+  /// With robust weights, unless `plain`.
   Linearization linearize(const Marker& marker, bool plain) const {
     Linearization linear;
     for (std::size_t i = 0; i < sightings_.size(); ++i) {
@@ -98,7 +98,7 @@ class Problem {
     return linear;
   }
 
-  /// The optimum that a start leads to; nothing where the problem has none.
+  /// The optimum that a start leads to; nothing if the problem has none.
   std::optional<Marker> refine(Marker marker, bool plain) const {
     constexpr int kMaxIterations = 50;
     constexpr double kTolerance = 1e-8;  // m and rad
@@ -125,7 +125,7 @@ class Problem {
     return marker;
   }
 
-  /// Squared residual of a sighting in units of what is expected, and its RMS in pixels.
+  /// Squared residual of a sighting in units of its expected value, and its RMS in pixels.
   std::pair<double, double> residual(const Marker& marker, std::size_t sighting) const {
     const auto projection =
         projectMarker(marker, cameras_[sighting], sightings_[sighting].map_from_base.pose);
@@ -203,7 +203,8 @@ std::vector<Marker> startsFrom(const Marker& marker, const MountedCamera& camera
   return starts;
 }
 
-/// Up to three sightings to start from: the first, the last, and the one that shows it largest.
+/// Up to three sightings to start from: the first, the last, and the one that shows the
+/// marker largest.
 std::vector<std::size_t> tellingSightings(const std::vector<MarkerSighting>& sightings) {
   const auto size = [](const MarkerSighting& sighting) {
     return (sighting.corners[2] - sighting.corners[0]).norm() +

@@ -13,10 +13,11 @@
 namespace omnitag {
 namespace {
 
-/// Log-likelihood by which a marker's place must lead the next best to be believed.
+/// Log-likelihood by which a marker's place must lead the next best to be accepted.
 constexpr double kMinLead = 5.0;
 
-/// Images in which an id was read at two places at once, after which it is no single marker.
+/// Number of images in which an id was read at two places at once, from which on it is not a
+/// single marker.
 constexpr int kRepetitions = 2;
 
 double edgeOf(const MarkerSighting& sighting) { return meanEdge(sighting.corners); }
@@ -25,13 +26,13 @@ double distance(const MarkerSighting& a, const MarkerSighting& b) {
   return difference(a.map_from_base.pose, b.map_from_base.pose).head<2>().norm();
 }
 
-/// How much a sighting tells: the smaller, the better.
+/// How little a sighting contributes: the smaller, the better.
 double vagueness(const MarkerSighting& sighting) {
   return positionDeviation(sighting.map_from_base) + 1.0 / edgeOf(sighting);
 }
 
-/// Of the two sightings that are nearest to each other takes out the one that is nearer to the
-/// others: what remains is spread out as far as before.
+/// Removes one of the two sightings that are nearest to each other, the one nearer to the others:
+/// the rest stays as spread out as before.
 void thin(std::vector<MarkerSighting>* sightings) {
   const std::vector<MarkerSighting>& all = *sightings;
   std::size_t first = 0;

@@ -9,7 +9,7 @@
 namespace omnitag {
 namespace {
 
-/// Readings that make a place.
+/// Least number of readings at a place.
 constexpr std::size_t kFew = 3;
 
 std::vector<ReadingPlace> agreeing(const Recording& recording, const Marker& marker,
@@ -27,7 +27,7 @@ std::vector<ReadingPlace> agreeing(const Recording& recording, const Marker& mar
   return result;
 }
 
-/// The place at which most readings agree, of those that a few in a row tell.
+/// The place at which most readings agree, among those estimated from a few successive readings.
 std::optional<MarkerHangsAt> mostAgreed(const Recording& recording, const Marker& marker,
                                         const std::vector<ReadingPlace>& readings,
                                         const MapBuilderConfig& config) {
@@ -45,7 +45,7 @@ std::optional<MarkerHangsAt> mostAgreed(const Recording& recording, const Marker
     auto place = placeOf({begin, begin + kFew});
     if (place && (!best || place->readings.size() > best->readings.size())) best = place;
   }
-  // A few readings do not tell the place exactly enough for all that agree.
+  // A few readings do not determine the place exactly enough to find all that agree.
   for (int round = 0; best && round < 2; ++round) {
     auto place = placeOf(best->readings);
     if (place && place->readings.size() >= best->readings.size()) best = std::move(place);
@@ -84,7 +84,7 @@ std::optional<Marker> atAnotherSize(const Recording& recording, std::size_t mark
                                     const std::vector<ReadingPlace>& readings,
                                     const MapBuilderConfig& config) {
   constexpr double kNearlyAll = 0.9;
-  constexpr double kLeastDifference = 0.02;  // of the size: less moves no corner by pixels
+  constexpr double kLeastDifference = 0.02;  // of the size: smaller ones move no corner by pixels
   constexpr double kSure = 4.0;              // standard deviations
   const Marker& taken = recording.markers[marker].marker;
   const auto sightings = recording.sightings(readings);

@@ -13,24 +13,24 @@ namespace omnitag {
 /// A place at which several readings of one marker agree.
 struct MarkerHangsAt {
   Marker marker;
-  /// In the order of time.
+  /// In temporal order.
   std::vector<ReadingPlace> readings;
 };
 
-/// The places at which a marker hung while the recording was made, in the order in which they were
-/// first seen; one for a marker that stayed. Readings that agree with too few others count nowhere.
+/// The places at which a marker hung during the recording, in the order in which they were first
+/// seen; a single one for a marker that stayed. Readings that agree with too few others are not
+/// part of any place.
 std::vector<MarkerHangsAt> placesOf(const Recording& recording, std::size_t marker,
                                     const std::vector<ReadingPlace>& readings,
                                     const MapBuilderConfig& config);
 
-/// The place and the size at which nearly all readings of a marker agree, where its size may be
-/// another one than is taken for it; nothing where no size does. Of a marker that was moved, none
-/// does.
+/// The place and the size at which nearly all readings of a marker agree, if its assumed size may
+/// be wrong; nothing if no other size does. For a marker that was moved, none does.
 std::optional<Marker> atAnotherSize(const Recording& recording, std::size_t marker,
                                     const std::vector<ReadingPlace>& readings,
                                     const MapBuilderConfig& config);
 
-/// How often a marker was seen at another place than the time before.
+/// How often a marker was seen at another place than before.
 std::size_t changesBetween(const std::vector<MarkerHangsAt>& places);
 
 /// "marker 7 (door) moved by 0.40 m between 12.25 s and 13.00 s".

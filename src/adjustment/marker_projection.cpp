@@ -7,7 +7,7 @@ namespace omnitag {
 Eigen::Matrix3d leftJacobian(const Eigen::Vector3d& rotation_vector) {
   const double angle = rotation_vector.norm();
   const Eigen::Matrix3d cross = crossMatrix(rotation_vector);
-  constexpr double kSmall = 1e-4;  // where the quotients below would lose their digits
+  constexpr double kSmall = 1e-4;  // below, the quotients would lose digits
   if (angle < kSmall) return Eigen::Matrix3d::Identity() + 0.5 * cross + cross * cross / 6.0;
   const double square = angle * angle;
   return Eigen::Matrix3d::Identity() + (1.0 - std::cos(angle)) / square * cross +

@@ -9,20 +9,20 @@
 
 namespace omnitag {
 
-/// An image of a moving robot, and what is estimated of it.
+/// An image of a moving robot, and the estimates for it.
 struct MovingFrame {
   CalibrationFrame seen;
-  /// The robot when the middle row is exposed, and what of (x, y, yaw) the image leaves open: the
-  /// covariance of a change of it (m and rad).
+  /// The robot's pose when the middle row is exposed, and the covariance of its x, y and yaw (m
+  /// and rad).
   Pose map_from_base;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  /// By odometry, and by what that is off in its deviations.
+  /// The motion by odometry, and its error in units of its deviations.
   BaseMotion motion;
   Eigen::Vector3d motion_error = Eigen::Vector3d::Zero();
 };
 
-/// The camera as it takes this image, its rows being exposed one after the other; the pose is that
-/// at the middle row. `camera_error`: the modes of the camera's own, the rest is not looked at.
+/// The camera as it takes this image, with its rows exposed one after the other; its pose is that
+/// at the middle row. `camera_error`: only the modes of the camera's own error are used.
 inline MountedCamera cameraInFrame(const MountedCamera& camera, const MovingFrame& frame,
                                    const ImagingError& camera_error, double row_readout_time) {
   ShutterConfig shutter;

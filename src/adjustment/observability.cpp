@@ -23,7 +23,7 @@ const CalibrationParameter& parameterAt(const CalibrationModel& model, Eigen::In
   return model.parameters()[static_cast<std::size_t>(index)];
 }
 
-/// Rows and columns of a matrix.
+/// These rows and columns of a matrix.
 Eigen::MatrixXd part(const Eigen::MatrixXd& matrix, const std::vector<Eigen::Index>& places) {
   const auto size = static_cast<Eigen::Index>(places.size());
   Eigen::MatrixXd result(size, size);
@@ -36,8 +36,8 @@ Eigen::MatrixXd part(const Eigen::MatrixXd& matrix, const std::vector<Eigen::Ind
   return result;
 }
 
-/// The inverse of an information matrix; directions that it says nothing about become very
-/// uncertain instead of infinitely so.
+/// The inverse of an information matrix; undetermined directions become very uncertain instead of
+/// infinitely so.
 Eigen::MatrixXd covarianceOf(const Eigen::MatrixXd& information) {
   constexpr double kNothing = 1e-12;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(information);
@@ -46,8 +46,8 @@ Eigen::MatrixXd covarianceOf(const Eigen::MatrixXd& information) {
          eigen.eigenvectors().transpose();
 }
 
-/// The place of the parameter to hold: of all that are too uncertain, or that one of these trades
-/// off against, the first of the list above; -1 where all are well.
+/// The index of the parameter to hold: of all that are too uncertain, or that trade off against one
+/// of these, the first of the list above; -1 if none is too uncertain.
 std::ptrdiff_t firstToHold(const CalibrationModel& model, const ParameterUncertainty& uncertainty) {
   constexpr double kTradesOff = 0.5;
   std::ptrdiff_t first = -1;

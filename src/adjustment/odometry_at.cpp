@@ -6,9 +6,9 @@ namespace omnitag {
 
 std::optional<BaseMotion> baseMotionAt(const OdometryAt& odometry, double time,
                                        const MotionModelConfig& config) {
-  // Odometry comes at 20 to 100 Hz: within a shorter time it would tell its noise alone.
+  // Odometry comes at 20 to 100 Hz: over a shorter time, noise would dominate.
   constexpr double kDuration = 0.04;  // s
-  // Where it begins or ends, the base is taken to move as it does beside that.
+  // At its beginning and end, the nearest motion is used.
   for (const double begin : {time - 0.5 * kDuration, time - kDuration, time}) {
     const std::optional<Pose> before = odometry(begin);
     const std::optional<Pose> after = odometry(begin + kDuration);

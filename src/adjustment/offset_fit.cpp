@@ -12,7 +12,7 @@
 namespace omnitag {
 namespace {
 
-/// Standard deviations, from which on a motion counts less than a half.
+/// Standard deviations at which a motion counts half.
 constexpr double kRobust = 3.0;
 
 /// A motion in the base's frame before it: x, y and yaw (m and rad).
@@ -30,7 +30,7 @@ FloorMotion minus(const FloorMotion& a, const FloorMotion& b) {
   return difference;
 }
 
-/// What odometry errs by: variances per square metre and square radian.
+/// Errors of odometry: variances per square metre and square radian.
 struct OdometryNoise {
   Eigen::Vector2d translation;
   Eigen::Vector2d rotation;
@@ -41,7 +41,7 @@ struct Motion {
   double from_stamp = 0.0;
   double to_stamp = 0.0;
   FloorMotion by_images;
-  /// Of `by_images`.
+  /// Covariance of `by_images`.
   Eigen::Matrix3d covariance;
   /// Square metres and square radians.
   Eigen::Vector2d squares;
@@ -90,9 +90,9 @@ class OffsetFitter {
   }
 
  private:
-  /// s: what is farther off is no matter of exposures and transports any more.
+  /// Largest offset in s: beyond, exposure and transport cannot be the reason.
   static constexpr double kReach = 0.5;
-  /// m and rad: odometry is not taken for more exact than this over any motion.
+  /// Lower bound of odometry's deviations over any motion, in m and rad.
   static constexpr double kResolution = 1e-4;
 
   void addMotion(const MovingFrame& from, const MovingFrame& to) {
@@ -116,7 +116,7 @@ class OffsetFitter {
   }
 
   std::vector<Comparison> compare(double offset) const {
-    // About the time between two transforms of odometry, between which it is a straight line.
+    // About the time between two of odometry's transforms, which are interpolated linearly.
     constexpr double kStep = 0.01;  // s
     std::vector<Comparison> comparisons;
     for (const Motion& motion : motions_) {
@@ -130,7 +130,7 @@ class OffsetFitter {
     return comparisons;
   }
 
-  /// The best of a row of offsets, as a start.
+  /// The best offset of an even grid, as a start.
   double scan() const {
     double best = 0.0;
     double least = std::numeric_limits<double>::infinity();
@@ -179,8 +179,8 @@ class OffsetFitter {
     noise_.rotation = varianceComponents(comparisons, before.rotation, {2});
   }
 
-  /// One round of weighted least squares of the squared residuals along some axes on the motions'
-  /// squares, beside what the images leave open.
+  /// One round of weighted least squares: explains the squared residuals along some axes, less the
+  /// variances of the images' motions, by the motions' squares.
   Eigen::Vector2d varianceComponents(const std::vector<Comparison>& comparisons,
                                      const Eigen::Vector2d& before,
                                      const std::vector<int>& axes) const {

@@ -9,23 +9,23 @@
 
 namespace omnitag {
 
-/// How long after their stamps the middle rows are exposed.
+/// The time from the stamps to the exposure of the middle rows.
 struct OffsetFit {
-  /// s, and its standard deviation; infinity where nothing tells it.
+  /// s, and its standard deviation; infinity if the data do not determine it.
   double offset = 0.0;
   double deviation = 0.0;
-  /// Motions from image to image that odometry has, and how many there must be.
+  /// The number of motions from image to image covered by odometry, and how many are needed.
   std::size_t motions = 0;
   static constexpr std::size_t kFewestMotions = 8;
 };
 
-/// Least squares over the motions from each frame to the next: odometry, as much later as the
-/// frames are exposed, moves as their poses do. Only a change of the velocity shows the offset: at
-/// a constant one, odometry a little later moves the same.
+/// Least squares over the motions from each frame to the next: odometry, shifted by the offset,
+/// must move as the frames' poses do. Only changes of the velocity determine the offset: at a
+/// constant velocity, odometry at another time shows the same motion.
 ///
-/// What odometry errs by, per rad and per metre, is learnt from the residuals, starting from
-/// `config`; motions that are far off, as of wheels that slip, count less and less (Cauchy's
-/// function). Within half a second, no matter where it starts.
+/// The errors of odometry, per rad and per metre, are learnt from the residuals, starting from
+/// `config`; motions that are far off, as with slipping wheels, count less and less (Cauchy's
+/// function). Finds offsets of up to half a second without a start.
 OffsetFit fitOffset(const std::vector<MovingFrame>& frames, const OdometryAt& odometry,
                     const MotionModelConfig& config);
 

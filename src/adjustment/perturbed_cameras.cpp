@@ -8,7 +8,7 @@
 namespace omnitag {
 namespace {
 
-/// In scales. The projection is exact to the machine's precision, so that little is lost.
+/// In scales. It can be this small because the projection is exact to machine precision.
 constexpr double kStep = 1e-4;
 
 }  // namespace
@@ -117,7 +117,7 @@ std::optional<Eigen::Vector2d> PerturbedCameras::project(const Eigen::Isometry3d
       by_point_in_camera * base_from_camera.linear().transpose() *
       middle_->mounting_change.linear().transpose();
   derivatives->by_point = by_point_in_base * map_from_base.linear().transpose();
-  // What the base turns by, a point of it turns back.
+  // As the base turns, a point turns the other way in it.
   const Eigen::Matrix<double, 2, 3> turned = by_point_in_base * crossMatrix(in_base);
   derivatives->by_pose << -derivatives->by_point.leftCols<2>(), turned.col(2),
       -derivatives->by_point.col(2), turned.leftCols<2>();

@@ -11,7 +11,7 @@
 
 namespace omnitag {
 
-/// How the pixel of a point changes: by the free parameters' offsets in scales (2 x size()), by the
+/// Derivatives of a point's pixel by the free parameters' offsets in scales (2 x size()), by the
 /// robot's pose (a PoseVector), and by the point along the map's axes.
 struct PixelDerivatives {
   Eigen::Matrix2Xd by_offsets;
@@ -19,8 +19,8 @@ struct PixelDerivatives {
   Eigen::Matrix<double, 2, 3> by_point;
 };
 
-/// A camera and, for its derivatives, those with one parameter a little larger or smaller. All
-/// corners of an iteration share them: they are remade only for new values.
+/// A camera and, for numeric derivatives, copies with one parameter slightly larger or smaller. All
+/// corners of an iteration share them; they are remade only for new values.
 class PerturbedCameras {
  public:
   /// `free`: indices of the parameters that vary; the others keep those of `start`. Keeps a
@@ -30,22 +30,22 @@ class PerturbedCameras {
 
   Eigen::Index size() const { return static_cast<Eigen::Index>(free_.size()); }
 
-  /// The values of all parameters where the free ones are `offsets` scales off the start.
+  /// The values of all parameters with the free ones `offsets` scales off the start.
   Eigen::VectorXd valuesAt(const Eigen::VectorXd& offsets) const;
 
-  /// Makes what projection needs. False where these offsets make no camera.
+  /// Makes what projection needs. False if these offsets are not valid for the camera.
   bool moveTo(const double* offsets, bool with_derivatives);
 
-  /// The pixel of a point of the map, for a robot at a pose with a camera that tf has mounted so,
-  /// and its derivatives where they are asked for; those by the offsets only after they have been
-  /// made. Nothing where the camera does not see the point; one off the image's edge is seen.
+  /// The pixel of a point of the map, for a robot's pose and a mounting given by tf, and, if
+  /// requested, its derivatives; those by the offsets only if moveTo() has made them. Nothing if
+  /// the camera does not see the point; points off the image's edge count as seen.
   std::optional<Eigen::Vector2d> project(const Eigen::Isometry3d& map_from_base,
                                          const Eigen::Isometry3d& base_from_camera,
                                          const Eigen::Vector3d& point,
                                          PixelDerivatives* derivatives = nullptr) const;
 
  private:
-  /// A camera, none where it is the one in the middle, and what it turns tf's mounting by.
+  /// A camera, null if it is the unperturbed one, and its change of tf's mounting.
   struct Variant {
     std::shared_ptr<const CameraModel> camera;
     Eigen::Isometry3d mounting_change;

@@ -14,7 +14,7 @@ namespace {
 /// Headings to start from: triangulation converges from about 45 degrees.
 constexpr int kStarts = 8;
 
-/// A sight that misses its landmark by more is one of another marker, or the pose is wrong.
+/// If a sight misses its landmark by more, it is of another marker, or the pose is wrong.
 constexpr double kLargeError = radians(20.0);
 
 std::vector<LandmarkSight> sightsOf(const MarkerMap& map, const MountedCamera& camera,
@@ -65,7 +65,7 @@ Candidate judge(const std::vector<LandmarkSight>& sights, const Pose& pose) {
   return candidate;
 }
 
-/// Adds what `some` of all sights say where that is better than what was known.
+/// Improves the best candidate by triangulation from `some` of all sights.
 void improve(const std::vector<LandmarkSight>& some, const std::vector<LandmarkSight>& all,
              std::optional<Candidate>* best) {
   for (int i = 0; i < kStarts; ++i) {
@@ -85,7 +85,7 @@ std::optional<Pose> poseFromBearings(const MarkerMap& map, const MountedCamera& 
   std::optional<Candidate> best;
   improve(sights, sights, &best);
   const bool is_clear = best && best->agreeing == sights.size();
-  // One that hangs elsewhere than mapped, or was misread, pulls all others along: try without it.
+  // A marker that hangs elsewhere than mapped, or was misread, spoils the pose: try without it.
   for (std::size_t left_out = 0; !is_clear && left_out < sights.size(); ++left_out) {
     std::vector<LandmarkSight> others = sights;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(left_out));

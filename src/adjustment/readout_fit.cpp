@@ -10,20 +10,21 @@
 namespace omnitag {
 namespace {
 
-/// s per row: what the readout time is solved in, and how large it may be (deviation).
+/// s s per row: the solver's unit of the readout time, and the deviation of its prior. readout time
+/// is solved in, and how large it may be (deviation).
 constexpr double kReadoutUnit = 1e-5;
 constexpr double kLargestReadout = 2e-4;
 
-/// What all frames share: the camera's modes and the readout time in its unit.
+/// Unknowns that all frames share: the camera's modes and the readout time in its unit.
 constexpr int kShared = kCameraModes + 1;
-/// What is each frame's own: the pose (a PoseVector) and the velocity's error.
+/// Unknowns of each frame: the pose (a PoseVector) and the velocity's error.
 constexpr int kOwn = 6 + 3;
 using SharedVector = Eigen::Matrix<double, kShared, 1>;
 using SharedMatrix = Eigen::Matrix<double, kShared, kShared>;
 using OwnVector = Eigen::Matrix<double, kOwn, 1>;
 using OwnMatrix = Eigen::Matrix<double, kOwn, kOwn>;
 
-/// A corner, linearised: pixels, and pixels per unit.
+/// A linearised corner: pixels, and pixels per unit.
 struct CornerEquation {
   Eigen::Vector2d residual;
   Eigen::Matrix<double, 2, kShared> by_shared;
@@ -101,7 +102,7 @@ class ReadoutFitter {
     return equations;
   }
 
-  /// Pixels along each axis, by the median: outliers hardly change it.
+  /// Noise in pixels along each axis, by the median: outliers hardly change it.
   static double noiseOf(const std::vector<std::vector<CornerEquation>>& frames) {
     constexpr double kMedianOfNormal = 0.6745;
     constexpr double kLeast = 1e-3;
@@ -133,7 +134,7 @@ class ReadoutFitter {
     return normals;
   }
 
-  /// The priors of what is shared.
+  /// The priors of the shared unknowns.
   FrameNormals sharedPriors() const {
     constexpr double kWeight = (kReadoutUnit / kLargestReadout) * (kReadoutUnit / kLargestReadout);
     FrameNormals priors;
@@ -145,8 +146,8 @@ class ReadoutFitter {
     return priors;
   }
 
-  /// Gauss-Newton's, the frames' own unknowns being eliminated. Returns how large the change of
-  /// what is shared was, in deviations.
+  /// A Gauss-Newton step with the frames' own unknowns eliminated. Returns the change of the shared
+  /// unknowns, in deviations.
   double step() {
     std::vector<std::vector<CornerEquation>> equations;
     for (const MovingFrame& frame : frames_) equations.push_back(equationsOf(frame));

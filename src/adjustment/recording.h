@@ -17,13 +17,13 @@
 
 namespace omnitag {
 
-/// A marker that a recording shows or a seed has. Named by its index.
+/// A marker that a recording shows or a seed has; referred to by index.
 struct RecordedMarker {
   Marker marker;
   bool is_seed = false;
-  /// Whether `marker` says where it hangs.
+  /// Whether the place of `marker` is known.
   bool is_placed = false;
-  /// What is known of its place beforehand.
+  /// Prior of its place.
   std::optional<PlacePrior> prior;
 };
 
@@ -31,16 +31,16 @@ struct RecordedMarker {
 struct RecordedFrame {
   FrameReadings input;
   MountedCamera camera;
-  /// For each reading the marker that it is of; none for one of a seed's id that hangs elsewhere,
-  /// or where it is not known yet which of several entries it is of.
+  /// For each reading, the index of its marker; none for a reading with a seed's id that hangs
+  /// elsewhere, or while it is unknown which of several entries it belongs to.
   std::vector<std::optional<std::size_t>> markers;
   std::optional<PoseEstimate> map_from_base;
-  /// For each reading its corners by all of the marker's pixels, once the map is known; empty
-  /// before.
+  /// For each reading, its corners located by all of the marker's pixels, once the map is known;
+  /// empty before.
   std::vector<std::optional<AlignedCorners>> aligned;
 };
 
-/// A reading by its place in the recording.
+/// A reading by its indices in the recording.
 struct ReadingPlace {
   std::size_t frame = 0;
   std::size_t reading = 0;
@@ -53,16 +53,16 @@ struct Recording {
   /// The seed's markers first.
   std::vector<RecordedMarker> markers;
 
-  /// All markers of the seed, and one of unknown place for each other id that is read.
+  /// Takes all markers of the seed, and one of unknown place for each other id that is read.
   Recording(std::shared_ptr<const CameraModel> camera, const std::vector<FrameReadings>& inputs,
             const MarkerMap& seed, double size);
 
-  /// Where a marker is read in frames that have a pose; in any frame on request.
+  /// The readings of a marker in frames that have a pose, or in all frames.
   std::vector<ReadingPlace> readingsOf(std::size_t marker, bool with_pose_only = true) const;
   MarkerSighting sighting(const ReadingPlace& place) const;
   std::vector<MarkerSighting> sightings(const std::vector<ReadingPlace>& places) const;
 
-  /// The markers whose places are known, and which of this recording's they are.
+  /// The markers whose places are known, and their indices in this recording.
   MarkerMap placedMap(std::vector<std::size_t>* indices) const;
 
   std::size_t framesWithPose() const;

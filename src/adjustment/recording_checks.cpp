@@ -21,8 +21,8 @@ template <typename Value, typename... Values>
 
 using Key = std::pair<std::string, int>;
 
-/// Throws where an id that stands for one marker is read at two places at once, in more than one
-/// image: a single one may have been misread.
+/// Throws if an id is read at more places at once than it has entries, in more than one image: a
+/// single reading may be wrong.
 void checkRepeatedIds(const Recording& recording) {
   std::map<Key, std::size_t> entries;
   for (const RecordedMarker& marker : recording.markers) {
@@ -46,7 +46,7 @@ void checkRepeatedIds(const Recording& recording) {
   }
 }
 
-/// rad: the sector of the floor around the robot that holds all directions.
+/// The smallest sector around the robot that holds all bearings, in rad.
 double sectorOf(std::vector<double> bearings) {
   if (bearings.size() < 2) return 0.0;
   std::sort(bearings.begin(), bearings.end());

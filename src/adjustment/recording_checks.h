@@ -5,15 +5,14 @@
 
 namespace omnitag {
 
-/// What a recording must have for a map to be built from it. Each throws DegenerateRecording with
+/// The conditions for building a map from a recording. Each check throws DegenerateRecording with
 /// what is missing and what to do.
 
-/// Images, markers in them, no id twice in an image that is not twice in the seed, and more than
-/// one marker.
+/// Images with markers, no id read at more places in an image than the seed has entries for it, and
+/// more than one marker.
 void checkReadings(const Recording& recording);
 
-/// Poses for enough images, with the robot in places that are far enough apart, and markers around
-/// it.
+/// Poses for enough images, places of the robot that are far enough apart, and markers around it.
 void checkPoses(const Recording& recording, const MapBuilderConfig& config);
 
 }  // namespace omnitag

@@ -9,7 +9,8 @@
 namespace omnitag {
 namespace {
 
-/// Where a marker has its map's frame: on the floor below its centre, x along its normal's heading.
+/// The frame of a map that a marker defines: on the floor below its centre, x along its normal's
+/// heading, or along its own x axis if it lies.
 Pose frameOn(const Marker& marker) {
   constexpr double kLying = 0.7;  // of the normal's height
   const bool is_lying = std::abs(marker.normal().z()) > kLying;

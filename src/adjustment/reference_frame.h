@@ -7,12 +7,12 @@
 /// The frame of a map without a seed.
 namespace omnitag {
 
-/// The marker that was read first of those that are placed; of several in one image the largest.
-/// Throws DegenerateRecording where none is.
+/// The placed marker that was read first; of several in one image the largest. Throws
+/// DegenerateRecording if there is none.
 std::size_t referenceOf(const Recording& recording);
 
-/// Expresses all in the frame of one of its markers: on the floor below its centre, x along its
-/// normal's heading, or along its own x axis where it lies.
+/// Transforms everything to the frame of one of its markers: on the floor below its centre, x along
+/// its normal's heading, or along its own x axis if it lies.
 void transformTo(std::size_t reference, Recording* recording);
 
 }  // namespace omnitag

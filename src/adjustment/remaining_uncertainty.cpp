@@ -19,7 +19,7 @@ struct SeenPoint {
   Eigen::Vector3d in_base;
 };
 
-/// All over the field, at the distance at which markers hang.
+/// Points all over the field, at the distance at which markers hang.
 std::vector<SeenPoint> pointsSeenBy(const MountedCamera& camera, double circle) {
   constexpr double kRange = 3.0;                                        // m
   constexpr std::array<double, 5> kShares{0.25, 0.4, 0.55, 0.7, 0.85};  // of the circle's radius
@@ -38,8 +38,8 @@ std::vector<SeenPoint> pointsSeenBy(const MountedCamera& camera, double circle) 
   return points;
 }
 
-/// The modes, each as if of one pixel, that displace what is seen most like a change of the
-/// parameters does.
+/// Amplitudes of the modes, each of one pixel, whose displacements are most like those by a change
+/// of the parameters.
 Eigen::Matrix<double, kCameraModes, 1> modesOf(const MountedCamera& larger,
                                                const MountedCamera& smaller,
                                                const std::vector<SeenPoint>& points,

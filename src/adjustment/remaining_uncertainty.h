@@ -6,9 +6,9 @@
 
 namespace omnitag {
 
-/// What a calibration leaves of the camera and its mounting, as smooth modes over the image.
-/// `left`: of the model's parameters at `values`. `common_error`: pixels by which all corners may
-/// err alike, the least that is left of each mode.
+/// The remaining uncertainty of the camera and its mounting after a calibration, as smooth modes
+/// over the image. `left`: of the model's parameters at `values`. `common_error`: error that all
+/// corners may have in common, in pixels; lower bound of each mode.
 CameraUncertainty remainingUncertainty(const CalibrationModel& model, const Eigen::VectorXd& values,
                                        const ParameterUncertainty& left, double common_error);
 

@@ -17,7 +17,7 @@
 namespace omnitag {
 namespace {
 
-/// s: what the drive does not tell as exactly is held.
+/// s: a time that the drive does not determine this exactly is held.
 constexpr double kTolerable = 0.005;
 
 class TimeCalibrator {
@@ -53,7 +53,7 @@ class TimeCalibrator {
     for (CalibrationFrame& seen : selectObservations(map_, readings).frames) {
       const std::optional<Pose> start = poseFromBearings(map_, camera_, seen);
       if (!start) continue;
-      // The rows' times are not known yet: what they displace counts as the camera's error.
+      // The rows' times are not known yet: displacements by them count as the camera's error.
       const auto pose = refineFromAfar(map_, camera_, seen.observations, *start,
                                        PosePrior::upright(), ReprojectionConfig());
       if (!pose) continue;
@@ -66,7 +66,7 @@ class TimeCalibrator {
   }
 
   void fit() {
-    // Which velocity goes with an image depends on the offset, if only a little.
+    // The velocity at an image depends slightly on the offset.
     constexpr int kRounds = 3;
     for (int round = 0; round < kRounds; ++round) {
       for (MovingFrame& frame : frames_) {
@@ -114,7 +114,7 @@ class TimeCalibrator {
            ": turn left and right, stop and start";
   }
 
-  /// What the image of a frame would have shown of its markers, had all rows been exposed at once.
+  /// Adds the readings of a frame as if all rows had been exposed at once.
   void addAtMiddleRow(const FrameReadings& readings, std::vector<FrameReadings>* all) const {
     const auto frame = std::find_if(
         frames_.begin(), frames_.end(),

@@ -7,7 +7,7 @@
 namespace omnitag {
 namespace {
 
-/// The camera found, as uncertain as one that was calibrated with other times may be.
+/// The calibrated camera with the uncertainty that unknown row times may cause.
 MountedCamera uncertainCamera(const CameraTemplate& guess, const CalibrationResult& result) {
   constexpr double kShare = 0.004;  // of the image's height, in each mode
   const double deviation = kShare * guess.camera(result.camera_values)->imageSize().height;
@@ -24,7 +24,7 @@ TimedCalibration calibrateCameraAndTime(const CameraTemplate& guess, const Marke
                                         const CalibrationConfig& config, const OdometryAt& odometry,
                                         const MotionModelConfig& motion,
                                         const CalibrationProgress& progress) {
-  // The modes take up what the times do to the camera: the second round changes little.
+  // The modes absorb the effect of the times on the camera: the second round changes little.
   constexpr int kRounds = 2;
   CalibrationConfig without_times = config;
   without_times.max_residual = std::max(config.max_residual, kMaxRollingResidual);

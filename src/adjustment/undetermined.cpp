@@ -10,7 +10,7 @@ namespace omnitag {
 
 ScaledInverse::ScaledInverse(const Eigen::MatrixXd& information)
     : scales_(information.diagonal().cwiseMax(0.0).cwiseSqrt()) {
-  // As against what an unknown itself is told by: 1e-12 of it is what rounding leaves.
+  // Relative to an unknown's own information; rounding leaves about 1e-12 of it.
   constexpr double kNothing = 1e-11;
   const bool is_told = (scales_.array() > 0.0).all() && scales_.allFinite();
   if (!is_told) scales_ = scales_.cwiseMax(1e-12);
@@ -28,7 +28,7 @@ Eigen::MatrixXd ScaledInverse::matrix() const {
 }
 
 Eigen::VectorXd ScaledInverse::weakest() const {
-  // Inverse iteration, with almost nothing in place of nothing.
+  // Inverse iteration, with a tiny number instead of zero.
   constexpr double kAlmostNothing = 1e-13;
   constexpr int kRounds = 4;
   Eigen::MatrixXd regular = scaled_;

@@ -7,18 +7,18 @@
 
 #include "omnitag/adjustment/bundle.h"
 
-/// What a bundle leaves open.
+/// Directions that a bundle leaves undetermined.
 namespace omnitag {
 
-/// The inverse of an information matrix, each unknown in its own unit.
+/// The inverse of an information matrix whose unknowns have different units.
 class ScaledInverse {
  public:
   explicit ScaledInverse(const Eigen::MatrixXd& information);
 
-  /// Whether every direction is told, as against the machine's precision.
+  /// Whether every direction is determined, relative to machine precision.
   bool isDetermined() const { return is_determined_; }
   Eigen::MatrixXd matrix() const;
-  /// The direction that is told worst.
+  /// The least determined direction.
   Eigen::VectorXd weakest() const;
 
  private:
@@ -29,7 +29,7 @@ class ScaledInverse {
 };
 
 /// A direction of the landmarks' increments in words: of the map as a whole, or of the marker that
-/// moves most. `places`: where each landmark's increment is in it; negative for none.
+/// moves most. `places`: index of each landmark's increment in the direction; negative for none.
 std::string nameOfDirection(const Bundle& bundle, const std::vector<Eigen::Index>& places,
                             const Eigen::VectorXd& direction);
 

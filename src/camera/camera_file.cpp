@@ -57,7 +57,7 @@ Place placeOf(const std::string& text) {
   return {text.substr(0, mark), text.substr(mark + 1)};
 }
 
-/// Whether a text begins as OCamCalib's does: with a number, behind comments.
+/// Whether a text begins as OCamCalib's does: with a number, after comments.
 bool isOcamCalibration(const std::string& text) {
   std::istringstream lines(text);
   std::string line;
@@ -77,7 +77,7 @@ YAML::Node ocamFile(const std::string& path) {
   return camera;
 }
 
-/// In the words of this package, whoever wrote it.
+/// As a camera file of this package, whichever tool wrote it.
 YAML::Node ownFile(const YAML::Node& node, const Place& place) {
   const YamlReader file(node, place.path);
   const bool is_kalibr = !file.has("model") && isKalibr(file);

@@ -5,13 +5,13 @@
 namespace omnitag {
 namespace {
 
-/// The names of a key in the file of camera_calibration and in the message.
+/// The name of a key, which differs between camera_calibration's file and the message.
 std::string nameIn(const YamlReader& file, const std::string& in_file,
                    const std::string& in_message) {
   return file.has(in_file) ? in_file : in_message;
 }
 
-/// Along one side of the image: what is delivered of the sensor's pixels.
+/// The part of the sensor's pixels that is delivered, along one side of the image.
 struct Window {
   int first = 0;
   int size = 0;
@@ -35,7 +35,7 @@ Window windowOf(const YamlReader& file, const std::string& axis, const std::stri
                   " pixels, found " + axis + "_offset " + std::to_string(window.first) + ", " +
                   side + " " + std::to_string(size));
     }
-    // None stands for the whole.
+    // 0 means all of them.
     window.size = size > 0 ? size : pixels - window.first;
   }
   if (window.binning > window.size) {
@@ -45,7 +45,7 @@ Window windowOf(const YamlReader& file, const std::string& axis, const std::stri
   return window;
 }
 
-/// Pixels that are put together have their centre in the middle.
+/// The centre of binned pixels is in their middle.
 double placeIn(const Window& window, double place) {
   return (place - window.first + 0.5) / window.binning - 0.5;
 }

@@ -6,7 +6,8 @@
 namespace omnitag {
 namespace {
 
-/// A ray of the half-plane through the axis that holds a point of the ideal image plane.
+/// The ray in space, in the half-plane through the axis that contains a point of the ideal
+/// image plane.
 Ray inSpace(const MeridionalRay& ray, const Eigen::Vector2d& ideal, double radius) {
   const Eigen::Vector2d radial =
       radius > 0.0 ? Eigen::Vector2d(ideal / radius) : Eigen::Vector2d::UnitX();
@@ -14,8 +15,8 @@ Ray inSpace(const MeridionalRay& ray, const Eigen::Vector2d& ideal, double radiu
           {ray.direction.x() * radial.x(), ray.direction.x() * radial.y(), ray.direction.y()}};
 }
 
-/// By which factor an image of a size is larger than a camera's; nothing where it is not by an
-/// integer one, nor smaller by one.
+/// The factor by which an image's size differs from a camera's; nothing if it is neither an integer
+/// nor the inverse of one.
 std::optional<double> factorOf(const ImageSize& camera, const ImageSize& image) {
   if (image.width < 1 || image.height < 1) return std::nullopt;
   const int times = image.width / camera.width;

@@ -6,24 +6,25 @@
 #include "omnitag/camera/central_camera.h"
 #include "omnitag/common/yaml_reader.h"
 
-/// What the readers of the camera file's models share, and the readers themselves, one for each
-/// `model`. All throw InputError with one line that names file, line and key.
+/// Shared parts of the camera file's readers, and the readers themselves, one for each `model`. All
+/// throw InputError with one line that names file, line and key.
 namespace omnitag {
 
 /// `image`.
 ImageSize readImageSize(const YamlReader& camera);
 
-/// `fx`, `fy`, `cx`, `cy` and, where `lens` has it, `skew`; with the distortion given.
+/// `fx`, `fy`, `cx`, `cy` and, if `lens` has it, `skew`; with the distortion given.
 ImagePlane readImagePlane(const YamlReader& lens, const ImagePlane::Distortion& distortion = {});
 
 /// The optional keys `max_angle` and `through_mirror`.
 FieldLimits readFieldLimits(const YamlReader& camera);
 
-/// The optional `uncertainty`: `none`, or deviations of modes, of which one that is left out is 0.
-/// Without it that of a usual calibration: half a pixel of each where the image is 500 pixels high.
+/// The optional `uncertainty`: `none`, or deviations of the modes, each 0 if left out. Without the
+/// key, the uncertainty of a usual calibration: half a pixel for each mode if the image is 500
+/// pixels high.
 CameraUncertainty readUncertainty(const YamlReader& camera, const ImageSize& size);
 
-/// Calls `make`, and has its InputErrors name the file.
+/// Calls `make`, and adds the file's name to its InputErrors.
 template <typename Make>
 std::shared_ptr<CameraModel> madeFor(const YamlReader& camera, const Make& make) {
   try {

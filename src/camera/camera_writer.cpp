@@ -13,7 +13,7 @@
 namespace omnitag {
 namespace {
 
-/// A file of this package, of which all numbers are known to be right.
+/// A camera file of this package, all numbers of which are known to be valid.
 class Writer {
  public:
   Writer(const YamlReader& file, std::string format)
@@ -21,7 +21,7 @@ class Writer {
 
   const std::string& model() const { return model_; }
 
-  /// A number of the lens as in the file, so that no digit is lost or made up.
+  /// A number of the lens as the file writes it, so that no digit is lost or added.
   std::string lens(const std::string& key) const {
     return file_.mapping("lens").has(key) ? file_.mapping("lens").text(key) : "0";
   }
@@ -43,7 +43,7 @@ class Writer {
            lens("cy") + ", 0, 0, 1";
   }
 
-  /// Throws where the lens has skew.
+  /// Throws if the lens has skew.
   void refuseSkew() const {
     const YamlReader lens = file_.mapping("lens");
     double skew = 0.0;
@@ -51,7 +51,7 @@ class Writer {
     if (skew != 0.0) lens.refuse("skew", "0 or none to write it as " + format_);
   }
 
-  /// Throws where a distortion has k3.
+  /// Throws if a distortion has k3.
   void refuseThirdCoefficient() const {
     if (!file_.has("distortion")) return;
     const std::vector<double> numbers = file_.numbers("distortion");
@@ -114,7 +114,7 @@ std::string openCvMatrix(int rows, int columns, const std::string& data) {
          "\n   cols: " + std::to_string(columns) + "\n   dt: d\n   data: [ " + data + " ]\n";
 }
 
-/// The distortion, and what tells its kind.
+/// The distortion, and the key that determines its kind.
 std::string openCvDistortion(const Writer& camera) {
   const std::string& model = camera.model();
   if (model == "equidistant") {
@@ -203,7 +203,7 @@ WrittenCamera writtenCamera(const std::string& path, const std::string& format,
                             const std::string& output) {
   const YAML::Node node = readCameraFile(path);
   const std::string file_path = cameraFilePath(path);
-  // What is not a camera is refused here.
+  // A file that describes no camera is refused here.
   const std::shared_ptr<const CameraModel> model = cameraOf(node, file_path);
   if (format == "omnitag") return {ownText(YAML::Clone(node), file_path, output), {}};
   const YamlReader file(node, file_path);

@@ -13,7 +13,7 @@
 namespace omnitag {
 namespace {
 
-/// Samples of the profile that are looked at before a mirror is accepted.
+/// Samples of the profile that are checked before a mirror is accepted.
 constexpr int kProfileSteps = 4096;
 constexpr int kElevationSamples = 256;
 
@@ -21,7 +21,7 @@ constexpr int kElevationSamples = 256;
 constexpr int kMaxIterations = 100;
 
 /// Newton doubles the digits with every step: one this small, relative to the mirror, leaves an
-/// error near the machine's precision, and the mirror's curvature does not show along it.
+/// error near the machine's precision, and the mirror's curvature is negligible along it.
 constexpr double kSmallStep = 1e-8;
 
 std::string text(double number) {
@@ -35,7 +35,7 @@ double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
 }
 
 /// Grows with the elevation of a direction that leads away from the axis: 0 toward the lens, 1
-/// across the axis, 2 away from the lens. It stands in for the angle, without an arc tangent.
+/// across the axis, 2 away from the lens. It replaces the angle, to avoid an arc tangent.
 double elevationOf(const Eigen::Vector2d& direction) {
   return 1.0 + direction.y() / (std::abs(direction.x()) + std::abs(direction.y()));
 }
@@ -71,7 +71,7 @@ void CatadioptricCamera::findVisibleRim() {
                      text(min_rho_) + " to " + text(last_rho) + ", found " +
                      text(mirror_.rim_radius));
   }
-  // A rim that lies a little beyond the silhouette, as the edge of a ball does, is no mistake.
+  // A rim a little beyond the silhouette, like the edge of a ball, is not an error.
   constexpr double kMostlyVisible = 0.98;
   double visible_rho = min_rho_;
   for (int i = 0; i <= kProfileSteps; ++i) {
@@ -127,7 +127,7 @@ void CatadioptricCamera::tabulateReflections() {
 
 void CatadioptricCamera::hideHousing() {
   const Eigen::Vector2d edge(mirror_.housing_radius, 0.0);
-  // The innermost ray may pass the housing by already.
+  // The innermost ray may already miss the housing.
   if (edge.x() <= min_rho_ || innermost_.turnTo(edge) >= 0.0) return;
   const std::optional<RadialImage> image = imageFromPoint(edge.x(), edge.y());
   if (!image) {
@@ -142,7 +142,7 @@ void CatadioptricCamera::hideHousing() {
 
 CatadioptricCamera::Reflection CatadioptricCamera::reflectAt(double rho) const {
   // The lens's ray v = (rho, z) is reflected about the normal n = (slope, -1) to
-  // v - 2 (v.n) / (n.n) n; times n.n that needs no division.
+  // v - 2 (v.n) / (n.n) n; multiplied by n.n, this needs no division.
   const MirrorProfile::Point point = mirror_.profile.at(rho);
   const double slope = point.slope;
   const double z = mirror_.apex_distance + point.sag;
@@ -155,8 +155,9 @@ CatadioptricCamera::Reflection CatadioptricCamera::reflectAt(double rho) const {
 }
 
 double CatadioptricCamera::startingRho(const Eigen::Vector2d& point) const {
-  // A point's elevation, seen from where it is reflected, tells where it is reflected. Seen from
-  // anywhere on the mirror it does nearly so, and better from there the next time.
+  // The elevation of a point, seen from its point of reflection, determines that point of
+  // reflection. Seen from elsewhere on the mirror it nearly does, and better from the place that
+  // this gives.
   constexpr int kRounds = 2;
   Eigen::Vector2d origin = origin_by_elevation_[kElevationSamples / 2];
   for (int i = 0; i < kRounds; ++i) {
@@ -176,8 +177,8 @@ std::optional<RadialImage> CatadioptricCamera::imageFromPoint(double distance,
   if (!std::isfinite(distance) || !std::isfinite(height)) return std::nullopt;
   const Eigen::Vector2d point(distance, height);
 
-  // The reflected ray leaves the axis behind: the point of reflection is nearer to it than the
-  // point is.
+  // The reflected ray leads away from the axis, so the point of reflection is nearer to the axis
+  // than the point is.
   double low = min_rho_;
   double high = std::min(max_rho_, distance);
   if (high < low || innermost_.turnTo(point) > 0.0) return std::nullopt;

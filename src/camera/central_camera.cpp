@@ -39,7 +39,7 @@ double CentralCamera::radiusOfImage(const ImageSize& image_size, const ImagePlan
   if (std::isfinite(farthest) && image_plane.isInvertibleUpTo(kMargin * farthest)) {
     return kMargin * farthest;
   }
-  // No picture of the world is this large in units of its focal length.
+  // No image of the world is this large in units of its focal length.
   double high = 1e3;
   double low = 0.0;
   for (int i = 0; i < 50; ++i) {

@@ -9,8 +9,8 @@
 #include "omnitag/camera/image_size.h"
 #include "omnitag/common/yaml_reader.h"
 
-/// Cameras as other tools describe them, told in the words of this package's own camera file. All
-/// throw InputError with one line that names file, line and key.
+/// Cameras of other tools, translated to this package's own camera file. All throw InputError with
+/// one line that names file, line and key.
 namespace omnitag {
 
 /// A lens as all of these tools describe it; pixels.
@@ -30,19 +30,20 @@ YAML::Node describedCamera(const std::string& model, const Intrinsics& intrinsic
 YAML::Node describedCamera(const std::string& model, const Intrinsics& intrinsics,
                            const std::vector<double>& distortion);
 
-/// OpenCV's coefficients of an ordinary lens, under `key`, as for a pinhole camera: k1, k2,
-/// p1, p2 and k3. There may be more, as of its rational model, where those are 0, or none.
+/// OpenCV's coefficients of an ordinary lens, under `key`, as for a pinhole camera: k1, k2, p1, p2
+/// and k3. There may be none; any further ones, as in its rational model, must be 0.
 std::vector<double> pinholeDistortion(const YamlReader& file, const std::string& key,
                                       std::vector<double> coefficients);
 
-/// The numbers of a matrix: a list of them, or a mapping with such a list in `data`, as OpenCV and
-/// camera_info have it.
+/// The numbers of a matrix: a list of them, or a mapping with such a list in `data`, as in OpenCV's
+/// files and camera_info.
 std::vector<double> matrixNumbers(const YamlReader& file, const std::string& key);
 
-/// The same of a camera matrix, whose focal lengths are > 0, row by row; the size is left out.
+/// The lens of a camera matrix, a row-by-row list in the same form; focal lengths must be > 0. The
+/// size is left out.
 Intrinsics cameraMatrix(const YamlReader& file, const std::string& key);
 
-/// A camera of Kalibr's camchain by its name, or by none where there is only one.
+/// A camera of Kalibr's camchain by its name, which may be empty if there is only one.
 bool isKalibr(const YamlReader& file);
 YAML::Node cameraFromKalibr(const YamlReader& file, const std::string& name);
 
@@ -50,8 +51,8 @@ YAML::Node cameraFromKalibr(const YamlReader& file, const std::string& name);
 bool isOpenCv(const YamlReader& file);
 YAML::Node cameraFromOpenCv(const YamlReader& file);
 
-/// ROS's sensor_msgs/CameraInfo as camera_calibration writes it or as rostopic shows it. Where it
-/// has binning or a region of interest, the camera is that of the images, not of the sensor.
+/// ROS's sensor_msgs/CameraInfo as camera_calibration writes it or as rostopic shows it. If it has
+/// binning or a region of interest, the camera is that of the images, not of the sensor.
 bool isCameraInfo(const YamlReader& file);
 YAML::Node cameraFromCameraInfo(const YamlReader& file);
 

@@ -31,7 +31,7 @@ ImagePlane ImagePlane::scaled(double factor) const {
   ImagePlane plane = *this;
   plane.affine_ *= factor;
   plane.inverse_affine_ /= factor;
-  // The image begins half a pixel before the centre of its first one.
+  // The image begins half a pixel before the centre of its first pixel.
   const Eigen::Vector2d half(0.5, 0.5);
   plane.principal_point_ = factor * (principal_point_ + half) - half;
   return plane;
@@ -53,7 +53,7 @@ std::optional<Eigen::Vector2d> ImagePlane::idealFromPixel(const Eigen::Vector2d&
   if (!is_distorted_) return distorted;
   if (is_equirectangular_) return azimuthalFromPlateCarree(distorted);
   // Newton from the centre, where nothing is distorted. A step that crosses the distortion's fold,
-  // or does not bring half of what it promises, is halved.
+  // or brings less than half of what it promises, is halved.
   constexpr int kMaxIterations = 100;
   constexpr double kTolerance = 1e-14;
   Eigen::Vector2d ideal = Eigen::Vector2d::Zero();

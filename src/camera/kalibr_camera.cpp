@@ -18,7 +18,7 @@ ImageSize resolutionOf(const YamlReader& camera) {
   return {static_cast<int>(size[0]), static_cast<int>(size[1])};
 }
 
-/// What a model's intrinsics begin with, before the focal lengths and the principal point.
+/// The intrinsics of a model that precede the focal lengths and the principal point.
 struct Leading {
   std::vector<std::string> names;
   std::vector<Interval> intervals;
@@ -41,14 +41,14 @@ std::vector<double> intrinsicsOf(const YamlReader& camera, const Leading& leadin
   return numbers;
 }
 
-/// The four numbers behind the leading ones.
+/// The four numbers after the leading ones.
 Intrinsics lensOf(const YamlReader& camera, const std::vector<double>& numbers) {
   const std::size_t first = numbers.size() - 4;
   return {resolutionOf(camera), numbers[first],     numbers[first + 1],
           numbers[first + 2],   numbers[first + 3], 0.0};
 }
 
-/// Kalibr's camera without the distortion of its lens, of which nothing may be stated.
+/// Refuses any distortion with a camera model that Kalibr uses without one.
 void checkUndistorted(const YamlReader& camera) {
   if (!camera.has("distortion_model")) return;
   const std::string model = camera.text("distortion_model");

@@ -46,7 +46,7 @@ MirrorProfile MirrorProfile::tabulated(const std::vector<Eigen::Vector2d>& sampl
                              secant - step * (2.0 * second[i] + second[i + 1]) / 6.0,
                              0.5 * second[i], (second[i + 1] - second[i]) / (6.0 * step)});
   }
-  // Zero but for rounding; the ray along the axis must return along the axis.
+  // Zero except for rounding; the ray along the axis must return along the axis.
   if (samples.front().x() == 0.0) spline.pieces.front().slope = 0.0;
   spline.end = samples.back().x();
   return MirrorProfile(std::move(spline));

@@ -53,7 +53,7 @@ std::optional<Eigen::Vector2d> MountedCamera::pixelFromMap(
         image->by_point * map_from_base.linear().transpose();
     if (by_point != nullptr) *by_point = by_point_in_map;
     if (by_frame != nullptr) {
-      // What the base turns by, a point of it turns back: at_stamp x rotation.
+      // A turn of the base turns its points back: at_stamp x rotation.
       const Eigen::Matrix<double, 2, 3> turned = image->by_point * crossMatrix(at_stamp);
       *by_frame << -by_point_in_map.leftCols<2>(), turned.col(2), -by_point_in_map.col(2),
           turned.leftCols<2>(), camera_->displacementByError(image->pixel), image->by_velocities;
@@ -74,7 +74,7 @@ std::optional<MountedCamera::Image> MountedCamera::imageOf(const Eigen::Vector3d
     image.pixel = *pixel;
     return image;
   }
-  // A row more or less hardly changes where the point is by then.
+  // A row more or less hardly changes where the point is at that moment.
   constexpr int kRounds = 3;
   double time = shutter_.timeOf(0.5 * camera_->imageSize().height);
   Eigen::Isometry3d motion;
@@ -90,7 +90,7 @@ std::optional<MountedCamera::Image> MountedCamera::imageOf(const Eigen::Vector3d
   }
   if (!wants_derivatives) return image;
 
-  // What displaces the point to another row lets it be seen earlier or later, too.
+  // A point that is displaced to another row is also seen earlier or later.
   const Eigen::Vector3d then = motion.inverse() * at_stamp;
   const Eigen::Vector3d velocity =
       translationPart(motion_.velocity) + rotationPart(motion_.velocity).cross(then);
@@ -98,7 +98,7 @@ std::optional<MountedCamera::Image> MountedCamera::imageOf(const Eigen::Vector3d
   later.col(1) += shutter_.row_readout_time * (by_point * velocity);
   by_point = later.inverse() * by_point;
   image.by_point = by_point * motion.linear().transpose();
-  // A velocity leads along the middle of the turn.
+  // A velocity displaces along the middle of the turn.
   Eigen::Matrix3d by_velocities;
   by_velocities << rotationOf(-0.5 * time * rotationPart(motion_.velocity)).leftCols<2>(),
       Eigen::Vector3d::UnitZ().cross(then);
@@ -133,7 +133,8 @@ Ray MountedCamera::inBase(const Ray& in_camera, const Eigen::Vector2d& pixel) co
 
 Eigen::Vector2d MountedCamera::withoutError(const Eigen::Vector2d& pixel) const {
   if (!has_camera_error_) return pixel;
-  // Errors change so little from pixel to pixel that two rounds leave less than a thousandth.
+  // Errors change so little from pixel to pixel that two rounds are exact to less than
+  // a thousandth.
   const auto error = error_.head<kCameraModes>();
   const Eigen::Vector2d about = pixel - camera_->displacementByError(pixel) * error;
   return pixel - camera_->displacementByError(about) * error;

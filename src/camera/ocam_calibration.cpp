@@ -11,7 +11,8 @@
 namespace omnitag {
 namespace {
 
-/// Numbers one after the other, whatever the lines: comments begin with '#' and end with the line.
+/// Reads numbers one after the other, wherever lines end. Comments begin with '#' and end with
+/// the line.
 class NumberReader {
  public:
   NumberReader(const std::string& text, std::string origin) : origin_(std::move(origin)) {
@@ -106,7 +107,7 @@ OcamCalibration parseOcamCalibration(const std::string& text, const std::string&
 }
 
 OcamCalibration loadOcamCalibration(const std::string& path) {
-  // A device or a pipe may have no end.
+  // A device or a pipe might never end.
   std::error_code ignored;
   std::ifstream file(path);
   if (!file.is_open() || !std::filesystem::is_regular_file(path, ignored)) {

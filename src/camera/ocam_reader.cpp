@@ -13,7 +13,7 @@ std::shared_ptr<CameraModel> readOcam(const YamlReader& camera) {
   const bool is_path = !stated.empty() && std::none_of(stated.begin(), stated.end(),
                                                        [](unsigned char c) { return c < ' '; });
   if (!is_path) camera.refuse("calibration_file", "the path of a file");
-  // An absolute path stays what it is.
+  // An absolute path remains as it is.
   const std::string path = (std::filesystem::path(camera.origin()).parent_path() / stated).string();
   const FieldLimits limits = readFieldLimits(camera);
   OcamCalibration calibration;

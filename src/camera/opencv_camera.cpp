@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kFisheyeCoefficients = 4;
 
-/// The first of these keys that is there.
+/// The first of these keys that is present.
 std::optional<std::string> keyOf(const YamlReader& file,
                                  std::initializer_list<std::string_view> keys) {
   for (const std::string_view key : keys) {
@@ -22,7 +22,7 @@ std::optional<std::string> matrixKey(const YamlReader& file) {
   return keyOf(file, {"camera_matrix", "cameraMatrix", "K"});
 }
 
-/// As the samples write it, or as a cv::Size is stored.
+/// As the samples write it, or as OpenCV stores a cv::Size.
 ImageSize imageSizeOf(const YamlReader& file) {
   constexpr Interval kPixels{1, 1 << 15};
   if (file.has("image_size")) {
@@ -35,7 +35,7 @@ ImageSize imageSizeOf(const YamlReader& file) {
   return {file.integer("image_width", kPixels), file.integer("image_height", kPixels)};
 }
 
-/// Whether the file says so; where it does not, four coefficients do, since calib3d's own
+/// Whether the file says so. If it does not, four coefficients mean a fisheye, since calib3d's own
 /// calibration has five or more.
 bool isFisheye(const YamlReader& file, std::size_t coefficients) {
   const std::string key = "fisheye_model";

@@ -15,7 +15,7 @@ Eigen::Vector2d plateCarreeFromAzimuthal(const Eigen::Vector2d& azimuthal,
   const double y = across * radial.y();
   const double from_pole = std::hypot(x, along);
   if (jacobian != nullptr) {
-    // Of the direction: along the meridian through the axis, and across it.
+    // Derivatives of the direction: along the meridian through the axis, and across it.
     const double shrink = angle > 0.0 ? across / angle : 1.0;
     const Eigen::Vector2d tangential(-radial.y(), radial.x());
     const Eigen::Matrix2d across_by_azimuthal =

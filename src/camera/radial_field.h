@@ -10,8 +10,9 @@
 namespace omnitag {
 
 /// The field of a central camera whose radius is a function of the angle off the axis: as far as
-/// that grows, `limits` allow, and the image reaches, `image_radius`. Throws InputError, which
-/// begins with `parameters`, where it does not grow up to the angle that `limits` gives, or at all.
+/// the radius grows, `limits` allow, and the image reaches (`image_radius`). Throws InputError,
+/// which begins with `parameters`, if the radius does not grow up to the angle that `limits` gives,
+/// or at all.
 template <typename Radius>
 CentralField fieldOf(const Radius& radius, double image_radius, const FieldLimits& limits,
                      const std::string& parameters) {

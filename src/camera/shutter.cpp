@@ -27,7 +27,7 @@ Eigen::Isometry3d BaseMotion::after(double time) const {
   const Eigen::Vector3d turn = time * rotationPart(velocity);
   Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
   motion.linear() = rotationOf(turn);
-  // Along an arc, about: in the direction of its middle.
+  // Along an arc, approximately: in the direction of its middle.
   motion.translation() = rotationOf(0.5 * turn) * (time * translationPart(velocity));
   return motion;
 }

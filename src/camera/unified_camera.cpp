@@ -24,7 +24,8 @@ double angleOf(double radius, double xi) {
   return std::atan2(scale * radius, scale - xi);
 }
 
-/// The angle before which the radius grows: beyond, it comes back (xi > 1), or there is nothing.
+/// The angle up to which the radius grows: beyond it the radius decreases (xi > 1) or does
+/// not exist.
 double foldOf(double xi) { return std::acos(-(xi > 1.0 ? 1.0 / xi : xi)); }
 
 [[noreturn]] void refuse(const std::string& key, const std::string& what, double wanted,
@@ -47,7 +48,7 @@ UnifiedCamera::UnifiedCamera(const ImageSize& image_size, const ImagePlane& imag
 
 CentralField UnifiedCamera::fieldOf(const ImagePlane& image_plane, double image_radius, double xi,
                                     const FieldLimits& limits) {
-  // At the fold itself a radius has no slope, or no end.
+  // At the fold itself the radius has no slope, or is infinite.
   constexpr double kBeforeFold = 1e-4;
   const double fold = foldOf(xi);
   const double last = std::min(fold - kBeforeFold, kLargestAngle);

@@ -18,7 +18,7 @@ namespace {
   throw InputError(path + ": " + what);
 }
 
-/// Writes a new file to the disk's surface.
+/// Writes a new file and makes sure that it is on the disk.
 void writeThrough(const std::string& path, const std::string& text) {
   constexpr mode_t kPermissions = 0644;
   const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, kPermissions);
@@ -43,7 +43,7 @@ void writeThrough(const std::string& path, const std::string& text) {
 void replaceFile(const std::string& path, const std::string& text, Backup backup) {
   namespace fs = std::filesystem;
   std::error_code error;
-  // A link stays one.
+  // A symbolic link remains one.
   const bool exists = fs::exists(path, error);
   const fs::path target = exists ? fs::canonical(path, error) : fs::path(path);
   if (error) refuseFile(path, "cannot be replaced: " + error.message());
@@ -64,7 +64,7 @@ void replaceFile(const std::string& path, const std::string& text, Backup backup
   }
   fs::rename(written, target, error);
   if (error) giveUp("cannot be replaced");
-  // The name is on the disk only once the folder is.
+  // The new name is on the disk only once the folder is.
   const std::string folder = target.has_parent_path() ? target.parent_path().string() : ".";
   const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY);
   if (descriptor < 0) return;

@@ -17,7 +17,7 @@ std::string oneLine(std::string text) {
   return text;
 }
 
-/// What stands at a node, short enough for one line.
+/// The content of a node, short enough for one line.
 std::string found(const YAML::Node& node) {
   if (!node.IsDefined()) return "nothing";
   switch (node.Type()) {
@@ -36,8 +36,8 @@ std::string found(const YAML::Node& node) {
   return "'" + (text.size() > kLongest ? text.substr(0, kLongest) + "..." : text) + "'";
 }
 
-/// Whether a text is a zero before other digits, after a sign perhaps: octal to YAML 1.1, decimal
-/// to YAML 1.2.
+/// Whether a number has a leading zero, perhaps after a sign: octal in YAML 1.1, decimal in
+/// YAML 1.2.
 bool isAmbiguous(const std::string& text) {
   const std::size_t first = text.find_first_not_of("+-");
   return first != std::string::npos && text.size() > first + 1 && text[first] == '0' &&
@@ -53,7 +53,7 @@ bool parse(const YAML::Node& node, double* value) {
          YAML::convert<double>::decode(node, *value);
 }
 
-/// Decimal ones alone: of others, the versions of YAML differ on what they are.
+/// Decimal integers only: the versions of YAML disagree about the others.
 bool parse(const YAML::Node& node, int* value) {
   return node.IsScalar() && !isAmbiguous(node.Scalar()) &&
          node.Scalar().find_first_not_of("+-0123456789") == std::string::npos &&

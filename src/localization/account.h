@@ -13,44 +13,45 @@
 
 namespace omnitag {
 
-/// A hypothesis, and what a frame gives for it.
+/// A hypothesis, and a frame's result under it.
 struct Account {
   Hypothesis hypothesis;
   FrameResult result;
-  /// Whether the pose is that of a search, which does not tell what else should have been seen.
+  /// Whether the pose comes from a search, which does not show what else should have been seen.
   bool is_of_search = false;
   double log_probability = 0.0;
 };
 
-/// What is known of a frame before it is looked at.
+/// What is known of a frame before its image is processed.
 FrameResult emptyResult(const Frame& frame, const LocalizerConfig& config);
 
-/// What a robot may have gone through that is not where `account` puts it but at `pose`: that
-/// something carried it there, and that it was elsewhere all along. The account's markers then hang
-/// elsewhere. `before`: the account's hypothesis without the frame.
+/// The possible histories of a robot that is not where `account` puts it but at `pose`: something
+/// carried it there, or it was elsewhere all along. The account's markers then hang elsewhere.
+/// `before`: the account's hypothesis without the frame.
 std::vector<Hypothesis> childrenAt(const Pose& pose, const Frame& frame,
                                    const MountedCamera& camera, const Hypothesis& before,
                                    const Account& account, const Evidence& evidence);
 
-/// The same with the frame's pose, and what it shows from there.
+/// The accounts of such hypotheses, with the frame's pose and what it shows from there.
 std::vector<Account> accountsOf(std::vector<Hypothesis> children, const PoseEstimate& pose,
                                 FrameResult result, const Frame& frame);
 
 /// The account of a robot that is where it was expected, although its markers put it elsewhere.
 Account stayingAt(const PoseEstimate& predicted, const FrameResult& found, Account account);
 
-/// A detection of the map as it is remembered from a pose.
+/// The sighting to remember for a detection of a map entry, from a pose.
 RememberedSighting sightingOf(const MarkerDetection& detection, const FrameResult& result,
                               const MountedCamera& camera, const Pose& map_from_base);
 
-/// Without a marker that agrees: the prediction, unless what was read contradicts it.
+/// Sets the result of a frame without a marker that agrees: the prediction, unless the readings
+/// contradict it.
 void carryOn(const PoseEstimate& predicted, bool is_refuted, const MarkerMap& map,
              FrameResult* result);
 
-/// In words, that these markers hang elsewhere than the map says, or the robot is.
+/// In words, that either these markers hang elsewhere than the map says, or the robot is elsewhere.
 std::string eitherOr(const std::vector<std::size_t>& elsewhere, const MarkerMap& map);
 
-/// Leaves a frame without a pose, since its markers that hang elsewhere may as well be in their
+/// Leaves a frame without a pose, since its markers that hang elsewhere may equally be in their
 /// places and the robot elsewhere.
 void withhold(const MarkerMap& map, FrameResult* result);
 

@@ -26,8 +26,8 @@ const MarkerDetection* detectionOf(std::size_t entry, const FrameResult& result)
   return found == result.detections.end() ? nullptr : &*found;
 }
 
-/// Takes a marker that another pose has in its place for one that this pose has elsewhere, unless
-/// it is in its place here, too.
+/// Marks a marker that another pose has in its place as elsewhere for this pose, unless it is in
+/// its place here, too.
 void addElsewhere(const MarkerDetection& seen, FrameResult* result) {
   const std::size_t entry = *seen.map_entry;
   const MarkerDetection* const here = detectionOf(entry, *result);
@@ -59,7 +59,8 @@ void exchangeSightings(std::vector<Account>* accounts) {
   }
 }
 
-/// Keeps which markers hang elsewhere: as one group those that another account has in their places.
+/// Remembers which markers hang elsewhere: those that another account has in their places form
+/// one group.
 void rememberElsewhere(const MountedCamera& camera, const Evidence& evidence,
                        const std::vector<Account>& accounts, Account* account) {
   const FrameResult& result = account->result;
@@ -88,7 +89,7 @@ void rememberElsewhere(const MountedCamera& camera, const Evidence& evidence,
   }
 }
 
-/// The same of a hypothesis that has no pose: what others have in its place is moved.
+/// The same for a hypothesis without a pose: what others have in its place was moved.
 void rememberOfOthers(const MountedCamera& camera, const std::vector<Account>& accounts,
                       MarkerMemory* memory) {
   for (const Account& other : accounts) {
@@ -103,7 +104,7 @@ void rememberOfOthers(const MountedCamera& camera, const std::vector<Account>& a
   }
 }
 
-/// Keeps which markers the frame showed and which not.
+/// Remembers which markers the frame showed and which it did not.
 void remember(const MountedCamera& camera, const Evidence& evidence,
               const std::vector<Account>& accounts, Account* account) {
   const FrameResult& result = account->result;
@@ -128,15 +129,15 @@ void remember(const MountedCamera& camera, const Evidence& evidence,
 
 bool haveSamePose(const Account& a, const Account& b) {
   if (!a.result.map_from_base || !b.result.map_from_base) return false;
-  // m and rad: two that are so near each other are tracked by the same markers.
+  // m and rad: two poses this close to each other are tracked by the same markers.
   constexpr double kNear = 1e-3;
   const PoseVector apart = difference(a.result.map_from_base->pose, b.result.map_from_base->pose);
   return apart.head<3>().cwiseAbs().maxCoeff() < kNear;
 }
 
-/// A pose that may as well be another one with a probability.
+/// A pose, widened to cover another one that has this probability.
 PoseEstimate covering(const PoseEstimate& pose, const PoseEstimate& other, double probability) {
-  // What the other pose stands on may be a little off as well, seen from where two poses contend.
+  // The markers of the other pose may be a little off, too, when two poses contend.
   constexpr double kAside = 0.15;
   const PoseVector apart = difference(other.pose, pose.pose);
   const PoseVector aside =
@@ -148,7 +149,7 @@ PoseEstimate covering(const PoseEstimate& pose, const PoseEstimate& other, doubl
   return wider;
 }
 
-/// The poses of the accounts, and how probable each of these is.
+/// The poses of the accounts, with their probabilities.
 std::vector<WeightedPose> weighted(const std::vector<Account>& accounts) {
   double sum = 0.0;
   std::vector<WeightedPose> poses;
@@ -210,7 +211,7 @@ FrameResult reported(const std::vector<Account>& accounts, const MarkerMap& map,
   if (result.elsewhere.empty()) result.elsewhere = accepted;
   result.remark = eitherOr(result.elsewhere, map);
   if (!result.map_from_base) return result;
-  // No pose is to be farther from the truth than this many of its deviations.
+  // No pose should be farther from the truth than this many of its deviations.
   constexpr double kDeviations = 3.0;
   for (auto other = accounts.begin() + 1; other != accounts.end(); ++other) {
     if (other->hypothesis.is_lost) {

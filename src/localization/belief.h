@@ -11,13 +11,13 @@
 namespace omnitag {
 
 /// Judges the accounts of a frame by what all of them saw: lets each remember it, and keeps those
-/// that are nearly as likely as the likeliest one, which comes first; of those with the same pose
-/// the likelier one.
+/// that are nearly as likely as the likeliest, which comes first. Of accounts with the same pose,
+/// only the likeliest is kept.
 std::vector<Account> judged(std::vector<Account> accounts, const MountedCamera& camera,
                             const Evidence& evidence);
 
-/// What the robot is told of the accounts that were kept: the likeliest, with a covariance that
-/// covers the others, or without a pose where these are too far off.
+/// The result to report from the remaining accounts: the likeliest, with a covariance that covers
+/// the others, or without a pose if these are too far off.
 FrameResult reported(const std::vector<Account>& accounts, const MarkerMap& map,
                      const EvidenceConfig& config);
 

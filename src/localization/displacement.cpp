@@ -13,8 +13,8 @@ std::optional<DisplacedMarker> displacement(const MarkerMap& map, const MountedC
   for (const std::size_t entry : entriesOf(map, family, id)) {
     const MarkerObservation as_entry{entry, observation.corners, observation.center};
     for (const ReprojectionFit& fit : posesFromMarker(map, camera, as_entry, standing, config)) {
-      // Where the robot would have to be for the marker to be right; seen the other way round, by
-      // how much the marker moved.
+      // From the pose at which the marker would be right to the actual one: the inverse motion of
+      // the robot is the marker's.
       const Eigen::Isometry3d moved =
           map_from_base.toIsometry() * fit.map_from_base.pose.toIsometry().inverse();
       const Eigen::Vector3d center = map.markers[entry].center();
@@ -31,7 +31,8 @@ std::optional<GroupDisplacement> displacement(const MarkerMap& map, const Displa
   for (const std::size_t entry : group.entries) {
     middle += map.markers[entry].center() / static_cast<double>(group.entries.size());
   }
-  // What takes the poses to where the markers would be right takes the markers the other way.
+  // The motion takes the poses to where the markers would be right; the markers moved the
+  // other way.
   const Eigen::Isometry3d moved = group.motion->inverse();
   return GroupDisplacement{group.entries, moved * middle - middle, Pose::fromIsometry(moved).yaw};
 }
@@ -48,7 +49,7 @@ void DisplacementLog::add(const FrameResult& result) {
 }
 
 std::vector<DisplacedMarker> DisplacementLog::persistent() const {
-  // A localizer measures once per second and marker: these are seconds apart.
+  // A localizer measures each marker once per second: these are seconds apart.
   constexpr int kFewestSightings = 3;
   std::vector<DisplacedMarker> persistent;
   for (const auto& [entry, sightings] : sightings_) {

@@ -7,8 +7,7 @@
 namespace omnitag {
 namespace {
 
-/// Length of the shortest tree that joins points, in which a step counts at least `shortest`
-/// (Prim).
+/// Length of the shortest tree that joins points, each step counting at least `shortest` (Prim).
 double lengthOfTree(std::vector<Eigen::Vector3d> points, double shortest) {
   double length = 0.0;
   if (points.empty()) return length;
@@ -65,9 +64,9 @@ double Evidence::logOfMoved(const DisplacedGroup& group, const MarkerMemory& mem
   double probability = group.entries.size() == 1 ? config_.misread : config_.moved;
   for (const std::size_t entry : group.entries) {
     places.push_back(map_.markers[entry].center());
-    // One that is misread may have been in its place a moment ago, and be so still.
+    // A misread marker may have been in its place a moment ago, and still be there.
     const RememberedSighting* const in_place = memory.inPlace(entry);
-    // Seen once, it may have been taken for in its place by chance.
+    // Seen once or twice, it may have seemed to be in its place by chance.
     constexpr int kSurely = 3;
     if (!in_place || memory.timesInPlace(entry) < kSurely) continue;
     if (!group.motion || group.entries.size() == 1) continue;
@@ -76,7 +75,7 @@ double Evidence::logOfMoved(const DisplacedGroup& group, const MarkerMemory& mem
     const double time = std::max(memory.elsewhereSince(entry) - in_place->stamp, kShortest);
     probability = std::min(probability, config_.moved_per_second * time);
   }
-  constexpr double kNearest = 0.7;  // m: of two on one board, one may hang there alone
+  constexpr double kNearest = 0.7;  // m: one of two on a board may be moved alone
   return std::log(probability) - lengthOfTree(std::move(places), kNearest) / config_.together;
 }
 
@@ -90,13 +89,13 @@ double Evidence::logOfMissed(const std::vector<std::size_t>& entries,
       sum += std::log(1.0 - memory.seenAtFirst());
     }
   }
-  // Somebody may stand before several.
+  // A person may hide several at once.
   constexpr double kMostMissed = 6.0;
   return std::max(sum, kMostMissed * std::log(config_.missed));
 }
 
 double deviationsOfStart(const PosePrior& start, const Eigen::Isometry3d& motion) {
-  // Each image tells afresh how the robot leans.
+  // The robot's lean is estimated from each image independently.
   const PoseVector any_lean =
       poseVector(Eigen::Vector3d(0.0, 0.0, 1.0), Eigen::Vector3d(1.0, 1.0, 0.0));
   const PosePrior loose = start.pushed(any_lean);

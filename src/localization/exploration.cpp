@@ -19,7 +19,7 @@ double pixelsOf(const std::vector<View>& views) {
                          [](double sum, const View& view) { return sum + pixelsOf(view); });
 }
 
-/// The view around a marker that may be off its place; nothing where it cannot be read.
+/// The view around a marker that may be off its place; nothing if it cannot be read.
 std::optional<View> viewOf(const MarkerMap& map, std::size_t entry, const MountedCamera& camera,
                            const Pose& map_from_base, const ContourTable& table,
                            const LocalizerConfig& config) {
@@ -66,7 +66,7 @@ std::vector<View> Exploration::views(const std::vector<View>& all, const Mounted
     left -= pixelsOf(view);
     ++next_view_;
   }
-  // What one frame saves is for the next to spend, not for many to pile up.
+  // Savings are for the next frame, and must not pile up.
   saved_pixels_ = std::min(left, view_pixels);
   return views;
 }

@@ -11,14 +11,14 @@
 namespace omnitag {
 namespace {
 
-/// m and rad: nobody pushes a robot as far between two images.
+/// m and rad: nobody pushes a robot farther between two images.
 constexpr double kFarthestPush = 0.3;
 
-/// How many of a PoseVector's numbers change where something moves the robot: on a floor it stays
-/// on it.
+/// How many of a PoseVector's numbers change if something moves the robot: on a floor it stays on
+/// the floor.
 int numbersOfPush(PoseModel model) { return model == PoseModel::kFloor ? 3 : 6; }
 
-/// By so much (m and rad) along and about each of the axes.
+/// A push by this much (m and rad) along and about each of the axes.
 PoseVector anyPush(double way, double turn, PoseModel model) {
   PoseVector push = poseVector(Eigen::Vector3d::Constant(way), Eigen::Vector3d::Constant(turn));
   push.tail(push.size() - numbersOfPush(model)).setZero();
@@ -32,7 +32,7 @@ PosePrior FrameTracker::farthestPushed() const {
 }
 
 PosePrior FrameTracker::afterPush(const PoseEstimate& alone) const {
-  // Chi-square with 3 or 6 degrees of freedom that one of ten thousand is beyond.
+  // Chi-square with 3 or 6 degrees of freedom, exceeded once in ten thousand.
   const double limit = poseModel() == PoseModel::kFloor ? 21.1 : 27.9;
   constexpr double kTimes = 3.0;
   const int count = numbersOfPush(poseModel());
@@ -47,13 +47,12 @@ PosePrior FrameTracker::afterPush(const PoseEstimate& alone) const {
 }
 
 void FrameTracker::align() {
-  // Those that are off by their corners or their pixels are left out, and the rest is aligned
-  // again.
+  // Markers whose corners or pixels are off are left out, and the rest is aligned again.
   constexpr int kRounds = 3;
   const std::size_t all = usedEntries().size();
   for (int round = 0; round < kRounds && solution_; ++round) {
     const std::vector<std::size_t> entries = usedEntries();
-    // What is left when many are off hangs no more surely in its place than those.
+    // If many are off, the rest is no more likely to hang in its place than they are.
     const bool is_rest_small = !has_prior_ && !isLargeMajority(entries.size(), all);
     if (entries.empty() || is_rest_small) break;
     const PosePrior before = prior_;
@@ -104,7 +103,7 @@ bool FrameTracker::leaveOutDisagreeing(const PhotometricFit& fit, const PosePrio
   if (const auto other = poseOf(fit.markers, others, pushed, pose, fit.imaging_error)) {
     alternatives_.push_back(*other);
   }
-  // What pushed the prior was that they disagree.
+  // The prior was pushed because they disagree.
   prior_ = prior;
   std::vector<std::size_t> disagreeing;
   for (std::size_t k = 0, i = 0; k < observed_.size(); ++k) {
@@ -115,7 +114,7 @@ bool FrameTracker::leaveOutDisagreeing(const PhotometricFit& fit, const PosePrio
 }
 
 bool FrameTracker::leaveOutFar(const PhotometricFit& fit, const std::vector<Misfit>& misfits) {
-  // Pixels hardly pull where they show something else, and corners then tell.
+  // Pixels hardly pull if they show something else; corners then decide.
   if (!has_prior_ || sharplyAgreeing(misfits) == 0) return false;
   std::vector<std::size_t> far;
   std::vector<MarkerObservation> rest;

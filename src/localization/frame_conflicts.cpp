@@ -31,8 +31,8 @@ void FrameTracker::settleWithPrediction() {
       were_all_seen = were_all_seen && sighting.is_likely;
     }
   }
-  // What moved by less than tells markers apart, or moved all that the image before showed, is the
-  // robot.
+  // If the motion is too small to distinguish markers, or shifts all that the last image showed, it
+  // is the robot's.
   if (for_found.empty() || (!are_any_expected && were_all_seen)) return;
   alternatives_.push_back(solution_->map_from_base);
   prior_ = predicted;
@@ -74,7 +74,7 @@ void FrameTracker::leaveOutKnown() {
     are_known = are_known || sighting.is_elsewhere;
     are_others = are_others || !sighting.is_elsewhere;
   }
-  // As most often: this is asked several times a frame.
+  // The usual case, checked several times a frame.
   if (!tools_.memory.hasElsewhere()) return;
   std::vector<Eigen::Isometry3d> motions;
   for (const DisplacedGroup& group : tools_.memory.displacedGroups()) {
@@ -103,7 +103,7 @@ bool FrameTracker::isDisplaced(const MarkerObservation& observation, const PoseS
   const double in_place = deviationsAt(pose);
   const bool is_off = in_place > mostInPlace();
   if (was_known == is_off) return was_known;
-  // One that was there is to be back for certain; one that newly comes into view is to hang where
+  // A marker that was there must certainly be back; one that newly comes into view must hang where
   // its group does.
   const double limit = was_known ? 2.0 * mostInPlace() : 0.5 * in_place;
   return std::any_of(motions.begin(), motions.end(), [&](const Eigen::Isometry3d& motion) {

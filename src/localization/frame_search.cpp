@@ -11,13 +11,13 @@
 namespace omnitag {
 namespace {
 
-/// The markers in sight of a pose that were not decoded, as far as they are recognized.
+/// The markers in view of a pose that were not decoded but are recognized.
 std::vector<MarkerObservation> recognizeUndecoded(const TrackingTools& tools, const Frame& frame,
                                                   const MountedCamera& camera,
                                                   const PoseEstimate& found,
                                                   const std::vector<std::size_t>& decoded,
                                                   const FrameResult& result) {
-  // What was read beside its place is not to be recognized there after all.
+  // A marker that was read beside its place must not be recognized in it after all.
   const auto wasRejected = [&result](const Marker& marker) {
     return std::any_of(result.detections.begin(), result.detections.end(),
                        [&marker](const MarkerDetection& detection) {
@@ -38,8 +38,8 @@ std::vector<MarkerObservation> recognizeUndecoded(const TrackingTools& tools, co
   return recognized;
 }
 
-/// A pose aligned with the pixels of all; nothing where it is not that of the decoded ones, or one
-/// that was recognized is off it.
+/// A pose aligned with the pixels of all; nothing if it disagrees with that of the decoded ones, or
+/// a recognized one is off it.
 std::optional<PhotometricFit> alignWithAll(const TrackingTools& tools, const Frame& frame,
                                            const MountedCamera& camera, const PoseEstimate& found,
                                            const std::vector<std::size_t>& decoded,

@@ -16,8 +16,8 @@
 namespace omnitag {
 namespace {
 
-/// Mean and covariance of a pose of which two estimates are possible, each with its misfit (twice
-/// the negative log-likelihood).
+/// Mean and covariance of a pose with two possible estimates, each with its misfit (twice the
+/// negative log-likelihood).
 PoseEstimate mixture(const PoseEstimate& a, double misfit_a, const PoseEstimate& b,
                      double misfit_b) {
   const double ratio = std::exp(0.5 * std::clamp(misfit_a - misfit_b, -100.0, 100.0)) *
@@ -36,7 +36,7 @@ PoseEstimate mixture(const PoseEstimate& a, double misfit_a, const PoseEstimate&
 
 bool agreesWithPrior(const TrackingTools& tools, const MountedCamera& camera,
                      const MarkerObservation& observation, const PosePrior& prior) {
-  // Chi-square with six degrees of freedom that one of a thousand is beyond.
+  // Chi-square with six degrees of freedom, exceeded once in a thousand.
   constexpr double kFarOff = 22.5;
   const EstimatorConfig& config = tools.config.estimation;
   ReprojectionConfig trusting = config.reprojection;

@@ -19,10 +19,10 @@
 
 namespace omnitag {
 
-/// Why a marker is not accepted that was moved.
+/// Why a marker that was moved is not accepted.
 constexpr const char* kElsewhere = "hangs elsewhere than the map says";
 
-/// What a localizer looks with.
+/// What a localizer needs to look at a frame.
 struct TrackingTools {
   const MarkerMap& map;
   const MarkerIndex& index;
@@ -33,23 +33,23 @@ struct TrackingTools {
   /// What is known of a pose without a prediction.
   const PosePrior& standing;
   const MarkerMemory& memory;
-  /// LastingDisagreement's.
+  /// The excess of LastingDisagreement.
   double lasting_excess;
-  /// The frame's image for decoders.
+  /// The frame's image for decoding.
   ReadableImage& readable;
 };
 
-/// Whether a marker that was observed is where a prior allows it to be: by the corners, and by what
-/// they make of the pose.
+/// Whether an observation is where a prior allows it to be: by its corners, and by the pose that
+/// they lead to.
 bool agreesWithPrior(const TrackingTools& tools, const MountedCamera& camera,
                      const MarkerObservation& observation, const PosePrior& prior);
 
 /// A reading as a detection that is not accepted yet.
 MarkerDetection toDetection(const MarkerReading& reading);
-/// The same of a marker of the map that was observed.
+/// The same for an observation.
 MarkerDetection toDetection(const MarkerObservation& observation, const Marker& marker);
 
-/// Reads views and adds them, with what they show, to the result.
+/// Reads views and adds them, with their images, to the result.
 std::vector<MarkerReading> readViews(const TrackingTools& tools, std::vector<View> views,
                                      FrameResult* result);
 
@@ -57,13 +57,13 @@ std::vector<MarkerReading> readViews(const TrackingTools& tools, std::vector<Vie
 bool isPlaceKnown(const TrackingTools& tools, const MountedCamera& camera,
                   const PredictedMarker& predicted);
 
-/// The marker at an entry of the map, where its pattern is found near its projection by `belief`.
+/// The marker at a map entry, if its pattern is found near its projection by `belief`.
 std::optional<MarkerObservation> recognizeMarker(const TrackingTools& tools,
                                                  const cv::Mat& panorama,
                                                  const MountedCamera& camera, std::size_t entry,
                                                  const PoseEstimate& belief);
 
-/// The same where it images, about, from a pose.
+/// The same, near the prediction from a pose.
 std::optional<MarkerObservation> recognizePredicted(const TrackingTools& tools,
                                                     const cv::Mat& panorama,
                                                     const MountedCamera& camera,
@@ -74,16 +74,16 @@ std::optional<MarkerObservation> recognizePredicted(const TrackingTools& tools,
 std::optional<Pose> otherPose(const TrackingTools& tools, const Marker& marker,
                               const MountedCamera& camera, const Pose& map_from_base);
 
-/// A pose aligned with the pixels of the markers at `entries`; nothing where that is not asked for
-/// or not possible.
+/// A pose aligned with the pixels of the markers at `entries`; nothing if that is not configured or
+/// not possible.
 std::optional<PhotometricFit> alignWithPixels(const TrackingTools& tools, const cv::Mat& panorama,
                                               const MountedCamera& camera,
                                               const std::vector<std::size_t>& entries,
                                               const Pose& initial, const PosePrior& prior);
 
-/// A pose that stands on the corners of this many markers, although it was to be aligned with
-/// pixels: of a marker or two alone, corners may be much farther off than they are where many
-/// agree.
+/// A pose that is based on the corners of this many markers although it was to be aligned with
+/// pixels, widened: the corners of a marker or two alone may be much farther off than where
+/// many agree.
 PoseEstimate standingOnCorners(const PoseEstimate& pose, std::size_t markers,
                                const LocalizerConfig& config);
 

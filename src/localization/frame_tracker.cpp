@@ -16,19 +16,19 @@ namespace {
 /// Markers that make a prediction sharp enough to find all others easily.
 constexpr std::size_t kFirst = 2;
 
-/// Of a prediction that is too vague to recognize markers, how many are decoded at most.
+/// How many markers are decoded at most if the prediction is too vague to recognize them.
 constexpr std::size_t kAnchors = 4;
 
-/// Pixels of a view that is decoded at most.
+/// Pixels of the largest view that is decoded.
 constexpr double kAnySize = std::numeric_limits<double>::infinity();
 
-/// The same where the prediction is in doubt: a look at the panorama itself must not cost less.
+/// The same if the prediction is in doubt: decoding must not cost more than a glance.
 double largestInDoubt(const cv::Mat& panorama) {
   constexpr double kShareOfSides = 0.25;
   return kShareOfSides * panorama.cols * kShareOfSides * panorama.rows;
 }
 
-/// Hardly anything but how the robot stands, about a pose to start from.
+/// A prior about a starting pose that knows little more than how the robot stands.
 PosePrior vague(const Pose& pose, const PosePrior& standing) {
   constexpr double kDeviation = 1.0;  // m and rad
   PosePrior prior = standing.withPlace(pose, Eigen::Matrix3d::Zero());
@@ -36,8 +36,8 @@ PosePrior vague(const Pose& pose, const PosePrior& standing) {
   return prior;
 }
 
-/// Whether a marker is looked for where it was before, and nearly as far around: farther around,
-/// the pattern must be met the better.
+/// Whether a marker is looked for in the same place as before, and not much farther around: the
+/// farther around, the better the pattern must match.
 bool isSameLook(const PredictedMarker& before, const PredictedMarker& now) {
   constexpr double kSamePlace = 0.5;  // pixels
   constexpr double kNearly = 0.7;
@@ -46,7 +46,8 @@ bool isSameLook(const PredictedMarker& before, const PredictedMarker& now) {
          now.radial_margin > kNearly * before.radial_margin;
 }
 
-/// m, of a pose from which markers may be farther off in the image than they are looked for.
+/// m, deviation of a pose from which markers may be farther off in the image than they are
+/// looked for.
 constexpr double kVague = 0.01;
 
 }  // namespace
@@ -72,7 +73,7 @@ std::optional<PoseEstimate> FrameTracker::track() {
     findOthers();
     decodeAnchors();
     if (isSurprising()) lookWherePredicted();
-    // What was found first may have been moved as one, and has drawn what was found after it.
+    // The markers found first may have been moved as one, and have drawn those found later.
     if (has_prior_ && isDoubtful()) lookAgain(predicted_.pose);
     if (isDoubtful()) lookAgain(solution_->map_from_base.pose);
   }
@@ -148,7 +149,7 @@ void FrameTracker::decodeAnchors() {
 
 void FrameTracker::findOthers() {
   if (!solution_) return;
-  // What is not there takes longer the less is known of where it should be.
+  // Looking for an absent marker takes longer the less its place is known.
   if (recognizeAll(solution_->map_from_base, true)) solve();
   constexpr int kRounds = 2;
   for (int round = 0; round < kRounds && solution_; ++round) {
@@ -180,7 +181,7 @@ void FrameTracker::recognizeOne(std::size_t target, const PoseEstimate& belief) 
       predictMarker(tools_.map, entry, camera_, belief, tools_.config.visibility);
   if (!predicted || !isPlaceKnown(tools_, camera_, *predicted)) return;
   Sighting& sighting = sightings_[target];
-  // What was not there is not there now.
+  // The same look would fail again.
   if (sighting.looked_at && isSameLook(*sighting.looked_at, *predicted)) return;
   sighting.looked_at = predicted;
   sighting.observation = recognizePredicted(tools_, frame_.image, camera_, belief.pose, *predicted);
@@ -242,7 +243,7 @@ void FrameTracker::lookWherePredicted() {
 
 bool FrameTracker::isSurprising() const {
   if (!solution_ || !has_prior_) return false;
-  constexpr double kLimit = 9.0;  // chi-square, 3 degrees of freedom, one of 30
+  constexpr double kLimit = 9.0;  // chi-square, 3 degrees of freedom, exceeded once in 30
   const Eigen::Vector3d off = difference(solution_->map_from_base.pose, predicted_.pose).head<3>();
   return mahalanobisSquare(off, floorCovariance(predicted_)) > kLimit;
 }
@@ -251,8 +252,8 @@ bool FrameTracker::isDoubtful() const {
   if (!solution_) return false;
   const std::size_t agreeing = sharplyAgreeing(solution_->misfits);
   if (isLargeMajority(agreeing, observed_.size())) {
-    // Those that were not found may be hidden. But where the pose is a surprise, or the prediction
-    // too vague for any to be one, they may as well be where another pose has them.
+    // Markers that were not found may be hidden. But if the pose is a surprise, or the prediction
+    // too vague for that, they may just as well be where another pose has them.
     constexpr double kHardlyKnown = 0.05;  // m
     const bool may_be_elsewhere = has_prior_ && (positionDeviation(predicted_) > kHardlyKnown ||
                                                  !agree(solution_->map_from_base, predicted_));
@@ -272,7 +273,7 @@ void FrameTracker::lookAgain(const Pose& pose) {
   const std::vector<Sighting> before = sightings_;
   const std::size_t found_before = found();
   const PoseEstimate belief{pose};
-  // Of the largest margin: farther around, another look takes too long.
+  // Of the largest margin: looking farther around takes too long.
   constexpr double kShareAround = 0.5;
   constexpr std::size_t kWorthAThread = 2;
   forEachIndex(sightings_.size(), tools_.config.threads, kWorthAThread, [&](std::size_t i) {
@@ -304,7 +305,8 @@ void FrameTracker::decode(const std::vector<std::size_t>& targets, double max_pi
     for (const std::size_t target : view.targets) sightings_[target].was_decoded = true;
   }
   result_->timings.predict += step.lap();
-  // Views overlap: what one of them shows may have been expected in another, or be seen there, too.
+  // Views overlap: a marker in one of them may have been expected in another, or be visible
+  // there, too.
   for (const MarkerReading& reading : readViews(tools_, std::move(views), result_)) {
     const Association association =
         associate(reading, result_->predicted, tools_.map, tools_.config.association);
@@ -342,7 +344,7 @@ void FrameTracker::solve() {
   Stopwatch step;
   if (has_prior_) leaveOutKnown();
   solution_ = solutionOfObserved(prior_);
-  // Markers and prior that contradict each other leave large residuals.
+  // Markers and a prior that contradict each other leave large residuals.
   constexpr double kLargeExcess = 2.0;
   if (solution_ && has_prior_ && observed_.size() >= 2 && solution_->excess > kLargeExcess) {
     const auto alone = solutionOfObserved(farthestPushed());

@@ -14,8 +14,8 @@
 namespace omnitag {
 namespace {
 
-/// The largest markers, this many in all sectors: more of them hardly tell more of where to look
-/// for the others.
+/// How many of the largest markers are read in all sectors: more hardly improve where to look for
+/// the others.
 constexpr std::size_t kAtMost = 16;
 
 /// Adds what another sector showed.
@@ -30,8 +30,7 @@ void add(Glance more, const ViewWarper& warper, Glance* seen) {
   seen->readings = withoutRepetitions(seen->readings, seen->views, warper);
 }
 
-/// Whether what was seen from the pose of a glance tells that it is right, as long as nothing
-/// speaks against it.
+/// Whether what was seen from the pose of a glance shows that it is right, if nothing contradicts.
 bool isEnough(const FrameResult& seen) {
   const int accepted = seen.acceptedMarkers();
   return accepted > 2 || (accepted == 2 && seen.predicted.size() == 2);

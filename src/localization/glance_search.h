@@ -7,10 +7,10 @@
 
 namespace omnitag {
 
-/// A pose from a glance at the panorama itself, one sector after another, and what was seen from
-/// there: the first marker tells, in one way or two, where the others are. Nothing, and a
-/// result that only knows how long it took, where fewer than three agree then, unless two are all
-/// that should be seen.
+/// A pose from a glance at the panorama, one sector after another, and what was seen from there:
+/// the first marker gives one or two poses from which to look for the others. Nothing, and a
+/// result that only holds the time taken, if fewer than three agree, unless no more than two
+/// should be seen.
 std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& frame,
                                    const MountedCamera& camera, FrameResult* result);
 

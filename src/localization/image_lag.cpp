@@ -30,8 +30,8 @@ std::optional<double> ImageLag::lag() const {
 }
 
 PoseMatrix covarianceOfLag(double lag, const PoseVector& velocity) {
-  // m: what is nearer is displaced less. Rows that see a turn at different times seem to see the
-  // robot beside its place by as much as they seem to see what is there.
+  // m: nearer markers are displaced less. When rows see a turn at different times, the robot seems
+  // displaced by as much as the markers do.
   constexpr double kRange = 3.0;
   const double turn = lag * velocity[2];
   PoseMatrix covariance = PoseMatrix::Zero();

@@ -27,7 +27,7 @@ constexpr double kMeasuringPeriod = 1.0;
 std::set<std::string> familiesOf(const MarkerMap& map) {
   std::set<std::string> families;
   for (const Marker& marker : map.markers) families.insert(marker.family);
-  // Of unknown markers.
+  // For unknown markers.
   if (!map.default_family.empty()) families.insert(map.default_family);
   return families;
 }
@@ -161,12 +161,12 @@ std::vector<PoseEstimate> Localizer::predict(const Frame& frame) {
   std::vector<PoseEstimate> predicted;
   for (Hypothesis& hypothesis : hypotheses_) {
     predicted.push_back(hypothesis.motion.predict(frame.stamp, frame.odom_from_base));
-    // Until markers tell it, a pose from outside is as uncertain as its prediction has become.
+    // Until markers confirm it, a pose from outside is as uncertain as its prediction has become.
     const bool is_unmet = hypothesis.start && hypothesis.memory.countInPlace() == 0;
     if (is_unmet) hypothesis.start = PosePrior::about(predicted.back());
     hypothesis.is_lost = hypothesis.is_lost || !hypothesis.motion.isTrustworthy();
   }
-  // Of a robot that is lost, what was last known of the world.
+  // For a lost robot, keep what was last known of the world.
   if (isLost()) hypotheses_.resize(1, hypotheses_.front());
   return predicted;
 }
@@ -216,7 +216,7 @@ void Localizer::learnBlur(const Frame& frame, const MountedCamera& camera, Frame
 
 double Localizer::blurToRead() {
   lost_frames_ = was_tracked_ ? 0 : lost_frames_ + 1;
-  // Nothing tells a robot that is lost how blurred its images are.
+  // While lost, nothing shows how blurred the images are.
   constexpr double kSupposed = 1.6;  // pixels
   const double known = blur_.blur().largestDeviation();
   const bool is_tried = lost_frames_ > 0 && lost_frames_ % 2 == 0;

@@ -60,7 +60,7 @@ LocalizerConfig readLocalizerConfig(const YamlReader& reader) {
     }
   }
   if (!config.motion.isOnFloor() && config.estimation.kind == EstimatorKind::kTriangulation) {
-    // Bearings seen from above tell neither the height nor how the robot leans.
+    // Bearings seen from above determine neither the height nor the lean.
     reader.refuse("estimator", "reprojection or photometric with pose_model: free");
   }
   return config;

@@ -13,8 +13,8 @@
 namespace omnitag {
 namespace {
 
-/// Two markers without a prediction have no third to contradict them where something shades or
-/// covers one of them: a pose to start from is to be modest.
+/// If something shades or covers one of two markers, no third contradicts them without a
+/// prediction: the pose to start from should not look too certain.
 PoseEstimate modest(const PoseEstimate& pose, const FrameResult& result) {
   constexpr int kFew = 2;
   constexpr double kDoubt = 2.0;
@@ -22,7 +22,7 @@ PoseEstimate modest(const PoseEstimate& pose, const FrameResult& result) {
   return {pose.pose, rise * rise * pose.covariance, rise * rise * pose.shared};
 }
 
-/// Those of the map's markers that were read, but only where the predicted pose projects them.
+/// The entries of map markers that were read, but only where the predicted pose projects them.
 std::vector<std::size_t> entriesWherePredicted(const TrackingTools& tools,
                                                const MountedCamera& camera,
                                                const PoseEstimate& predicted,
@@ -39,8 +39,8 @@ std::vector<std::size_t> entriesWherePredicted(const TrackingTools& tools,
   return entries;
 }
 
-/// A pose that no reading of a look around tells by itself, but with others that are recognized
-/// from there; these are then in the result.
+/// A pose that no reading of a look around gives by itself, but only with others that are
+/// recognized from there; these are then in the result.
 std::optional<PoseEstimate> confirmAround(const TrackingTools& tools,
                                           const std::vector<MarkerReading>& readings,
                                           const Frame& frame, const MountedCamera& camera,
@@ -107,7 +107,7 @@ std::vector<Account> Localizer::lookFor(const Frame& frame, const MountedCamera&
     accounts.push_back(std::move(account));
     return accounts;
   }
-  // Where nothing else is in view, the robot may as well be elsewhere.
+  // If nothing else is in view, the robot may just as well be elsewhere.
   const bool is_moved =
       !predicted && std::all_of(entries.begin(), entries.end(), [&before](std::size_t entry) {
         return before.memory.isElsewhere(entry);
@@ -147,14 +147,14 @@ std::optional<PoseEstimate> Localizer::search(const TrackingTools& tools, const 
   }
   const bool is_expected = predicted && agree(*predicted, *found.map_from_base);
   const bool is_sure = is_expected || explaining.size() >= 2;
-  // A single marker may hang elsewhere than the map says, which its pixels cannot tell.
+  // A single marker may hang elsewhere than the map says, which its pixels cannot show.
   if (!is_sure) return found.map_from_base;
   step.lap();
   PoseEstimate pose = *found.map_from_base;
   const PosePrior prior = is_expected ? PosePrior::about(*predicted) : standing_;
   const auto aligned = alignWithPixels(tools, frame.image, camera, explaining, pose.pose, prior);
-  // Where the two contradict each other, something covers a marker or the map is not exact enough
-  // to align pixels with: corners bear more.
+  // If the two contradict each other, something covers a marker, or the map is too inexact to align
+  // pixels with: corners tolerate more.
   const bool fits = aligned && agree(aligned->map_from_base, pose);
   pose = fits ? aligned->map_from_base : standingOnCorners(pose, explaining.size(), config_);
   result->imaging_error = fits ? aligned->imaging_error : found.imaging_error;

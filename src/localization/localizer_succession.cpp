@@ -12,7 +12,7 @@ bool hangsAlike(const Marker& a, const Marker& b) {
   return a.size == b.size && a.map_from_marker.isApprox(b.map_from_marker, 0.0);
 }
 
-/// For each marker of a map, which entry of another is the same in the same place.
+/// For each marker of a map, the entry of another map that is the same marker in the same place.
 std::vector<std::optional<std::size_t>> sameEntries(const MarkerMap& map, const MarkerMap& other) {
   std::vector<std::optional<std::size_t>> entries;
   entries.reserve(map.markers.size());

@@ -14,25 +14,26 @@
 namespace omnitag {
 namespace {
 
-/// Standard deviations by which the pose of the markers alone may be off the prediction: robots
+/// Standard deviations by which the pose from the markers alone may be off the prediction: robots
 /// accelerate and slip more than the motion model says, but not that much.
 constexpr double kMaxDeviations = 6.0;
 
-/// Markers that may be nearly where they were though the robot was carried toward them or away.
+/// This many markers may be nearly where they were even though the robot was carried toward them
+/// or away.
 constexpr int kFew = 2;
 
-/// m and rad, standard deviation by which a robot that sways seems to move, whatever its odometry
-/// says.
+/// m and rad, standard deviation of the apparent motion of a swaying robot, whatever its
+/// odometry says.
 constexpr double kSway = 2e-3;
 
-/// s until a pose that stands on few markers is doubted again, which costs a look all around.
+/// s until a pose that is based on few markers is doubted again, which costs a look all around.
 constexpr double kDoubtPeriod = 0.25;
 
-/// Other poses that a frame's markers may stand for, at most.
+/// Other poses that a frame's markers may indicate, at most.
 constexpr std::size_t kMostAlternatives = 2;
 
-/// A pose that markers lead to as a prediction by which these same markers are found: it is not to
-/// count as much as they do.
+/// The pose from markers as a prediction by which the same markers are found: it must not count as
+/// much as they do.
 PoseEstimate predictionFrom(const PoseEstimate& alternative) {
   constexpr double kDoubt = 3.0;
   constexpr double kLeast = 1e-3;  // m and rad
@@ -42,9 +43,9 @@ PoseEstimate predictionFrom(const PoseEstimate& alternative) {
   return prediction;
 }
 
-/// Whether markers lead so far from a pose that was given that they may rather hang elsewhere.
+/// Whether markers lead so far from a given pose that they may rather hang elsewhere.
 bool isFarFromStart(const Account& account, const Hypothesis& before) {
-  constexpr double kFar = 4.0;  // standard deviations, beyond which one of a thousand is
+  constexpr double kFar = 4.0;  // standard deviations, exceeded once in a thousand
   const Hypothesis& hypothesis = account.hypothesis;
   return hypothesis.start && before.memory.countInPlace() == 0 &&
          deviationsOfStart(*hypothesis.start, hypothesis.start_error) > kFar;
@@ -89,7 +90,7 @@ std::vector<Account> Localizer::track(const Frame& frame, const MountedCamera& c
     carryOn(predicted, is_refuted, map_, &result);
     return {std::move(account)};
   };
-  // Where most of what is read contradicts, the prediction itself is in doubt.
+  // If most of the readings contradict, the prediction itself is in doubt.
   if (!pose || contradictions(result, map_) > result.acceptedMarkers()) return lookForIt(false);
   if (!markersAgree(camera, predicted, pose->pose, result)) return lookForIt(true);
   if (isElsewhere(tools, frame, camera, before, *pose, &result)) return lookForIt(true);
@@ -147,7 +148,7 @@ std::optional<PoseEstimate> Localizer::followMarkers(const TrackingTools& tools,
   const FrameResult before = *result;
   MountedCamera blurred = camera;
   std::optional<PoseEstimate> pose;
-  // Markers that are blurred otherwise than expected are looked for again.
+  // Markers that are blurred differently than expected are looked for again.
   constexpr int kRounds = 4;
   for (int round = 0; round < kRounds; ++round) {
     FrameTracker tracker(tools, frame, blurred, predicted, true, result);
@@ -164,7 +165,7 @@ std::optional<PoseEstimate> Localizer::followMarkers(const TrackingTools& tools,
     result->timings = timings;
     blurred = camera.withBlur(blur);
   }
-  // Where markers contend for the pose, what they say of the blur is not to be believed.
+  // If markers contend for the pose, their blur is not reliable.
   const bool is_certain = alternatives->empty() && hypotheses_.size() == 1;
   if (result->blur_equations && learns && is_certain)
     blur_.take(*result->blur_equations, blurred.blur());
@@ -188,7 +189,8 @@ PoseEstimate Localizer::withLag(const Frame& frame, const PoseEstimate& predicte
 
 bool Localizer::markersAgree(const MountedCamera& camera, const PoseEstimate& predicted,
                              const Pose& solution, const FrameResult& result) const {
-  // One or two that the robot was carried toward or away from are nearly where they were.
+  // If the robot was carried toward one or two markers, or away from them, they are nearly where
+  // they were.
   const auto isFarOff = [this](const MarkerDetection& detection) {
     return detection.accepted && detection.deviations > config_.relocalization.max_misfit_of_one;
   };

@@ -11,7 +11,7 @@
 namespace omnitag {
 namespace {
 
-/// Where a point images, or the edge of the field that is nearest to it.
+/// The radius at which a point images, or the nearest edge of the field.
 double nearestRadius(const CameraModel& camera, double distance, double height) {
   if (const auto image = camera.imageFromPoint(distance, height)) return image->radius;
   const auto off = [&](double radius) {
@@ -43,15 +43,15 @@ void includeRadii(double above_camera, double min_range, double max_range,
   }
 }
 
-/// m, where the smallest upright marker is a third wider than `overlap`: there it is still whole in
-/// a view in five of six directions.
+/// m, where the smallest upright marker is a third wider than `overlap`: in five of six directions
+/// it is still whole in a view there.
 double nearestRange(const MarkerHeights& heights, double overlap) {
   constexpr double kNarrowest = radians(1.0);
   constexpr double kWider = 4.0 / 3.0;
   return 0.5 * heights.smallest_upright / std::tan(0.5 * kWider * std::max(overlap, kNarrowest));
 }
 
-/// Radii of the ideal image plane at which markers can image, but for lying ones near the axis.
+/// Radii of the ideal image plane at which markers can image, except for lying ones near the axis.
 Bounds radiiOf(const MarkerHeights& heights, const MountedCamera& camera, double max_range,
                double overlap) {
   const double camera_height = camera.baseFromCamera().translation().z();
@@ -74,11 +74,11 @@ Bounds radiiOf(const MarkerHeights& heights, const MountedCamera& camera, double
   return radii;
 }
 
-/// m, from where it hardly matters that a mirror has no single viewpoint.
+/// m, from where on it hardly matters that a mirror has no single viewpoint.
 constexpr double kFar = 10.0;
 
-/// Whether the camera sees what is near the upper or the lower end of its axis. What is right on
-/// it, the camera's own housing may hide; at the rim of a mirror, what is near the other end is
+/// Whether the camera sees what is near the upper or the lower end of its axis. The camera's own
+/// housing may hide what is right on it; at the rim of a mirror, what is near the other end is
 /// squeezed too much to be read.
 bool seesEnd(bool up, const MountedCamera& camera) {
   const CameraModel& model = camera.model();
@@ -96,7 +96,7 @@ bool canBeAtEnd(bool up, const MarkerHeights& heights, const MountedCamera& came
   return up ? heights.lying.high > camera_height : heights.lying.low < camera_height;
 }
 
-/// Radii at which the camera sees what is not near the axis.
+/// The radii at which the camera sees what is not near the axis.
 Bounds radiiOffAxis(const CameraModel& camera) {
   Bounds radii;
   for (const double side : {-1.0, 1.0}) {
@@ -106,7 +106,7 @@ Bounds radiiOffAxis(const CameraModel& camera) {
   return radii;
 }
 
-/// What is near the upper or the lower end of the optical axis.
+/// The target of a view near the upper or the lower end of the optical axis.
 ViewTarget targetAtEnd(bool up, const MountedCamera& camera, double distance, double overlap) {
   const double along_axis = camera.axisUp() == up ? 1.0 : -1.0;
   const auto edge = camera.model().imageFromPoint(distance * std::sin(kNearAxis),
@@ -119,7 +119,7 @@ ViewTarget targetAtEnd(bool up, const MountedCamera& camera, double distance, do
   return target;
 }
 
-/// Views all around of a ring of radii, and of the ends of the axis.
+/// Plans views all around a ring of radii, and of the ends of the axis.
 class Planner {
  public:
   Planner(const MountedCamera& camera, const ContourTable& table, const LookAroundConfig& config)

@@ -12,9 +12,9 @@
 namespace omnitag {
 namespace {
 
-/// b_from_a of an estimate of a_from_b. Where that errs by a translation t along a's axes and a
-/// rotation r about b's own, the inverse (R, p) errs by p x r - R t along b's axes, and by
-/// -R^T r about a's own.
+/// b_from_a of an estimate of a_from_b. If that errs by a translation t along a's axes and a
+/// rotation r about b's own, the inverse (R, p) errs by p x r - R t along b's axes and by -R^T r
+/// about a's own.
 PoseEstimate inverseOf(const PoseEstimate& estimate) {
   const Eigen::Isometry3d inverse = estimate.pose.toIsometry().inverse();
   const Eigen::Matrix3d rotation = inverse.linear();

@@ -69,7 +69,7 @@ void MarkerMemory::addGroup(const std::vector<RememberedSighting>& sightings,
   for (const RememberedSighting& sighting : sightings) {
     const std::size_t entry = sighting.observation.map_entry;
     if (!isElsewhere(entry)) continue;
-    // The one that has a motion is more than one marker alone.
+    // A group with a motion is more than a single marker.
     const std::size_t before = records_[entry].group;
     if (!group || (groups_[before] && !groups_[*group])) group = before;
   }
@@ -190,7 +190,7 @@ double MarkerMemory::seenAtFirst() const {
 
 bool MarkerMemory::isHidden(std::size_t entry, const Eigen::Vector3d& viewpoint,
                             double stamp) const {
-  // Once, a person may have walked by.
+  // A single miss may be a person who walked by.
   constexpr int kFewest = 2;
   if (entry >= records_.size()) return false;
   const Record& record = records_[entry];

@@ -14,7 +14,7 @@
 namespace omnitag {
 namespace {
 
-/// How well a pose explains the corners: sum of their squared distances, in pixels.
+/// A pose and how well it explains the corners: sum of their squared distances, in pixels.
 struct Start {
   Pose map_from_base;
   double cost = std::numeric_limits<double>::infinity();
@@ -33,9 +33,8 @@ std::optional<Corners<Eigen::Vector2d>> project(const Corners<Eigen::Vector3d>& 
   return pixels;
 }
 
-/// The pose from which a marker stands at the observed bearing and has the observed size, the
-/// camera being in the direction `azimuth` from the marker. `guess`: m, the distance that is tried
-/// first.
+/// The pose from which a marker has the observed bearing and size, if the camera is in the
+/// direction `azimuth` from it. `guess`: m, the distance to try first.
 Start startFrom(double azimuth, const Marker& marker, const MountedCamera& camera,
                 const MarkerObservation& observation, double bearing, double guess) {
   constexpr int kRounds = 5;
@@ -76,7 +75,7 @@ Start startFrom(double azimuth, const Marker& marker, const MountedCamera& camer
   return {};
 }
 
-/// Whether a marker may face a camera that is in the direction `azimuth` from it, however far.
+/// Whether a marker may face a camera in the direction `azimuth` from it, however far.
 bool mayFace(const Marker& marker, const MountedCamera& camera, double azimuth) {
   const Eigen::Vector3d normal = marker.normal();
   const double above = camera.baseFromCamera().translation().z() - marker.center().z();
@@ -89,7 +88,7 @@ bool isFacing(const Marker& marker, const MountedCamera& camera, const Pose& pos
   return marker.normal().dot(viewpoint - marker.center()) > 0.0;
 }
 
-/// The optima that several starts lead to, each once.
+/// The distinct optima that several starts lead to.
 class Optima {
  public:
   Optima(const MarkerMap& map, const MountedCamera& camera, const MarkerObservation& observation,
@@ -129,7 +128,7 @@ class Optima {
   std::vector<ReprojectionFit> fits_;
 };
 
-/// Of a robot that stands on a floor: from all around the marker.
+/// For a robot that stands on a floor: starts from all around the marker.
 void refineFromAllAround(const Marker& marker, const MountedCamera& camera,
                          const MarkerObservation& observation, Optima* optima) {
   const std::optional<Ray> ray = camera.rayInBase(observation.center);
@@ -158,9 +157,9 @@ void refineFromAllAround(const Marker& marker, const MountedCamera& camera,
                            cost <= starts[(i + kDirections - 1) % kDirections].cost;
     if (!is_lowest) continue;
     refineFrom(starts[i]);
-    // Two optima, hardly ever more, may lie between the same two directions, or one hide behind the
-    // other: look where the view from the other side of the marker's normal would be, or from both
-    // sides.
+    // Two optima, hardly ever more, may lie between the same two directions, or one may hide behind
+    // the other: look where the view from the other side of the marker's normal would be, or from
+    // both sides.
     const double mirrored = 2.0 * normal_azimuth - 2.0 * kPi * static_cast<double>(i) / kDirections;
     refineFrom(startFrom(mirrored, marker, camera, observation, bearing, starts[i].distance));
     constexpr std::size_t kMostOptima = 2;
@@ -200,7 +199,7 @@ std::optional<Pose> mirroredPose(const Marker& marker, const MountedCamera& came
   const Eigen::Vector2d base =
       center + mirrored_way +
       Eigen::Rotation2Dd(turn) * (Eigen::Vector2d(map_from_base.x, map_from_base.y) - viewpoint);
-  // To turn about the vertical changes nothing of the height and the lean.
+  // Turning about the vertical changes neither the height nor the lean.
   return leaningAs(map_from_base, {base.x(), base.y(), normalizeAngle(map_from_base.yaw + turn)});
 }
 

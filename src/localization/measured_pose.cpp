@@ -8,11 +8,11 @@
 namespace omnitag {
 namespace {
 
-/// How the robot may stand, and next to nothing of all else.
+/// How the robot may stand, and next to nothing else.
 PosePrior weakPrior(const Pose& about, const Frame& frame, const LocalizerConfig& config) {
   constexpr double kOpen = 100.0;  // m and rad
   const Eigen::Matrix3d nothing = Eigen::Matrix3d::Zero();
-  // A new motion model has learned nothing from images before.
+  // A new motion model has learned nothing from earlier images.
   PosePrior prior = MotionModel(config.motion).standing(frame.odom_from_base);
   const bool stands = prior.knowsStanding();
   prior = prior.withPlace(about, nothing);

@@ -9,15 +9,14 @@
 
 namespace omnitag {
 
-/// The pose that the accepted markers of a frame tell by themselves: no image before and no
-/// odometry is in it but for how odometry has the robot lean, and on a floor what FloorConfig says.
-/// The frame's pose is where the search for it starts, and decides which of the two poses it is
-/// that a single marker leaves, as it decides which markers are whose. An axis that the markers
-/// leave open has a variance of 10^4 (m^2, rad^2). Nothing where no marker is accepted, or none
-/// tells a pose.
+/// The pose from the accepted markers of a frame alone: of earlier images and odometry it uses only
+/// odometry's lean of the robot, and on a floor FloorConfig. The frame's pose is where the search
+/// starts; it decides between the two poses that a single marker leaves, as it decides the
+/// associations. An axis that the markers leave open has a variance of 10^4 (m^2, rad^2). Nothing
+/// if no marker is accepted, or none determines a pose.
 ///
-/// For filters, which take each image's pose as a measurement of its own. What images share, the
-/// map's and the camera's errors, is in the covariance of each.
+/// For filters, which take each image's pose as a measurement of its own. The errors that images
+/// share, those of the map and the camera, are in the covariance of each.
 std::optional<PoseEstimate> measuredPose(const TrackingTools& tools, const Frame& frame,
                                          const MountedCamera& camera, const FrameResult& result);
 

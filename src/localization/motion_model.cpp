@@ -10,8 +10,8 @@
 namespace omnitag {
 namespace {
 
-/// What a change of the pose becomes where the base then moves: errors of a PoseVector before to
-/// those after. What was turned by an error carries the motion along with it.
+/// How an error of the pose propagates when the base then moves: from PoseVector errors before to
+/// those after. An error of rotation carries the motion along with it.
 PoseMatrix byPose(const Eigen::Isometry3d& pose, const Eigen::Isometry3d& motion) {
   PoseMatrix transition;
   for (int i = 0; i < 6; ++i) {
@@ -82,7 +82,8 @@ void MotionModel::resetToGiven(const PoseEstimate& map_from_base, double stamp,
                                const std::optional<Pose>& odom_from_base) {
   PoseEstimate given = map_from_base;
   if (!isOnFloor()) {
-    // Who points at a place on the floor does not say how high the robot is, nor how it leans.
+    // A person who points at a place on the floor does not say how high the robot is, nor how
+    // it leans.
     const Eigen::Vector3d unknown(config_.initial_height_deviation,
                                   config_.initial_heading_deviation,
                                   config_.initial_heading_deviation);
@@ -100,7 +101,7 @@ void MotionModel::restart(const PoseEstimate& map_from_base) {
   velocity_.setZero();
   const double speed = config_.initial_speed_deviation;
   const double turn_rate = config_.initial_turn_rate_deviation;
-  // What was learnt of the mounting stays.
+  // Keep what was learned of the mounting.
   const Eigen::Matrix3d slow = slowCovariance();
   covariance_.setZero();
   covariance_.topLeftCorner<6, 6>() = map_from_base.covariance;
@@ -140,7 +141,7 @@ PoseEstimate MotionModel::predict(double stamp, const std::optional<Pose>& odom_
 }
 
 void MotionModel::correct(const PoseEstimate& map_from_base) {
-  // What the image told about the pose, the rest learns through its correlation with the pose.
+  // The other states learn from the image through their correlation with the pose.
   constexpr int kRest = kSize - 6;
   constexpr double kRounding = 1e-14;
   const PoseMatrix predicted =
@@ -238,7 +239,7 @@ void MotionModel::moveByOdometry(const Pose& motion) {
     noise.diagonal().segment<3>(3) << translation_variance, rotation_variance, rotation_variance;
   }
   move(motion, Covariance::Identity(), noise);
-  // Odometry tells the motion whatever the velocity; should it fail, the velocity starts unknown.
+  // Odometry gives the motion whatever the velocity; should it fail, the velocity starts unknown.
   const Eigen::Matrix<double, 6, 3> pose_and_slow = covariance_.topRightCorner<6, 3>();
   restart(estimate());
   if (!isOnFloor()) return;
@@ -254,14 +255,14 @@ void MotionModel::moveByVelocity(double interval) {
   Covariance transition = Covariance::Identity();
   transition.block<6, 6>(0, 6) = interval * map_from_velocity;
   for (int i = 0; i < 6; ++i) {
-    // A turn takes the second half of the way aside.
+    // A turn deflects the second half of the motion.
     const Eigen::Vector3d rotation = rotationPart(PoseVector::Unit(i));
     transition.block<6, 1>(0, 6 + i) +=
         poseVector(0.5 * interval * pose.linear() * rotation.cross(motion.translation()),
                    Eigen::Vector3d::Zero());
   }
 
-  // An acceleration that is constant between two images and independent of the one before.
+  // The acceleration is constant between two images and independent of the previous one.
   Eigen::Matrix<double, kSize, 6> by_acceleration = Eigen::Matrix<double, kSize, 6>::Zero();
   by_acceleration.topRows<6>() = 0.5 * interval * interval * map_from_velocity;
   by_acceleration.middleRows<6>(6) = interval * PoseMatrix::Identity();
@@ -293,7 +294,7 @@ void MotionModel::standAnew(double interval, const std::optional<Pose>& odom_fro
   auto slow = covariance_.bottomRightCorner<3, 3>();
   slow.diagonal() += whole * (interval / config_.floor.settling_time);
   slow.diagonal() = slow.diagonal().cwiseMin(whole).eval();
-  // This image's height, roll and pitch are the slow part and a new random one.
+  // This image's height, roll and pitch are the slow part plus a new random one.
   Covariance take = Covariance::Identity();
   take.middleRows<3>(3).setZero();
   take.block<3, 3>(3, kSize - 3).setIdentity();

@@ -10,7 +10,7 @@
 namespace omnitag {
 namespace {
 
-/// s for which a view that showed a marker elsewhere takes every second turn: until that was
+/// s for which a view that showed a marker elsewhere takes every second turn: until that has been
 /// measured repeatedly.
 constexpr double kOddViewTime = 3.0;
 
@@ -20,7 +20,7 @@ double largestArea(const std::vector<View>& views) {
   return largest;
 }
 
-/// Views of all that is patrolled, as large as they may be.
+/// The views to patrol, as large as AttentionConfig::max_pixels allows.
 std::vector<View> viewsToPatrol(const TrackingTools& tools, const MountedCamera& camera) {
   LookAroundConfig config = tools.config.look_around;
   std::vector<View> views = viewsToSearch(tools, camera, config);
@@ -54,7 +54,8 @@ void Patrol::look(const TrackingTools& tools, const Frame& frame, const MountedC
   }
   bool is_odd = false;
   for (const MarkerReading& reading : readings) {
-    // One that was not expected, since it is far or seen from the side, may well be in its place.
+    // A marker that was not expected because it is far or seen from the side may well be in
+    // its place.
     if (isAmong(result->detections, reading) || isInPlace(reading, tools, camera, map_from_base)) {
       continue;
     }
@@ -74,7 +75,7 @@ std::vector<MarkerReading> Patrol::readNextView(const TrackingTools& tools,
                                                 const MountedCamera& camera, FrameResult* result) {
   const std::vector<View> views = viewsToPatrol(tools, camera);
   if (views.empty()) return {};
-  // Each view's turn comes once in a period.
+  // Each view has one turn in a period.
   const double price = 1.0 / static_cast<double>(views.size());
   if (credit_ < price) return {};
   credit_ = std::min(credit_ - price, price);

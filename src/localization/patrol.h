@@ -11,22 +11,22 @@
 
 namespace omnitag {
 
-/// Looks for what a pose does not let expect: markers that hang elsewhere than the map says, and
-/// others than those of the map. With a view now and then, so that AttentionConfig::period shows
-/// everything, at such a cost in pixels that no frame takes much longer than others; while
-/// exploring with more (Exploration).
+/// Looks for what a pose does not predict: markers that hang elsewhere than the map says, and
+/// markers that the map does not have. It reads a view now and then, so that everything is seen
+/// within AttentionConfig::period, at a cost in pixels that keeps the time per frame even; more
+/// while exploring (Exploration).
 class Patrol {
  public:
   void seek(std::vector<Marker> markers) { exploration_.seek(std::move(markers)); }
 
-  /// Adds what is read elsewhere than the frame's pose projects it. Where `result->explored`
-  /// already holds what was read all around, nothing more is read.
+  /// Adds what is read elsewhere than the frame's pose projects it. Reads nothing more if
+  /// `result->explored` already holds what was read all around.
   void look(const TrackingTools& tools, const Frame& frame, const MountedCamera& camera,
             const Pose& map_from_base, FrameResult* result);
 
  private:
-  /// A view that showed a marker of the map elsewhere, and until when (s) it takes every second
-  /// turn.
+  /// A view that showed a marker of the map elsewhere, and until when (s) it takes every
+  /// second turn.
   struct OddView {
     std::size_t index;
     double until;
@@ -34,16 +34,17 @@ class Patrol {
 
   void explore(const TrackingTools& tools, const MountedCamera& camera, const Pose& map_from_base,
                FrameResult* result);
-  /// Reads the view whose turn it is, if it can be afforded.
+  /// Reads the view whose turn it is, if the saved pixels suffice.
   std::vector<MarkerReading> readNextView(const TrackingTools& tools, const MountedCamera& camera,
                                           FrameResult* result);
   std::size_t nextOf(std::size_t count, double stamp);
 
   Exploration exploration_;
-  /// Stamp of the frame before, and the pixels that may be read since then, or saved before.
+  /// Stamp of the last frame, and the share of a period's pixels that may be read since then or was
+  /// saved before.
   std::optional<double> last_stamp_;
   double credit_ = 0.0;
-  /// The view whose turn is next, and how many had one.
+  /// The view whose turn is next, and how many turns there were.
   std::size_t next_view_ = 0;
   std::size_t looks_ = 0;
   std::vector<OddView> odd_views_;

@@ -25,9 +25,9 @@ std::optional<Corners<Ray>> raysOf(const MarkerObservation& observation,
   return rays;
 }
 
-/// Of the places on a marker's plane, in its frame without z and with 1 behind, to the directions
-/// in which its corners are seen: the matrix, but for its scale, that leaves the least of their
-/// cross products (direct linear transform). Its sign puts the marker's middle ahead.
+/// The homography from places on a marker's plane, (x, y, 1) in its frame, to the directions in
+/// which its corners are seen: the matrix, up to scale, that minimises their cross products (direct
+/// linear transform). Its sign puts the marker's middle ahead.
 Eigen::Matrix3d homography(double size, const Corners<Eigen::Vector3d>& directions) {
   constexpr std::array<double, 4> kX = {-0.5, 0.5, 0.5, -0.5};
   constexpr std::array<double, 4> kY = {-0.5, -0.5, 0.5, 0.5};
@@ -48,7 +48,7 @@ Eigen::Matrix3d homography(double size, const Corners<Eigen::Vector3d>& directio
   return least.col(2).dot(ahead) < 0.0 ? -least : least;
 }
 
-/// The orientations, one or two, and the place of a marker that is seen in these directions.
+/// The one or two orientations, and the place, of a marker that is seen in these directions.
 std::vector<Eigen::Isometry3d> orientationsSeen(double size,
                                                 const Corners<Eigen::Vector3d>& directions) {
   const Eigen::Matrix3d plane = homography(size, directions);
@@ -61,8 +61,8 @@ std::vector<Eigen::Isometry3d> orientationsSeen(double size,
   if (!(scale > 0.0) || !std::isfinite(scale)) return {};
 
   const Eigen::Matrix2d seen = affine / scale;
-  // What the two columns lack of unit length is along the line of sight, and keeps them
-  // perpendicular.
+  // The missing components of the two columns lie along the line of sight and make them
+  // perpendicular unit vectors.
   const double foreshortening = svd.singularValues()(1) / scale;
   const double lacking = std::sqrt(std::max(0.0, 1.0 - foreshortening * foreshortening));
   std::vector<Eigen::Isometry3d> poses;
@@ -93,7 +93,7 @@ std::vector<Pose> planarPoses(const Marker& marker, const MountedCamera& camera,
     viewpoint += 0.25 * (*rays)[k].origin;
     directions[k] = (*rays)[k].direction;
   }
-  // The distance, once it is known about, tells where the lines of sight are seen from one point.
+  // Once the distance is roughly known, the lines of sight can be taken from one point.
   constexpr int kRounds = 3;
   std::vector<Eigen::Isometry3d> seen;
   for (int round = 0; round < kRounds; ++round) {
@@ -120,7 +120,7 @@ Pose flippedPose(const Marker& marker, const MountedCamera& camera, const Pose& 
   const Eigen::Vector3d viewpoint = camera.baseFromCamera().translation();
   const Eigen::Vector3d sight = (base_from_marker.translation() - viewpoint).normalized();
   const Eigen::Matrix3d rotation = base_from_marker.linear();
-  // What points along the line of sight, of the marker's edges, points against it then.
+  // The components of the marker's edges along the line of sight are reversed.
   base_from_marker.linear() = (rotation - 2.0 * sight * (sight.transpose() * rotation)) *
                               Eigen::Vector3d(1.0, 1.0, -1.0).asDiagonal();
   return Pose::fromIsometry(marker.map_from_marker * base_from_marker.inverse());

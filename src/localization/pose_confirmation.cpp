@@ -12,10 +12,10 @@
 namespace omnitag {
 namespace {
 
-/// Corners only tell where to look: their covariance is to be modest.
+/// Corners only show where to look: their covariance should not look too certain.
 constexpr double kDoubt = 3.0;
 
-/// Poses that explain what was read. That of a single marker is to be sharpened.
+/// Poses that explain the readings. That of a single marker still needs sharpening.
 std::vector<Relocalization> startsFrom(const std::vector<MarkerReading>& readings,
                                        const TrackingTools& tools, const MountedCamera& camera) {
   const LocalizerConfig& config = tools.config;
@@ -29,8 +29,8 @@ std::vector<Relocalization> startsFrom(const std::vector<MarkerReading>& reading
   return {std::move(found)};
 }
 
-/// The pose from which to look for all markers. The corners of a single one hardly tell from where
-/// it is seen; its pixels do.
+/// The pose from which to look for all markers. The corners of a single one hardly determine from
+/// where it is seen; its pixels do.
 PoseEstimate sharpened(PoseEstimate pose, const std::vector<std::size_t>& explaining,
                        const TrackingTools& tools, const cv::Mat& panorama,
                        const MountedCamera& camera) {
@@ -52,7 +52,7 @@ bool isAccepted(std::size_t entry, const FrameResult& seen) {
                      });
 }
 
-/// Whether another pose could have taken the same markers for others.
+/// Whether another pose could have associated the same markers with other entries.
 bool standsOnReusedIds(const FrameResult& seen, const MarkerMap& map) {
   return std::any_of(
       seen.detections.begin(), seen.detections.end(), [&map](const MarkerDetection& detection) {
@@ -60,22 +60,22 @@ bool standsOnReusedIds(const FrameResult& seen, const MarkerMap& map) {
       });
 }
 
-/// What is seen from a pose that explains readings; nothing where these are not among it. Adds to
-/// `timings` what it took.
+/// What is seen from a pose that explains readings; nothing if it does not include these. Adds the
+/// time taken to `timings`.
 std::optional<FrameResult> lookFrom(const Relocalization& found, const Glance& seen,
                                     const TrackingTools& tools, const Frame& frame,
                                     const MountedCamera& camera, Timings* timings) {
   FrameResult around;
   around.stamp = frame.stamp;
   around.is_on_floor = tools.config.motion.isOnFloor();
-  // The tracker adds those of all markers where people want to look at them.
+  // The tracker adds views of all markers if people want to look at them.
   if (!frame.wants_views) {
     around.views = seen.views;
     around.view_images = seen.view_images;
   }
   const std::vector<std::size_t> explaining = addDetections(tools, seen.readings, found, &around);
   if (contradictions(around, tools.map) > 0) return std::nullopt;
-  // Those of the map are found again from the pose.
+  // The markers of the map are found again from the pose.
   const auto isMapped = [](const MarkerDetection& detection) { return detection.accepted; };
   around.detections.erase(
       std::remove_if(around.detections.begin(), around.detections.end(), isMapped),
@@ -95,8 +95,8 @@ std::optional<FrameResult> lookFrom(const Relocalization& found, const Glance& s
   return around;
 }
 
-/// Whether a marker that was found speaks against a pose, while others that are not found may be
-/// with it.
+/// Whether a marker that was found contradicts a pose, while others that were not found may do so
+/// as well.
 bool isDisputed(const FrameResult& seen, const TrackingTools& tools) {
   return contradictions(seen, tools.map) > 0 && !isBeyondDoubt(seen);
 }

@@ -13,7 +13,7 @@
 namespace omnitag {
 namespace {
 
-/// Standard deviations (Misfit) that a marker in its place is off at most, nearly always.
+/// Standard deviations (Misfit) by which a marker in its place is nearly always off at most.
 constexpr double kSharp = 1.2;
 
 std::vector<MarkerObservation> chosen(const std::vector<MarkerObservation>& observations,
@@ -25,8 +25,8 @@ std::vector<MarkerObservation> chosen(const std::vector<MarkerObservation>& obse
   return subset;
 }
 
-/// The line of sight of an observation's centre, seen from above by a robot that leans as the prior
-/// says.
+/// The line of sight of an observation's centre, seen from above, for a robot that leans as the
+/// prior says.
 std::optional<LandmarkSight> sightOf(const MarkerObservation& observation, const MarkerMap& map,
                                      const MountedCamera& camera, const PosePrior& prior,
                                      double corner_noise) {
@@ -42,12 +42,12 @@ std::optional<LandmarkSight> sightOf(const MarkerObservation& observation, const
   sight.landmark_deviation = marker.deviation;
   sight.viewpoint = origin.head<2>();
   sight.bearing = std::atan2(direction.y(), direction.x());
-  // A pixel at this radius turns that far. The centre is where the diagonals meet, each of which
-  // errs by as much as its corners.
+  // The bearing's noise is that of a pixel at this radius. The centre is where the diagonals meet,
+  // each of which errs by as much as its corners.
   const ImagePlane& plane = camera.model().imagePlane();
   const double radius = (observation.center - plane.principalPoint()).norm();
   sight.bearing_deviation = corner_noise / std::max(radius, 1.0);
-  // A robot that leans sees what is above or below it aside.
+  // The lean moves what is above or below the camera sideways.
   const double lean_information = prior.information(4, 4);
   const double slope = direction.z() / direction.head<2>().norm();
   if (lean_information > 0.0) {
@@ -57,7 +57,7 @@ std::optional<LandmarkSight> sightOf(const MarkerObservation& observation, const
   return sight;
 }
 
-/// A pose on the floor with the height and the lean that the prior has.
+/// A pose on the floor with the height and the lean of the prior.
 PoseEstimate withLean(const PoseEstimate& on_floor, const PosePrior& prior) {
   PoseEstimate estimate = on_floor;
   estimate.pose = leaningAs(prior.pose, on_floor.pose);
@@ -67,8 +67,8 @@ PoseEstimate withLean(const PoseEstimate& on_floor, const PosePrior& prior) {
   return estimate;
 }
 
-/// Triangulates, first with equal confidence, then again with sights counting less whose corners
-/// are off. As long as one is beyond the limit and more than three are left, the worst is left out.
+/// Triangulates, first with equal confidence, then with less weight for sights whose corners are
+/// off. While one is beyond the limit and more than three are left, the worst is left out.
 std::optional<PoseSolution> triangulateRobustly(const MarkerMap& map, const MountedCamera& camera,
                                                 const std::vector<MarkerObservation>& observations,
                                                 const PosePrior& prior,
@@ -116,7 +116,7 @@ std::optional<PoseSolution> triangulateRobustly(const MarkerMap& map, const Moun
 }
 
 /// How badly observations fit a pose. One that agrees well counts much more than one that hardly
-/// does: a pose between two that fit well would otherwise win with the markers of both.
+/// does: otherwise a pose between two that fit well would win with the markers of both.
 double misfitOf(const std::vector<Misfit>& misfits) {
   constexpr double kHalf = 0.5;  // standard deviations
   double sum = 0.0;
@@ -135,7 +135,7 @@ std::vector<bool> agreeing(const std::vector<Misfit>& misfits, const EstimatorCo
   return agree;
 }
 
-/// Pairs of this many observations: all, or an even choice if there are too many.
+/// Pairs of this many observations: all, or an even selection if there are too many.
 std::vector<std::array<std::size_t, 2>> pairsOf(std::size_t count) {
   constexpr std::size_t kMost = 30;
   const std::size_t all = count * (count - 1) / 2;
@@ -150,14 +150,14 @@ std::vector<std::array<std::size_t, 2>> pairsOf(std::size_t count) {
   return pairs;
 }
 
-/// The pose of the two observations that the others agree with best, and of those that do: a pose
-/// between what hangs in its place and what was moved may hold all of it a little, but two that
-/// hang in their places tell the right one. The residuals are those of all observations.
+/// The pose from the pair of observations that the others agree with best, and from those that do.
+/// A pose between markers in their places and moved ones may fit all of them a little, but two in
+/// their places give the right one. The residuals are those of all observations.
 std::optional<ReprojectionFit> refineFromPairs(const MarkerMap& map, const MountedCamera& camera,
                                                const std::vector<MarkerObservation>& observations,
                                                const PosePrior& prior,
                                                const EstimatorConfig& config) {
-  // Standard deviations: both of a pair are to be met, however far off they are.
+  // Standard deviations: the pose must fit both of a pair, however far off they are.
   constexpr double kAny = 250.0;
   ReprojectionConfig trusting = config.reprojection;
   trusting.robust_misfit = std::max(kAny, trusting.robust_misfit);
@@ -214,7 +214,7 @@ std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera&
     }
   }
   if (prior.knows_place && !areAllGood()) {
-    // Each marker alone says where the others should be.
+    // Each marker alone determines where the others should be.
     for (const MarkerObservation& observation : observations) {
       const auto alone =
           refineByReprojection(map, camera, {observation}, prior.pose, prior, config.reprojection);
@@ -223,9 +223,9 @@ std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera&
                                       config.reprojection));
     }
   }
-  // A pose between markers that were moved as one and the others fits all of them a little, and
+  // A pose between markers that were moved as one and the others fits all of them a little, but
   // none as well as corners are known.
-  constexpr double kConflicting = 4.0;  // squared residuals, of those that corners have
+  constexpr double kConflicting = 4.0;  // times the squared residuals of corners
   const bool is_sure =
       best && best->excess < kConflicting &&
       (areAllGood() || isLargeMajority(sharplyAgreeing(best->misfits), observations.size()));
@@ -250,14 +250,14 @@ std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera&
     return PoseSolution{best->map_from_base, best->imaging_error, best->misfits, used,
                         best->excess};
   }
-  // What disagrees is left out altogether, which may bring others back into agreement.
+  // Outliers are left out altogether, which may bring others back into agreement.
   auto solution = standingOn(used, best->map_from_base.pose);
   if (!solution) return std::nullopt;
   std::vector<bool> more = agreeing(solution->misfits, config);
   std::transform(used.begin(), used.end(), more.begin(), more.begin(), std::logical_or<>());
   if (more == used) return solution;
   auto fuller = standingOn(more, solution->map_from_base.pose);
-  // Which is no agreement where it pulls the pose off the others.
+  // That is no agreement if it pulls the pose off the others.
   const bool is_better = fuller && misfitOf(fuller->misfits) <= misfitOf(solution->misfits);
   return is_better ? fuller : solution;
 }

@@ -13,7 +13,7 @@ namespace {
 
 using Assignment = std::vector<std::optional<std::size_t>>;
 
-/// What a reading costs that a hypothesis does not explain.
+/// The cost of a reading that a hypothesis does not explain.
 constexpr double kCostOfUnexplained = 20.0;
 
 /// Whether it costs more to explain a reading than to leave it unexplained.
@@ -27,7 +27,7 @@ struct Match {
   std::size_t entry;
 };
 
-/// An entry that a reading may be, and how many readings may belong to a pose from there.
+/// An entry that a reading may be, and how many readings may belong to a pose based on it.
 struct Candidate {
   std::size_t entry;
   std::size_t company;
@@ -45,10 +45,10 @@ std::size_t countOf(const Assignment& entries) {
       std::count_if(entries.begin(), entries.end(), [](const auto& entry) { return !!entry; }));
 }
 
-/// m, how far away a marker is at most, per metre of its edge: seen from the front, its diagonals
-/// look no smaller than they were read.
+/// m, how far away a marker is at most, per metre of its edge: if seen from the front, its
+/// diagonals look no smaller than in the reading.
 double farthestPerSize(const MarkerReading& reading, const MountedCamera& camera) {
-  // Corners of a small one may be a fifth of its edge off.
+  // The corners of a small one may be a fifth of its edge off.
   constexpr double kMargin = 1.5;
   double widest = 0.0;
   for (std::size_t k = 0; k < 2; ++k) {
@@ -71,8 +71,8 @@ class Search {
   std::vector<PoseHypothesis> hypotheses() {
     const std::vector<std::size_t> sources = readingsToStartFrom();
     for (std::size_t k = 0; k < sources.size(); ++k) {
-      // Whatever explains a reading is found from there: what was not found yet leaves all those
-      // before unexplained.
+      // All poses that explain a reading are found from it: those not found yet leave all earlier
+      // readings unexplained.
       if (!isWorthLooking(problem_.readings.size() - sources.size() + k)) break;
       growFrom(sources[k]);
     }
@@ -90,7 +90,7 @@ class Search {
            least_cost_ + problem_.config.min_lead;
   }
 
-  /// Those of which the map has a marker, the least ambiguous and largest first.
+  /// The readings with a marker in the map, the least ambiguous and largest first.
   std::vector<std::size_t> readingsToStartFrom() const {
     std::vector<std::size_t> sources;
     for (std::size_t i = 0; i < problem_.readings.size(); ++i) {
@@ -105,7 +105,7 @@ class Search {
     return sources;
   }
 
-  /// Adds the hypotheses that a reading leads to, those first that may explain most.
+  /// Adds the hypotheses that a reading leads to, the most promising first.
   void growFrom(std::size_t reading) {
     const std::vector<Candidate> candidates = inCompany(reading);
     for (auto first = candidates.begin(); first != candidates.end();) {
@@ -120,11 +120,11 @@ class Search {
       for (const Seed& seed : seeds) {
         if (!isWorthLooking(problem_.readings.size() - seed.promised)) break;
         // From afar all pull at once, and one that hangs a little beside its place drags the others
-        // along; near the seed those that agree outvote it.
+        // along; near the seed, those that agree outvote it.
         for (const auto refine : {&refineFromAfar, &refineByReprojection}) {
           auto hypothesis = grow(seed, refine, problem_.estimation.max_misfit);
-          // Where some pull the pose off the others, both together and the others alone are worth
-          // comparing.
+          // If some pull the pose off the others, it is worth comparing all of them with the
+          // others alone.
           if (hypothesis && isWithPoorOnes(*hypothesis)) add(growWithoutPoorOnes(*hypothesis));
           add(std::move(hypothesis));
         }
@@ -132,7 +132,7 @@ class Search {
     }
   }
 
-  /// The entries that a reading may be, those in most company first.
+  /// The entries that a reading may be, those that the most readings support first.
   std::vector<Candidate> inCompany(std::size_t reading) const {
     std::vector<Candidate> candidates;
     for (const std::size_t entry : problem_.candidates[reading]) {
@@ -153,7 +153,7 @@ class Search {
     return candidates;
   }
 
-  /// Whether both can be right, as near to each other as the markers then are.
+  /// Whether both can be right, given how close the markers would then be.
   bool areSeenTogether(const Match& a, const Match& b) const {
     const Marker& marker_a = problem_.map.markers[a.entry];
     const Marker& marker_b = problem_.map.markers[b.entry];
@@ -176,8 +176,8 @@ class Search {
     }
   }
 
-  /// The candidate that an uncertain pose, which stands on a match, has nearest to where the
-  /// reading is, if near enough.
+  /// The candidate that an uncertain pose, based on a match, puts nearest to the reading, if
+  /// near enough.
   std::optional<std::size_t> nearbyEntry(std::size_t reading, const Match& seed,
                                          const PoseEstimate& pose) const {
     constexpr double kDeviations = 4.0;
@@ -209,7 +209,7 @@ class Search {
     return std::any_of(hypothesis.misfits.begin(), hypothesis.misfits.end(), isPoor);
   }
 
-  /// Nothing where fewer than two are left, which agree with anything.
+  /// Nothing if fewer than two are left: a single one agrees with anything.
   std::optional<PoseHypothesis> growWithoutPoorOnes(const PoseHypothesis& hypothesis) const {
     Seed seed{hypothesis.fit.map_from_base, hypothesis.entries, 0};
     for (std::size_t i = 0; i < seed.entries.size(); ++i) {
@@ -223,8 +223,8 @@ class Search {
     return grown;
   }
 
-  /// Refines a seed with all readings that agree to this many deviations, until no more join or
-  /// leave.
+  /// Refines a seed with all readings that agree within this many deviations, until no more join
+  /// or leave.
   std::optional<PoseHypothesis> grow(const Seed& seed, decltype(&refineFromAfar) refine,
                                      double max_misfit) const {
     constexpr int kRounds = 4;

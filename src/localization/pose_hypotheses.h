@@ -13,7 +13,7 @@
 
 namespace omnitag {
 
-/// What relocalize() is asked; `candidates` as candidatesOf() tells them.
+/// The input of relocalize(); `candidates` as from candidatesOf().
 struct RelocalizationProblem {
   const MarkerMap& map;
   const MountedCamera& camera;
@@ -33,18 +33,18 @@ std::vector<std::vector<std::size_t>> candidatesOf(const std::vector<MarkerReadi
 /// A pose and the readings that it explains.
 struct PoseHypothesis {
   ReprojectionFit fit;
-  /// For each reading the entry that it is taken for, and its misfit (NaN without one).
+  /// For each reading the associated entry, and its misfit (NaN without one).
   std::vector<std::optional<std::size_t>> entries;
   std::vector<Misfit> misfits;
   std::size_t explained = 0;
-  /// Negative logarithm of the likelihood of the explained readings, but for a constant.
+  /// Negative logarithm of the likelihood of the explained readings, up to a constant.
   double cost = 0.0;
-  /// The same over all readings, each counting for at most as much as an unexplained one: what
-  /// ranks hypotheses, since a pose between two that fit well explains more, and each badly.
+  /// The same over all readings, none counting for more than an unexplained one. This ranks
+  /// hypotheses, since a pose between two that fit well explains more readings, but each badly.
   double saturated_cost = 0.0;
 };
 
-/// What a reading adds to a hypothesis' cost that is so far off.
+/// What a reading that is this far off adds to a hypothesis' cost.
 double costOf(const Misfit& misfit);
 
 /// All poses worth comparing, the best first: those that it does not clearly surpass.

@@ -22,7 +22,7 @@ bool isRival(const PoseHypothesis& best, const PoseHypothesis& other, double min
   return other.cost - best.cost < min_lead;
 }
 
-/// The best hypothesis; nothing, and the reason in words, where there is none or more than one.
+/// The best hypothesis; nothing, and the reason in words, if there is none or more than one.
 std::optional<PoseHypothesis> likeliest(const RelocalizationProblem& problem, std::string* reason) {
   const bool is_any_mapped = std::any_of(problem.candidates.begin(), problem.candidates.end(),
                                          [](const auto& entries) { return !entries.empty(); });
@@ -45,22 +45,22 @@ std::optional<PoseHypothesis> likeliest(const RelocalizationProblem& problem, st
   return std::move(all.front());
 }
 
-/// The corners of a few markers hardly tell how good they are: they are taken for poor ones, or
-/// some times poorer.
+/// The corners of a few markers hardly show how good they are: they are assumed to be poor, or
+/// several times poorer.
 ReprojectionConfig poorCorners(const RelocalizationProblem& problem, double times) {
   ReprojectionConfig config = problem.estimation.reprojection;
   config.corner_noise = std::max(config.corner_noise, times * config.poor_corner_noise);
   return config;
 }
 
-/// How many times poorer than poor the corners of a single marker may be and not be noticed. On a
-/// floor their misfit shows it. All six numbers of a pose take up nearly all that eight coordinates
-/// are off: the corners may then be as poor as a misfit that is believed would let them be.
+/// How many times poorer than poor the corners of a single marker may be without being noticed. On
+/// a floor their misfit shows it. All six numbers of a pose absorb nearly all errors of the eight
+/// coordinates: the corners may then be as poor as the largest accepted misfit allows.
 double unnoticed(const RelocalizationProblem& problem) {
   return problem.standing.knowsStanding() ? 1.0 : std::max(1.0, problem.config.max_misfit_of_one);
 }
 
-/// The pose that a hypothesis comes to by corners alone, some times poorer than poor ones.
+/// The pose of a hypothesis by corners alone, several times poorer than poor ones.
 PoseEstimate poseOf(const PoseHypothesis& hypothesis, const RelocalizationProblem& problem,
                     double times = 1.0) {
   std::vector<MarkerObservation> observations;
@@ -75,9 +75,9 @@ PoseEstimate poseOf(const PoseHypothesis& hypothesis, const RelocalizationProble
              : found;
 }
 
-/// The pose of one marker. Along the way around a marker that is seen from its front, the corners
-/// hardly change, and by no means as a straight line: how far the robot may be off along the least
-/// certain direction on the floor is found by going there.
+/// The pose from one marker. Along the way around a marker that is seen from its front, the corners
+/// hardly change, and the way is far from a straight line: going there shows how far the robot may
+/// be off along the least certain direction on the floor.
 PoseEstimate spread(const PoseHypothesis& hypothesis, const RelocalizationProblem& problem) {
   constexpr double kDeviations = 3.0;
   constexpr double kFirstStep = 0.5;  // deviations
@@ -152,7 +152,7 @@ std::vector<Relocalization> roughPoses(const MarkerMap& map, const MountedCamera
                                        const std::vector<MarkerReading>& readings,
                                        const PosePrior& standing, const EstimatorConfig& estimation,
                                        const RelocalizationConfig& config) {
-  // What others are to confirm need not be believable alone.
+  // A pose that others are to confirm need not be believable alone.
   RelocalizationConfig trusting = config;
   trusting.max_misfit_of_one = estimation.max_misfit;
   trusting.max_hamming_of_one = std::numeric_limits<int>::max();

@@ -24,14 +24,15 @@ struct State {
   ImagingError error = ImagingError::Zero();
 };
 
-/// An observation's corners less their projections at a state, and the derivatives.
+/// An observation's corners minus their projections at a state, and the derivatives.
 struct Projection {
   CornerResiduals residuals;
   CornerJacobian by_frame;
 };
 
-/// Takes corners' coordinates to independent ones of standard deviation 1. Where a marker is as a
-/// whole is measured to a corner's noise, its shape only as well as it was known before.
+/// Transforms corners' coordinates to independent ones of standard deviation 1. The place of
+/// a marker as a whole is measured to a corner's noise, its shape only as well as it was
+/// known before.
 template <typename Rows>
 Rows whitened(const Rows& rows, double noise, double shape_deviation) {
   const auto mean = 0.25 * (rows.template middleRows<2>(0) + rows.template middleRows<2>(2) +
@@ -46,7 +47,7 @@ Rows whitened(const Rows& rows, double noise, double shape_deviation) {
   return white;
 }
 
-/// A projection so whitened.
+/// A whitened projection.
 struct Whitened {
   CornerResiduals residuals;
   CornerJacobian by_frame;
@@ -57,7 +58,7 @@ struct Whitened {
 
   FrameEquations equations() const {
     FrameEquations marker;
-    // Eigen would take these for large matrices.
+    // Eigen would otherwise treat these matrices as large.
     marker.information = by_frame.transpose().lazyProduct(by_frame);
     marker.gradient = by_frame.transpose().lazyProduct(residuals);
     marker.by_chance = marker.information;
@@ -72,12 +73,12 @@ double chiSquare(double squares, const PoseVector& gradient, const PoseMatrix& i
   return std::max(0.0, squares - gradient.dot(misplacement * factor.inverse() * gradient));
 }
 
-/// The problem linearised at a state, and what it costs there.
+/// The problem linearised at a state, and its cost there.
 struct Linearization {
   FrameEquations markers;
   double cost = 0.0;
-  /// Sum over the markers of their squared residuals in standard deviations, each with its robust
-  /// weight.
+  /// Sum over the markers of their squared residuals in standard deviations, each with its
+  /// robust weight.
   double weighted_squares = 0.0;
   int seen = 0;
 };
@@ -88,7 +89,8 @@ class Problem {
           const std::vector<MarkerObservation>& observations, const PosePrior& prior,
           const ReprojectionConfig& config)
       : map_(map), camera_(camera), observations_(observations), prior_(prior), config_(config) {
-    // Where edges are blurred by more than a sharp lens does, corners are found to a share of that.
+    // If edges are blurred by more than a sharp lens does, corners err by a share of the
+    // additional blur.
     constexpr double kShareOfBlur = 0.2;
     constexpr double kSharp = 0.5;  // pixels
     const double blur = std::max(0.0, camera.blur().largestDeviation() - kSharp);
@@ -113,7 +115,8 @@ class Problem {
     return linear;
   }
 
-  /// Of each marker, by what poor corners are off; nothing for one that the pose hides.
+  /// The equations of each marker, with the noise of poor corners; nothing for one that the
+  /// pose hides.
   std::vector<std::optional<FrameEquations>> equations(const State& state) const {
     const MountedCamera camera = camera_.withError(state.error);
     const Eigen::Isometry3d isometry = state.pose.toIsometry();
@@ -178,7 +181,7 @@ class Problem {
     return projection;
   }
 
-  /// Nothing where the marker hangs exactly in its place and the camera is exact. `by_frame`: of
+  /// Nothing if the marker hangs exactly in its place and the camera is exact. `by_frame`: of
   /// the corners.
   std::optional<PoseMatrix> misplacement(std::size_t index, const Pose& pose,
                                          const CornerJacobian& by_frame) const {
@@ -228,8 +231,8 @@ State moved(const State& state, const FrameVector& change) {
           state.error + change.tail<kImagingUnknowns>()};
 }
 
-/// Levenberg-Marquardt until a step, which is still taken, is shorter than the tolerance (m and
-/// rad); nothing where the pose is not determined.
+/// Levenberg-Marquardt until a step is shorter than the tolerance (m and rad); that step is still
+/// taken. Nothing if the pose is not determined.
 std::optional<State> descend(const Problem& problem, const State& initial, double tolerance) {
   constexpr int kMaxIterations = 100;
   State state = initial;
@@ -254,7 +257,7 @@ std::optional<State> descend(const Problem& problem, const State& initial, doubl
   return state;
 }
 
-/// Whether markers and prior tell of every direction on the floor.
+/// Whether markers and prior determine every direction on the floor.
 bool isDetermined(const PoseEstimate& estimate) {
   constexpr double kSmallestRatio = 1e-9;
   const Eigen::Matrix3d covariance = floorCovariance(estimate);
@@ -269,7 +272,7 @@ std::optional<ReprojectionFit> refineByReprojection(
     const MarkerMap& map, const MountedCamera& camera,
     const std::vector<MarkerObservation>& observations, const Pose& initial, const PosePrior& prior,
     const ReprojectionConfig& config) {
-  // What is left then is far less.
+  // The remaining error is far less.
   constexpr double kTolerance = 1e-6;
   const Problem problem(map, camera, observations, prior, config);
   const std::optional<State> state = descend(problem, {initial, ImagingError::Zero()}, kTolerance);
@@ -296,7 +299,7 @@ std::optional<ReprojectionFit> refineFromAfar(const MarkerMap& map, const Mounte
                                               const Pose& initial, const PosePrior& prior,
                                               const ReprojectionConfig& config) {
   constexpr std::array<double, 2> kWidths = {250.0, 30.0};  // standard deviations
-  // From where the next one finds its way.
+  // Close enough for the next width to converge from.
   constexpr double kTolerance = 1e-3;
   State state{initial, ImagingError::Zero()};
   for (const double width : kWidths) {

@@ -12,7 +12,7 @@ namespace {
 Eigen::Rotation2Dd rotation(double yaw) { return Eigen::Rotation2Dd(yaw); }
 
 /// The lines of sight at a given heading, a x + b y + c = 0 for the robot's position (x, y), times
-/// the root of their weights, and their derivatives with respect to the heading.
+/// the square root of their weights, and their derivatives with respect to the heading.
 struct Lines {
   Eigen::MatrixX2d normals;  // rows (a, b)
   Eigen::VectorXd offsets;   // c
@@ -31,8 +31,8 @@ Lines linesAt(const std::vector<LandmarkSight>& sights, double yaw) {
     const double scale = std::sqrt(sight.weight);
     const Eigen::Vector2d normal = scale * Eigen::Vector2d(std::sin(phi), -std::cos(phi));
     const Eigen::Vector2d normal_by_yaw = scale * Eigen::Vector2d(std::cos(phi), std::sin(phi));
-    // The line passes the landmark; the robot stands where the viewpoint is, less its mounting.
-    // Both the normal and the mounting turn with the heading, so their product stays.
+    // The line passes through the landmark; the robot is at the viewpoint minus the mounting. Both
+    // the normal and the mounting turn with the heading, so their product stays.
     lines.normals.row(i) = normal;
     lines.normals_by_yaw.row(i) = normal_by_yaw;
     const double mounting = normal.dot(rotation(yaw) * sight.viewpoint);
@@ -74,7 +74,7 @@ std::optional<PoseEstimate> triangulate(const std::vector<LandmarkSight>& sights
         lines.normals.transpose() * distance_by_yaw + lines.normals_by_yaw.transpose() * distance;
     const double curvature = distance_by_yaw.squaredNorm() + distance.dot(distance_by_yaw_twice) -
                              mixed.dot(inverse * mixed);
-    // Where the curve bends down, Newton would climb to a maximum: go downhill instead.
+    // If the curvature is not positive, Newton would climb to a maximum: go downhill instead.
     double step = curvature > 0.0 ? -gradient / curvature : -std::copysign(kMaxStep, gradient);
     step = std::clamp(step, -kMaxStep, kMaxStep);
     yaw += step;
@@ -89,8 +89,8 @@ std::optional<PoseEstimate> triangulate(const std::vector<LandmarkSight>& sights
     if (direction.dot(sight.landmark - viewpoint) <= 0.0) return std::nullopt;
   }
 
-  // Each distance errs by its bearing's error times its range; the pose is linear in them. Where
-  // the distances are larger than that, so is the covariance.
+  // Each distance errs by its bearing's error times its range, and by its landmark's error; the
+  // pose is linear in the distances. If these are larger than that, so is the covariance.
   const auto count = static_cast<Eigen::Index>(sights.size());
   Eigen::MatrixX3d jacobian(count, 3);
   jacobian << lines.normals, lines.normals_by_yaw * position + lines.offsets_by_yaw;

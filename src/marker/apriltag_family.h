@@ -8,7 +8,7 @@
 
 namespace omnitag {
 
-/// A family as the AprilTag library takes it.
+/// A family in the AprilTag library's form.
 using AprilTagFamily = std::unique_ptr<apriltag_family_t, std::function<void(apriltag_family_t*)>>;
 
 /// Throws InputError for an unknown family.

@@ -1,7 +1,7 @@
 #include "aruco_family.h"
 
 #include <opencv2/core/version.hpp>
-// From OpenCV 4.7 on they are in the main modules.
+// From OpenCV 4.7 on, the dictionaries are in the main modules.
 #if __has_include(<opencv2/objdetect/aruco_dictionary.hpp>)
 #include <opencv2/objdetect/aruco_dictionary.hpp>
 #else
@@ -51,9 +51,9 @@ struct Cell {
   int row;
 };
 
-/// The cells of a square of this many modules a side in the library's order: a quarter of them,
-/// then the same ones a quarter turn on, clockwise, and at last the middle one, if there is one. So
-/// a turn of the marker is a rotation of its bits.
+/// The cells of a square with this many modules a side in the library's order: a quarter of them,
+/// the same ones turned clockwise by a quarter, and so on, and last the middle one, if there is
+/// one. A turn of the marker is thus a rotation of its bits.
 std::vector<Cell> cellsInOrder(int side) {
   std::vector<Cell> cells;
   for (int ring = 0; ring < side / 2; ++ring) {
@@ -68,7 +68,7 @@ std::vector<Cell> cellsInOrder(int side) {
   return cells;
 }
 
-/// What a family's pointers lead to.
+/// The data that a family's pointers refer to.
 struct Storage {
   std::string name;
   std::vector<std::uint64_t> codes;
@@ -107,7 +107,7 @@ AprilTagFamily createArucoFamily(const std::string& name) {
     storage->codes.push_back(code);
   }
   for (const Cell& cell : cells) {
-    // From the corner of the black border.
+    // Counted from the corner of the black border.
     storage->columns.push_back(static_cast<std::uint32_t>(cell.column + 1));
     storage->rows.push_back(static_cast<std::uint32_t>(cell.row + 1));
   }

@@ -23,7 +23,7 @@ class LinearFit {
     xy_ += x * y;
   }
 
-  /// Needs two different x at least.
+  /// Needs at least two different x.
   double at(double x) const {
     const double slope = (n_ * xy_ - x_ * y_) / (n_ * xx_ - x_ * x_);
     return y_ / n_ + slope * (x - x_ / n_);
@@ -45,7 +45,7 @@ struct Profile {
   double mean = 0.0;
 };
 
-/// Grey level between pixels, bilinear; none outside of the image.
+/// Grey level between pixels, bilinear; nothing outside the image.
 std::optional<double> greyAt(const cv::Mat& image, const Eigen::Vector2d& point) {
   const int u = static_cast<int>(std::floor(point.x()));
   const int v = static_cast<int>(std::floor(point.y()));
@@ -58,7 +58,7 @@ std::optional<double> greyAt(const cv::Mat& image, const Eigen::Vector2d& point)
          b * ((1.0 - a) * lower[0] + a * lower[1]);
 }
 
-/// From `reach` before the edge to `reach` behind it.
+/// From `reach` before the edge to `reach` after it.
 std::optional<Profile> profileAcross(const cv::Mat& image, const Line& edge, double along,
                                      double reach) {
   constexpr double kStep = 0.5;
@@ -79,7 +79,7 @@ std::optional<Profile> profileAcross(const cv::Mat& image, const Line& edge, dou
   return profile;
 }
 
-/// The edge between the corners `index` and `index` + 1, moved to where it is in the image.
+/// The edge between the corners `index` and `index` + 1, moved to its place in the image.
 Line refineEdge(const cv::Mat& image, const Corners<Eigen::Vector2d>& corners, std::size_t index,
                 int modules_per_edge) {
   const Eigen::Vector2d& from = corners[index];
@@ -93,7 +93,7 @@ Line refineEdge(const cv::Mat& image, const Corners<Eigen::Vector2d>& corners, s
   constexpr double kLongestReach = 3.0;
   const double depth = std::min(edge.distance(before), edge.distance(beyond));
   const double reach = std::min(0.5 * depth / modules_per_edge, kLongestReach);
-  // Close to a corner the neighbouring edge mingles in, all the more where it leans over.
+  // Close to a corner the neighbouring edge interferes, the more the more it is inclined.
   const double lean_before = (before - from).dot(edge.direction()) / edge.distance(before);
   const double lean_beyond = (beyond - to).dot(edge.direction()) / edge.distance(beyond);
   const double lean = std::max(std::abs(lean_before), std::abs(lean_beyond));
@@ -101,7 +101,7 @@ Line refineEdge(const cv::Mat& image, const Corners<Eigen::Vector2d>& corners, s
   const int places = std::max(8, static_cast<int>(length));
 
   std::vector<Profile> profiles;
-  // Light varies along an edge, but slowly: what all places have in common is less noisy.
+  // Light varies along an edge, but slowly: a fit to all places is less noisy.
   LinearFit first;
   LinearFit last;
   for (int i = 0; i < places; ++i) {
@@ -132,8 +132,8 @@ Line refineEdge(const cv::Mat& image, const Corners<Eigen::Vector2d>& corners, s
 Corners<Eigen::Vector2d> refineCorners(const cv::Mat& image,
                                        const Corners<Eigen::Vector2d>& corners,
                                        int modules_per_edge) {
-  // The first pass finds the edges from corners that may be half a pixel off, the second takes the
-  // grey levels at the right distance on both sides.
+  // The first pass finds the edges from corners that may be half a pixel off; the second samples
+  // the grey levels at the right distance on both sides.
   constexpr int kPasses = 2;
   Corners<Eigen::Vector2d> refined = corners;
   for (int pass = 0; pass < kPasses; ++pass) {

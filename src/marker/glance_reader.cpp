@@ -21,16 +21,17 @@
 namespace omnitag {
 namespace {
 
-/// Standard deviations of the grey levels, between white and black of what stands out.
+/// Least contrast between white and black of markers that stand out, in standard deviations of the
+/// grey levels.
 constexpr double kObvious = 2.0;
 
-/// Pixels, the image's smaller side, to which it is reduced for the first glance.
+/// Pixels, the image's smaller side after the reduction for the first glance.
 constexpr int kFirstSize = 500;
 
-/// A part of the panorama in which writing runs as it should.
+/// A part of the panorama, in which writing runs in the right direction.
 struct Excerpt {
   cv::Mat image;
-  /// Of its first pixel.
+  /// The place of its first pixel in the panorama.
   cv::Point corner;
   bool is_mirrored = false;
   /// Standard deviation of its grey levels.
@@ -42,7 +43,8 @@ struct Excerpt {
   }
 };
 
-/// The pixels, to about one, of an arc of the ideal image plane, from `first` on by `sweep` (rad).
+/// Pixels, to about one, along an arc of the ideal image plane that begins at the azimuth `first`
+/// and turns by `sweep` (rad).
 std::vector<cv::Point> arc(const ImagePlane& plane, double radius, double first, double sweep) {
   constexpr double kPointsPerTurn = 128.0;
   const int steps = static_cast<int>(std::ceil(kPointsPerTurn * std::abs(sweep) / (2.0 * kPi)));
@@ -56,7 +58,7 @@ std::vector<cv::Point> arc(const ImagePlane& plane, double radius, double first,
   return points;
 }
 
-/// The borders, to about a pixel, of an annulus that is a margin (pixels) wider, or of its sector.
+/// The borders, to about a pixel, of an annulus or its sector, wider by a margin (pixels).
 std::vector<std::vector<cv::Point>> outlinesOf(const Annulus& annulus, const Sector& sector,
                                                double margin, const CameraModel& camera) {
   const ImagePlane& plane = camera.imagePlane();
@@ -74,8 +76,8 @@ std::vector<std::vector<cv::Point>> outlinesOf(const Annulus& annulus, const Sec
   return outlines;
 }
 
-/// What a panorama shows where a glance is to look, and even grey elsewhere, where the library then
-/// finds nothing to spend its time on. An empty image where it shows nothing there.
+/// The part of a panorama where a glance should look, filled elsewhere with a uniform grey, on
+/// which the library spends no time. An empty image if the panorama shows nothing there.
 Excerpt excerptOf(const cv::Mat& panorama, const CameraModel& camera, const GlanceAim& aim,
                   bool is_mirrored) {
   constexpr double kMargin = 8.0;  // pixels
@@ -87,14 +89,14 @@ Excerpt excerptOf(const cv::Mat& panorama, const CameraModel& camera, const Glan
   cv::Scalar spread;
   cv::meanStdDev(excerpt.image, grey, spread);
   excerpt.spread = spread[0];
-  // All that an odd number of outlines is around.
+  // Fills whatever is inside an odd number of outlines.
   outlines.push_back({box.tl(), {box.br().x, box.y}, box.br(), {box.x, box.br().y}});
   cv::fillPoly(excerpt.image, outlines, grey, cv::LINE_8, 0, -box.tl());
   if (is_mirrored) cv::flip(excerpt.image, excerpt.image, 1);
   return excerpt;
 }
 
-/// A view of a tag that was found, to about a pixel, at these corners of the panorama.
+/// A view of a tag that has about these corners in the panorama.
 View viewOf(const Corners<Eigen::Vector2d>& corners, const Eigen::Vector2d& center,
             const CameraModel& camera, const ViewWarper& warper, bool axis_up) {
   PredictedMarker marker;
@@ -107,10 +109,10 @@ View viewOf(const Corners<Eigen::Vector2d>& corners, const Eigen::Vector2d& cent
                   ViewPlannerConfig{});
 }
 
-/// Where the edges between corners of the panorama meet in a view. What a glance takes for straight
-/// edges runs through the middle of bent ones, so that corners lie off, by more than a refinement
-/// reaches where the marker is large; edges as a whole do not. Nothing where one is off what the
-/// view can show.
+/// The corners in a view where the edges between corners of the panorama meet. The straight edges
+/// that a glance finds run through the middle of bent ones. The corners of a large marker are
+/// therefore off by more than a refinement reaches, but its edges as a whole are not. Nothing if a
+/// point is outside what the view can show.
 std::optional<Corners<Eigen::Vector2d>> cornersInView(const Corners<Eigen::Vector2d>& corners,
                                                       const View& view, const ViewWarper& warper) {
   using Line = Eigen::Hyperplane<double, 2>;
@@ -137,14 +139,14 @@ std::optional<Corners<Eigen::Vector2d>> cornersInView(const Corners<Eigen::Vecto
   return in_view;
 }
 
-/// A tag of which the panorama's pixels are known, about, in a view: its edges are found again
-/// there. Nothing where one of its corners is off what the view shows.
+/// Locates a tag, known to about a pixel of the panorama, by its edges in a view. Nothing if one of
+/// its corners is outside what the view shows.
 std::optional<TagDetection> findAgain(TagDetection tag, const View& view, const cv::Mat& view_image,
                                       const ViewWarper& warper) {
   const auto start = cornersInView(tag.corners, view, warper);
   if (!start) return std::nullopt;
   tag.corners = *start;
-  // Of a large marker, edges may have been bent by more than one refinement reaches.
+  // Edges of a large marker may have been bent by more than one refinement reaches.
   constexpr int kMaxRefinements = 4;
   constexpr double kSettled = 0.1;  // pixels
   for (int i = 0; i < kMaxRefinements; ++i) {
@@ -178,7 +180,7 @@ bool isMirrored(const CameraModel& camera) {
   constexpr double kDistance = 3.0;  // m
   const Eigen::Vector2d point = ray->origin + kDistance * ray->direction;
   const Eigen::Vector3d outward = Eigen::Vector3d(ray->direction.x(), 0.0, ray->direction.y());
-  // To the right and down, as the viewer of an ordinary image has them.
+  // To the right and down for the viewer of an ordinary image.
   const Eigen::Vector3d right = outward.unitOrthogonal();
   const Eigen::Vector3d down = outward.cross(right);
   Eigen::Matrix<double, 2, 3> pixel_by_point;
@@ -197,11 +199,11 @@ GlanceReader::GlanceReader(std::shared_ptr<const CameraModel> camera,
   for (int reduction = std::max(1, std::min(size.width, size.height) / kFirstSize); reduction >= 1;
        reduction /= 2) {
     TagDetectorConfig reduced = config;
-    // The library takes 1, 1.5 and whole numbers.
+    // The library accepts 1, 1.5 and whole numbers.
     if (reduction > 1) {
       reduced.quad_decimate = std::min(8.0, std::round(config.quad_decimate * reduction));
     }
-    // A panorama that is reduced as far as the library can is not to be looked at alike twice.
+    // Beyond the library's largest reduction, a second detector would be the same.
     if (reduced.quad_decimate < coarser) detectors_.emplace_back(reduced, detector);
     coarser = reduced.quad_decimate;
   }

@@ -23,8 +23,8 @@ using Changes = Eigen::Matrix<double, kSectors, 1>;
 double azimuthOf(int sector) { return kWidth * sector; }
 
 /// How much the panorama changes from one sample of a grid to the next, summed over each sector: in
-/// fourth powers, so that little contrast, however much there is of it, counts for little, and the
-/// least for nothing. The distortion of the lens moves samples by too little to matter.
+/// fourth powers, so that low contrast counts for little, however much of it there is, and the
+/// lowest for nothing. The lens's distortion moves samples too little to matter.
 Changes changeBySector(const cv::Mat& panorama, const Annulus& annulus, const ImagePlane& plane) {
   constexpr int kSamplesPerSide = 128;
   constexpr int kFlat = 32;  // grey levels

@@ -9,8 +9,8 @@
 namespace omnitag {
 namespace {
 
-/// The turn and scale, as one complex number, that takes the corners of one quadrilateral to those
-/// of another best in the sense of least squares, each about its own centre.
+/// The rotation and scale, as one complex number, that best maps the corners of one quadrilateral
+/// to those of another by least squares, each about its own centre.
 std::complex<double> turnAndScale(const Corners<Eigen::Vector2d>& from,
                                   const Corners<Eigen::Vector2d>& to) {
   const auto mean = [](const Corners<Eigen::Vector2d>& corners) -> Eigen::Vector2d {

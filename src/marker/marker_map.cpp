@@ -19,8 +19,8 @@ std::vector<std::size_t> entriesOf(const MarkerMap& map, const std::string& fami
 }
 
 Eigen::Quaterniond uprightOrientation(double yaw, double roll) {
-  // At yaw 0 the normal is the map's x axis; a person who looks at the marker then has the map's
-  // y axis to the right: the marker's axes x, y, z are the map's y, z, x.
+  // At yaw 0 the normal is the map's x axis, and a person who looks at the marker has the map's y
+  // axis to the right. So the marker's axes x, y, z are the map's y, z, x.
   const Eigen::Quaterniond map_from_marker_at_yaw_zero(0.5, 0.5, 0.5, 0.5);
   return Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * map_from_marker_at_yaw_zero *
          Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitZ());

@@ -12,11 +12,11 @@
 namespace omnitag {
 namespace {
 
-/// What the top level of the file says for every marker that does not say otherwise.
+/// The file's top-level defaults, for markers without their own values.
 struct Defaults {
   std::optional<std::string> family;
   std::optional<double> size;
-  // Of a careful survey with a tape.
+  // Deviations of a careful survey with a tape.
   double deviation = 0.005;
   double orientation_deviation = 0.0175;
 };
@@ -116,7 +116,8 @@ MarkerMap readMarkerMap(const YamlReader& reader) {
     }
   }
   if (map.markers.empty()) reader.refuse("markers", "at least one marker");
-  // Maps are built by them; who uses a map wants to know at once where they are wrong.
+  // Only building a map needs constraints, but errors in them should be reported to every user
+  // of it.
   readConstraints(reader);
   return map;
 }

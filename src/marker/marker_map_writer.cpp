@@ -15,7 +15,7 @@
 namespace omnitag {
 namespace {
 
-/// To a millionth, or this many digits, without trailing zeros.
+/// To a millionth, or to this many digits, without trailing zeros.
 std::string number(double value, int digits = 6) {
   std::array<char, 64> text{};
   std::snprintf(text.data(), text.size(), "%.*f", digits, value);
@@ -31,7 +31,7 @@ std::string list(const std::vector<double>& values, int digits) {
   return text + "]";
 }
 
-/// `yaw` and `roll` of a marker on a vertical surface, `orientation` of any other.
+/// `yaw` and `roll` for a marker on a vertical surface, `orientation` for any other.
 std::string orientationText(const Marker& marker) {
   constexpr double kMicroradian = 1e-6;
   const Eigen::Matrix3d rotation = marker.map_from_marker.linear();
@@ -45,7 +45,7 @@ std::string orientationText(const Marker& marker) {
   return "orientation: " + list({q.x(), q.y(), q.z(), q.w()}, 8);
 }
 
-/// `defaults`: the map's, which an entry that is like them does not repeat.
+/// `defaults`: the map's, which an entry repeats only if it differs.
 std::string entryText(const Marker& marker, const MarkerMap& defaults) {
   std::string text = "{id: " + std::to_string(marker.id);
   if (!marker.name.empty()) {
@@ -72,7 +72,7 @@ std::string remarkText(const MapEntry& entry) {
   return entry.remark.empty() ? "" : "  # " + entry.remark;
 }
 
-/// The quote that ends a scalar that begins with one; in single quotes, two stand for one.
+/// The closing quote of a quoted scalar; in single quotes, a doubled one is an escaped one.
 std::size_t endOfQuoted(const std::string& text, std::size_t begin) {
   const char quote = text[begin];
   for (std::size_t i = begin + 1; i < text.size(); ++i) {
@@ -86,8 +86,8 @@ std::size_t endOfQuoted(const std::string& text, std::size_t begin) {
   return text.size();
 }
 
-/// Where a flow sequence or mapping that begins at `begin` has its last significant character, and
-/// its closing bracket.
+/// The last significant character of a flow sequence or mapping that begins at `begin`, and its
+/// closing bracket.
 struct FlowEnd {
   std::size_t last = std::string::npos;
   bool has_comma = false;
@@ -128,7 +128,7 @@ std::string insertIntoFlow(const std::string& text, std::size_t begin,
   return text.substr(0, end.last + 1) + added + text.substr(end.last + 1);
 }
 
-/// Beginnings of the lines of a text, and its end.
+/// The beginnings of a text's lines, and its end.
 std::vector<std::size_t> lineStarts(const std::string& text) {
   std::vector<std::size_t> starts = {0};
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -138,8 +138,8 @@ std::vector<std::size_t> lineStarts(const std::string& text) {
   return starts;
 }
 
-/// Adds lines behind the list's last one that is neither empty nor a comment. `first_line` and
-/// `last_line` are those of its first and last item, `end_line` is the first behind it.
+/// Adds lines after the list's last line that is neither empty nor a comment. `first_line` and
+/// `last_line`: those of its first and last item; `end_line`: the first one after the list.
 std::string insertIntoBlock(const std::string& text, std::size_t first_line, std::size_t last_line,
                             std::size_t end_line, const std::vector<std::string>& lines) {
   const std::vector<std::size_t> starts = lineStarts(text);
@@ -159,7 +159,7 @@ std::string insertIntoBlock(const std::string& text, std::size_t first_line, std
   return text.substr(0, position) + added + text.substr(position);
 }
 
-/// The first line behind the value of `markers`, of which the file's other keys may follow.
+/// The first line after the value of `markers`; other keys of the file may follow.
 std::size_t lineBehind(const YAML::Node& root, std::size_t last_line, std::size_t line_count) {
   std::size_t end = line_count;
   for (const auto& pair : root) {
@@ -169,14 +169,14 @@ std::size_t lineBehind(const YAML::Node& root, std::size_t last_line, std::size_
   return end;
 }
 
-/// Of a text, from `begin` to before `end`.
+/// A part of a text, from `begin` to before `end`.
 struct Span {
   std::size_t begin = 0;
   std::size_t end = 0;
 };
 
-/// An item of the list: a mapping in brackets, or one of lines of its own, which ends where a line
-/// is less indented than its first key.
+/// An item of the list: a mapping in brackets, or one on lines of its own, which ends at a line
+/// that is less indented than its first key.
 Span spanOf(const std::string& text, const YAML::Node& item, std::size_t end_line) {
   const auto begin = static_cast<std::size_t>(item.Mark().pos);
   if (item.Style() == YAML::EmitterStyle::Flow) return {begin, endOfFlow(text, begin).close + 1};
@@ -195,7 +195,7 @@ Span spanOf(const std::string& text, const YAML::Node& item, std::size_t end_lin
   return span;
 }
 
-/// All that goes with an item: its lines, or, in brackets, a comma.
+/// Everything to remove with an item: its lines or, in brackets, a comma.
 Span wholeOf(const std::string& text, const Span& item, bool is_in_brackets) {
   if (!is_in_brackets) {
     const std::size_t before = text.rfind('\n', item.begin);
@@ -293,7 +293,7 @@ std::string withChanges(const std::string& text, const std::vector<EntryChange>&
   const std::size_t end_line = lineBehind(root, last_line, lineStarts(text).size());
   std::string result = text;
   std::vector<MapEntry> wanted;
-  // From the last on, so that what is before stays where it is.
+  // From the last to the first, so that earlier positions remain valid.
   for (std::size_t i = before.markers.size(); i-- > 0;) {
     const EntryChange& change = changes.at(i);
     const Span span = spanOf(text, sequence[i], end_line);

@@ -8,8 +8,8 @@
 namespace omnitag {
 namespace {
 
-/// Widest white border of the library's families, one module on each side of the five modules that
-/// tagCircle21h7 has between its corners, as a share of the size.
+/// The widest white border of the library's families, as a share of the size: tagCircle21h7 has one
+/// module on each side of the five between its corners.
 constexpr double kQuietZone = 0.2;
 
 std::optional<PredictedMarker> predict(const Marker& marker, const MountedCamera& camera,
@@ -66,7 +66,7 @@ std::optional<PredictedMarker> predict(const Marker& marker, const MountedCamera
   return predicted;
 }
 
-/// A corner moved out to where the marker's white border ends at least.
+/// A corner moved outward, at least to the end of the marker's white border.
 Eigen::Vector2d withBorder(const Eigen::Vector2d& corner, const PredictedMarker& marker) {
   return corner + 2.0 * kQuietZone * (corner - marker.center);
 }
@@ -75,7 +75,7 @@ double angleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-/// The marker with its border and margins, where that comes near the optical axis.
+/// The marker with its border and margins, if these come near the optical axis.
 std::optional<ViewCone> coneNearAxis(const PredictedMarker& marker, const CameraModel& camera) {
   const auto directionOf = [&](const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector3d> {
     const std::optional<Ray> ray = camera.rayFromPixel(pixel);
@@ -95,7 +95,7 @@ std::optional<ViewCone> coneNearAxis(const PredictedMarker& marker, const Camera
     cone.resolution =
         std::max(cone.resolution, (withBorder(corner, marker) - marker.center).norm() / angle);
   }
-  // How far it may be away along the tangent does not bring it nearer to the axis.
+  // A displacement along the tangent does not bring it nearer to the axis.
   const double off_axis = std::acos(std::min(1.0, std::abs(center->z())));
   const double nearest = off_axis - cone.half_angle - marker.radial_margin / cone.resolution;
   if (!(nearest < kNearAxis)) return std::nullopt;

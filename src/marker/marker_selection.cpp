@@ -9,7 +9,7 @@
 namespace omnitag {
 namespace {
 
-/// None where a text is no number.
+/// Nothing if a text is not a number.
 std::optional<int> idOf(const std::string& text) {
   constexpr std::size_t kMostDigits = 9;
   const bool is_number = !text.empty() && text.size() <= kMostDigits &&

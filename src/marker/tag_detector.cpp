@@ -46,7 +46,7 @@ int affordableHamming(const apriltag_family_t& family, int wanted) {
   return hamming;
 }
 
-/// The library has the centre of the top-left pixel at (0.5, 0.5).
+/// The library counts the centre of the top-left pixel as (0.5, 0.5).
 Eigen::Vector2d toPixel(double x, double y) { return {x - 0.5, y - 0.5}; }
 
 TagDetection toTagDetection(const apriltag_detection_t& detection) {
@@ -110,7 +110,7 @@ struct TagDetector::Library {
     detector->decode_sharpening = config.decode_sharpening;
     detector->qtp.min_cluster_pixels = config.min_cluster_pixels;
     detector->qtp.max_nmaxima = config.max_nmaxima;
-    // Which of the two is looked at depends on the library's version.
+    // Which of the two is used depends on the library's version.
     detector->qtp.critical_rad = static_cast<float>(config.critical_angle);
     detector->qtp.cos_critical_rad = static_cast<float>(std::cos(config.critical_angle));
     detector->qtp.max_line_fit_mse = static_cast<float>(config.max_line_fit_mse);
@@ -124,7 +124,7 @@ struct TagDetector::Library {
   Library(const Library&) = delete;
   Library& operator=(const Library&) = delete;
   ~Library() {
-    // The library takes the tables of a detector's families away with it.
+    // The library would free the tables of a detector's families along with it.
     if (families.use_count() > 1) zarray_clear(detector->tag_families);
   }
 
@@ -139,7 +139,7 @@ struct TagDetector::Library {
   bool blurs;
   bool deglitches;
   double smallest_side;
-  // The detector lets go of its families when it is destroyed: they must outlive it.
+  // The detector releases its families when it is destroyed: they must outlive it.
   std::shared_ptr<const Families> families;
   std::unique_ptr<apriltag_detector_t, DestroyDetector> detector{apriltag_detector_create()};
 };
@@ -159,7 +159,7 @@ std::vector<TagDetection> TagDetector::detect(const cv::Mat& image, int min_cont
   if (image.type() != CV_8UC1 || std::max(image.cols, image.rows) > kLargestSide) {
     throw std::invalid_argument("tag detection needs a CV_8UC1 image, at most 32767 pixels a side");
   }
-  // The library reads outside of images that are smaller than its 4 x 4 pixel tiles.
+  // The library reads outside images that are smaller than its 4 x 4 pixel tiles.
   if (std::min(image.cols, image.rows) < library_->smallest_side) return {};
   if (library_->families->empty()) return {};
 
@@ -178,7 +178,7 @@ std::vector<TagDetection> TagDetector::detect(const cv::Mat& image, int min_cont
     zarray_get(detections.get(), i, &detection);
     if (detection->decision_margin < library_->min_decision_margin) continue;
     TagDetection tag = toTagDetection(*detection);
-    // The library's own refinement is up to 0.3 pixels off in releases before 3.4.3.
+    // The library's own refinement is off by up to 0.3 pixels in releases before 3.4.3.
     if (library_->detector->refine_edges) {
       tag.corners = refineCorners(image, tag.corners, detection->family->width_at_border);
     }

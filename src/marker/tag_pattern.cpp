@@ -22,7 +22,7 @@ bool isWithinModule(const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
 
 TagPattern::Window::Window(const Eigen::Vector2d& side_u, const Eigen::Vector2d& side_v,
                            double blur_variance, const Eigen::Vector2d& sweep) {
-  // Pixels squared. Less is only a somewhat larger pixel.
+  // Pixels squared. A smaller variance only makes the pixel a little larger.
   constexpr double kSharp = 0.05;
   constexpr double kVarianceOfPixel = 1.0 / 12.0;  // along either side
   const double variance = kVarianceOfPixel + blur_variance;
@@ -40,8 +40,8 @@ TagPattern::Window::Window(const Eigen::Vector2d& side_u, const Eigen::Vector2d&
     const double correlation = mixed / std::sqrt(variances.prod());
     Eigen::Vector2d line = (std::abs(correlation) * variances).cwiseSqrt();
     if (mixed < 0.0) line.y() = -line.y();
-    // Gauss and Hermite's rules of three and of five points: what lies between them, the Gaussian
-    // at each must be wide enough to fill.
+    // Gauss-Hermite rules with three and with five points. The Gaussian at each point must be wide
+    // enough to fill the gap to the next.
     constexpr double kStrong = 0.35;
     add(Eigen::Vector2d::Zero(), std::abs(correlation) < kStrong ? 2.0 / 3.0 : 8.0 / 15.0);
     const auto addBeside = [&](double deviations, double share) {
@@ -54,7 +54,7 @@ TagPattern::Window::Window(const Eigen::Vector2d& side_u, const Eigen::Vector2d&
       addBeside(std::sqrt(5.0 - std::sqrt(10.0)), (7.0 + 2.0 * std::sqrt(10.0)) / 60.0);
       addBeside(std::sqrt(5.0 + std::sqrt(10.0)), (7.0 - 2.0 * std::sqrt(10.0)) / 60.0);
     }
-    // Within a step it is swept, too.
+    // Each step also includes the sweep within it.
     extent_ = ((1.0 - std::abs(correlation)) * variances + step_.cwiseAbs2() / 12.0).cwiseSqrt();
     constexpr double kMostOfIt = 3.0;
     constexpr double kNearlyAllOfIt = 1.75;
@@ -86,8 +86,8 @@ TagPattern::TagPattern(const apriltag_family& family, int id) {
   }
   width_ = family.total_width;
   width_between_corners_ = family.width_at_border;
-  // The library does not export what frees its images, which it has from malloc. It draws without
-  // changing the family.
+  // The library does not export the function that frees its images, which come from malloc. Drawing
+  // does not change the family.
   using Free = void (*)(void*);
   const std::unique_ptr<image_u8_t, Free> image(
       apriltag_to_image(const_cast<apriltag_family_t*>(&family), id), std::free);
@@ -250,7 +250,7 @@ TagPattern::Profile TagPattern::profileOf(double middle, double deviation) const
   const int last = std::clamp(static_cast<int>(std::floor(middle + reach)), profile.first,
                               std::min(width_, profile.first + Profile::kMost) - 1);
   profile.count = last - profile.first + 1;
-  // What is beyond the first and the last module, they have, too.
+  // The first and the last module include what is beyond them.
   double below = 0.0;
   double slope_below = 0.0;
   for (int i = 0; i < profile.count; ++i) {

@@ -12,8 +12,8 @@ namespace {
 
 using Markers = std::vector<std::optional<FrameEquations>>;
 
-/// By how much one more marker may raise chi-square, with six degrees of freedom: far beyond
-/// chance, since what a camera file does not know displaces each marker by a little of its own.
+/// By how much one more marker may raise chi-square (six degrees of freedom): far beyond chance,
+/// since effects that the camera file does not describe displace each marker a little.
 constexpr double kMostPerMarker = 36.0;
 
 FrameEquations sumOf(const Markers& markers, const std::vector<bool>& which, const PosePrior& prior,

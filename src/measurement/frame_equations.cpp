@@ -9,7 +9,7 @@
 namespace omnitag {
 namespace {
 
-/// Share of what chance gives the markers that an unmoved robot's next image repeats.
+/// Share of the markers' random variance that an unmoved robot's next image repeats.
 constexpr double kRepeated = 0.25;
 
 using PoseRows = Eigen::Matrix<double, 6, kFrameUnknowns>;
@@ -24,8 +24,8 @@ void FrameEquations::add(const FrameEquations& other, double weight) {
 }
 
 FrameEquations withMisplacement(const FrameEquations& marker, const PoseMatrix& misplacement) {
-  // (information^-1 + misplacement)^-1, also where the information has no inverse. Products are the
-  // lazy ones, as Eigen would take these for large matrices.
+  // (information^-1 + misplacement)^-1, also if the information is singular. The products are lazy,
+  // since Eigen would otherwise treat these matrices as large.
   using ByPose = Eigen::Matrix<double, kFrameUnknowns, 6>;
   const ByPose by_pose = marker.information.leftCols<6>();
   const PoseMatrix information = by_pose.topRows<6>();
@@ -92,12 +92,12 @@ PoseEstimate estimateOf(const FrameEquations& markers, const PosePrior& prior, c
   const Eigen::Matrix<double, 6, 6> prior_gain = gain.leftCols<6>() * prior.information;
   FrameMatrix image_shared = markers.by_shared + kRepeated * markers.by_chance;
   image_shared.diagonal().segment<kCameraModes>(6).array() += 1.0;
-  // Each image is taken in another motion.
+  // The motion differs from image to image.
   FrameMatrix image_chance = (1.0 - kRepeated) * markers.by_chance;
   image_chance.diagonal().tail<kImagingUnknowns - kCameraModes>().array() += 1.0;
   const PoseMatrix of_prior = through(prior_gain, prior.shared);
   const PoseMatrix of_image = excess * through(gain, image_shared);
-  // The weights that leave the least.
+  // The weights that minimise the trace.
   const double a = std::sqrt(of_prior.trace());
   const double b = std::sqrt(of_image.trace());
   PoseEstimate estimate;

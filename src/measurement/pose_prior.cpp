@@ -7,7 +7,7 @@
 namespace omnitag {
 namespace {
 
-/// m and rad: nothing is known better, and information stays finite.
+/// m and rad: smallest deviation, which keeps the information finite.
 constexpr double kExact = 1e-6;
 
 }  // namespace
@@ -56,7 +56,7 @@ PosePrior PosePrior::withoutPlace() const {
   if (!knows_place) return *this;
   PosePrior prior;
   prior.pose = pose;
-  // What the rest is known to without them.
+  // Marginalises x, y and yaw.
   prior.information.bottomRightCorner<3, 3>() = inverseOf(covariance().bottomRightCorner<3, 3>());
   return prior;
 }

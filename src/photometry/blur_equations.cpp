@@ -7,7 +7,7 @@
 namespace omnitag {
 namespace {
 
-/// What an image tells counts this much with the next one: some ten of them are remembered.
+/// Weight of past images with each new one: about ten of them are remembered.
 constexpr double kRemembered = 0.9;
 
 BlurVector vectorOf(const ImageBlur& blur) {
@@ -21,7 +21,7 @@ BlurVector BlurFilter::changeBy(const BlurEquations& image, const ImageBlur& pre
   BlurVector gradient = image.gradient;
   information.topLeftCorner<2, 2>() += information_;
   gradient.head<2>() += information_ * (vectorOf(blur_) - vectorOf(predicted)).head<2>();
-  // A turn of which nothing is seen stays what it was taken for.
+  // An unobserved turn keeps its predicted value.
   constexpr double kLeast = 1e-9;
   information(2, 2) += kLeast;
   return information.ldlt().solve(gradient);
@@ -32,7 +32,7 @@ ImageBlur BlurFilter::after(const BlurEquations& image, const ImageBlur& predict
   ImageBlur after;
   after.variance = std::max(0.0, blur[0]);
   after.rim_variance = std::max(-after.variance, blur[1]);
-  // What is no more than chance makes of it is none.
+  // A turn that may be due to chance is none.
   constexpr double kDeviations = 4.0;
   const double deviation = 1.0 / std::sqrt(std::max(image.information(2, 2), 1e-12));
   after.turn_square = blur[2] > kDeviations * deviation ? blur[2] : 0.0;

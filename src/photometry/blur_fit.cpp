@@ -9,8 +9,8 @@ namespace omnitag {
 namespace {
 
 /// Half of the second derivative of the share of white along a way on the drawing (modules), times
-/// the way's square: what blurring along it by this variance adds. Nothing where that is off the
-/// drawing.
+/// the way's square: the change due to blurring along it by this variance. Nothing if that reaches
+/// off the drawing.
 std::optional<double> rise(const TagPattern& pattern, const TagPattern::Window& window,
                            const Eigen::Vector2d& position, double white,
                            const Eigen::Vector2d& way) {
@@ -24,7 +24,7 @@ std::optional<double> rise(const TagPattern& pattern, const TagPattern::Window& 
          white;
 }
 
-/// What a pixel's share of white changes by with each part of the blur.
+/// Derivative of a pixel's share of white by each part of the blur.
 class BlurSlopes {
  public:
   BlurSlopes(const TagPattern& pattern, const MountedCamera& camera)
@@ -69,7 +69,7 @@ BlurEquations blurEquationsOf(const MarkerPixels& pixels, const LitPatch& patch,
                               const TagPattern& pattern, const MountedCamera& camera,
                               const PixelNoise& noise, const FrameVector& change,
                               std::size_t at_most) {
-  // With the light, which gives way: black and contrast.
+  // The light is eliminated: black and contrast.
   constexpr int kLight = 2;
   using Unknowns = Eigen::Matrix<double, kLight + 3, 1>;
   using Information = Eigen::Matrix<double, kLight + 3, kLight + 3>;

@@ -11,8 +11,8 @@
 
 namespace omnitag {
 
-/// What a marker's pixels, at most about this many of them, say about the image's blur once the
-/// unknowns change so.
+/// The equations for the image's blur from about `at_most` of a marker's pixels, after this change
+/// of the unknowns.
 BlurEquations blurEquationsOf(const MarkerPixels& pixels, const LitPatch& patch,
                               const TagPattern& pattern, const MountedCamera& camera,
                               const PixelNoise& noise, const FrameVector& change,

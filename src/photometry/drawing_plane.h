@@ -12,7 +12,7 @@
 
 namespace omnitag {
 
-/// The plane of a marker's drawing (TagPattern: modules, y down) before a robot.
+/// The plane of a marker's drawing (TagPattern: modules, y down) relative to a robot.
 class DrawingPlane {
  public:
   DrawingPlane(const Marker& marker, const TagPattern& pattern, const Pose& map_from_base)
@@ -27,7 +27,7 @@ class DrawingPlane {
     translation_ = scale.cwiseProduct(marker_from_map * isometry.translation());
   }
 
-  /// Where a line of sight meets the plane from its front; nothing where it does not.
+  /// The point where a line of sight meets the plane from its front, if it does.
   std::optional<Eigen::Vector2d> meet(const Ray& in_base) const {
     const Eigen::Vector3d origin = drawing_from_base_ * in_base.origin + translation_;
     const Eigen::Vector3d direction = drawing_from_base_ * in_base.direction;
@@ -37,13 +37,14 @@ class DrawingPlane {
                            half_ + origin.y() + range * direction.y());
   }
 
-  /// Derivative of meet() by the pose of the base (a PoseVector): what is seen moves as the line of
-  /// sight does, which moves with the base, and along it back to the plane. Only where it meets.
+  /// Derivative of meet() by the pose of the base (a PoseVector): the point moves with the line of
+  /// sight, which moves with the base, and along it back to the plane. Only valid if the line of
+  /// sight meets the plane.
   Eigen::Matrix<double, 2, 6> derivative(const Ray& in_base) const {
     const Eigen::Vector3d origin = drawing_from_base_ * in_base.origin + translation_;
     const Eigen::Vector3d direction = drawing_from_base_ * in_base.direction;
     const double range = -origin.z() / direction.z();
-    // What is turned with the base moves by rotation x place.
+    // Points that turn with the base move by rotation x place.
     const Eigen::Vector3d place = in_base.origin + range * in_base.direction;
     const Eigen::Matrix3d turned = -drawing_from_base_ * crossMatrix(place);
     Eigen::Matrix<double, 3, 6> in_drawing;

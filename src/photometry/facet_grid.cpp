@@ -11,7 +11,7 @@
 namespace omnitag {
 namespace {
 
-/// Pixels of the corners of this many facets along either side, each projected.
+/// The corners of this many facets along either side, each projected (pixels).
 NodeGrid projectedNodes(const Marker& marker, const TagPattern& pattern,
                         const MountedCamera& camera, const Pose& map_from_base, int facets) {
   const double metres_per_module = marker.size / pattern.widthBetweenCorners();
@@ -32,7 +32,7 @@ NodeGrid projectedNodes(const Marker& marker, const TagPattern& pattern,
 
 NodeGrid nodesOf(const Marker& marker, const TagPattern& pattern, const MountedCamera& camera,
                  const Pose& map_from_base, int facets) {
-  // A drawing images so smoothly that a few nodes tell where all others are.
+  // A drawing images so smoothly that a few nodes determine all others.
   if (facets > kProjectedFacets) {
     auto nodes = interpolated(
         projectedNodes(marker, pattern, camera, map_from_base, kProjectedFacets), facets);
@@ -90,7 +90,7 @@ FacetGrid::FacetGrid(const Marker& marker, const TagPattern& pattern, const Moun
       facet.by_pixel = pixel_by_position.inverse();
       const Eigen::Matrix<double, 2, 6> by_pose = plane.derivative(*ray);
       const Eigen::Matrix<double, 2, 6> by_base = by_pose * along_base;
-      // A pixel shows what a camera without its error would show where the error takes it from.
+      // A pixel shows what an ideal camera would show at the place that the error moves it from.
       facet.by_frame << by_pose, -facet.by_pixel * camera.model().displacementByError(middle),
           camera.byVelocities(middle, by_base);
       facet.window = TagPattern::Window(facet.by_pixel.col(0), facet.by_pixel.col(1),

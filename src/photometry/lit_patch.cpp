@@ -7,7 +7,7 @@
 namespace omnitag {
 namespace {
 
-/// 1, and what the contrast is a sum of.
+/// 1, and the terms that the contrast is the sum of.
 Light regressorsOf(const MarkerPixel& pixel) {
   const double x = pixel.position.x();
   const double y = pixel.position.y();
@@ -29,14 +29,14 @@ bool isSaturated(const MarkerPixel& pixel, const PixelResidual& residual) {
 
 using LightInformation = Eigen::Matrix<double, kLightTerms, kLightTerms>;
 
-/// Nothing where the pixels leave some of the light open.
+/// Nothing if the pixels leave the light undetermined.
 std::optional<Eigen::LDLT<LightInformation>> factorsOf(const LightInformation& information) {
   std::optional<Eigen::LDLT<LightInformation>> factors(information);
   const bool is_known = factors->info() == Eigen::Success && factors->vectorD().minCoeff() > 1e-9;
   return is_known ? factors : std::nullopt;
 }
 
-/// From some of the pixels, all alike.
+/// From some of the pixels, equally weighted.
 std::optional<Light> roughLight(const std::vector<MarkerPixel>& pixels) {
   constexpr std::size_t kEnough = 200;
   const std::size_t every = std::max<std::size_t>(1, pixels.size() / kEnough);
@@ -52,13 +52,14 @@ std::optional<Light> roughLight(const std::vector<MarkerPixel>& pixels) {
   return factors ? std::optional<Light>(factors->solve(gradient)) : std::nullopt;
 }
 
-/// A pixel's part in least squares in the light, the position on the drawing, and the residual.
+/// A pixel's contribution to least squares in the light, the position on the drawing, and
+/// the residual.
 struct Terms {
   double weight = 0.0;
   int facet = 0;
-  /// What the grey level is a sum of in some light, and the residual.
+  /// Derivatives of the grey level by the light's coefficients, and the residual.
   Eigen::Matrix<double, kLightTerms + 1, 1> light;
-  /// The derivatives by the position.
+  /// Derivatives by the position.
   Eigen::Vector2d position;
 };
 
@@ -74,8 +75,8 @@ Terms termsOf(const MarkerPixel& pixel, const Light& light, const PixelNoise& no
   return terms;
 }
 
-/// Sums over a facet's pixels. All of them see the drawing move alike: what depends on the unknowns
-/// is worked out once for each facet.
+/// Sums over a facet's pixels. All of them see the drawing move alike, so that derivatives by the
+/// unknowns are worked out once for each facet.
 template <int kTerms>
 struct FacetSums {
   Eigen::Matrix<double, kTerms, 2> mixed = Eigen::Matrix<double, kTerms, 2>::Zero();
@@ -104,8 +105,8 @@ std::optional<LitPatch> fitLight(const MarkerPixels& pixels, const PixelNoise& n
   Eigen::Matrix<double, kLightTerms + 1, kLightTerms + 1> of_light;
   of_light.setZero();
   std::vector<FacetSums<kLightTerms + 1>> facets(pixels.facets().size());
-  // To write a vector number by number and read it at once as a whole would take most of the time:
-  // many are written before the first is read.
+  // Writing a vector element by element and reading it at once as a whole would take most of the
+  // time: many are written before the first is read.
   std::array<Terms, 64> terms;
   for (std::size_t first = 0; first < all.size(); first += terms.size()) {
     const std::size_t count = std::min(terms.size(), all.size() - first);
@@ -140,7 +141,7 @@ std::optional<LitPatch> fitLight(const MarkerPixels& pixels, const PixelNoise& n
   patch.light = *rough + factors->solve(light_and_residual);
   constexpr double kLowestContrast = 8.0;
   if (patch.light[1] < kLowestContrast) return std::nullopt;
-  // The light is free: what it could explain says nothing about the unknowns.
+  // The light is eliminated: residuals that it could explain do not affect the unknowns.
   patch.light_by_frame = -factors->solve(light_and_frame);
   patch.information = of_frame + light_and_frame.transpose() * patch.light_by_frame;
   patch.gradient =
@@ -174,7 +175,7 @@ FrameMatrix gradientCovariance(const MarkerPixels& pixels, const LitPatch& patch
     facets[number].of_position.noalias() += by_position * by_position.transpose();
     ++count;
   }
-  // The light gives way to a change of the unknowns.
+  // The light adapts to a change of the unknowns.
   const auto& light_by_frame = patch.light_by_frame;
   FrameMatrix covariance = light_by_frame.transpose() * of_light * light_by_frame;
   Eigen::Matrix<double, kLightTerms, kFrameUnknowns> mixed;
@@ -187,7 +188,7 @@ FrameMatrix gradientCovariance(const MarkerPixels& pixels, const LitPatch& patch
   }
   const FrameMatrix crossed = light_by_frame.transpose().lazyProduct(mixed);
   covariance += crossed + crossed.transpose();
-  // What was fitted takes its share of the residuals.
+  // Fitting reduces the residuals by the degrees of freedom that it uses.
   constexpr int kFitted = kLightTerms + 6;
   return covariance * count / std::max(count - kFitted, 1);
 }

@@ -12,19 +12,19 @@
 namespace omnitag {
 namespace {
 
-/// Markers.
+/// Markers that are worth a thread.
 constexpr std::size_t kRoughWorthAThread = 8;
 constexpr std::size_t kFineWorthAThread = 2;
 
-/// Pixels to fit.
+/// Pixels to fit that are worth a thread.
 constexpr std::size_t kFitWorthAThread = 700;
 
-/// Facets along a marker's side at most, and pixels along the side of one at least, where there are
-/// more of them than one.
+/// Most facets along a marker's side, and least pixels along the side of a facet if there
+/// are several.
 constexpr int kMostFacets = 6;
 constexpr double kFacet = 4.0;
 
-/// Pixels of a marker, whatever the others need.
+/// Least number of pixels of a marker, whatever the limits in total.
 constexpr std::size_t kLeastPixels = 75;
 
 PoseMatrix misplacementOf(const Marker& marker, const MountedCamera& camera, const Pose& pose,
@@ -157,7 +157,7 @@ std::vector<MarkerPatch> MarkerFitter::patches(const MountedCamera& camera, cons
                                                int max_pixels, const MarkerPatch::Choice& choice,
                                                std::size_t worth_a_thread) const {
   constexpr std::size_t kEnoughForLight = 60;
-  // This many more are looked at to find those at edges.
+  // This many times more are considered, to find those at edges.
   constexpr std::size_t kLookedAt = 2;
   std::vector<double> areas;
   for (const std::size_t entry : entries_) areas.push_back(areaOf(map_.markers[entry], pose));

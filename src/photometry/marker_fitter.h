@@ -19,27 +19,28 @@
 
 namespace omnitag {
 
-/// One marker's share in the estimate of a frame's unknowns.
+/// One marker's contribution to the estimate of a frame's unknowns.
 struct MarkerFit {
   MarkerPixels pixels;
   LitPatch patch;
-  /// Because of its misplacement the marker tells less than its pixels.
+  /// Covariance of the pose's error due to the marker's misplacement: the pixels alone would
+  /// determine the pose too well.
   PoseMatrix misplacement;
   FrameEquations equations;
 
-  /// The same equations with what they err by once the unknowns change so.
+  /// The same equations with their errors after this change of the unknowns.
   FrameEquations equationsWithErrors(const PixelNoise& noise, const FrameVector& change) const;
 };
 
-/// What is estimated, and what is learnt on the way.
+/// The estimate, and what is learnt along the way.
 struct Alignment {
   Pose pose;
   ImagingError error = ImagingError::Zero();
-  /// What the unknowns are expected to change by still: pixels count by how well they are explained
-  /// then.
+  /// The change of the unknowns that is still expected: it determines the residuals that the pixels
+  /// are weighted by.
   FrameVector expected_change = FrameVector::Zero();
   PixelNoise noise;
-  /// One for each marker; no light where it was not seen yet.
+  /// One for each marker; no light if the marker was not seen yet.
   std::vector<double> weights;
   std::vector<std::optional<Light>> lights;
 };
@@ -47,10 +48,10 @@ struct Alignment {
 /// Fits the markers of a map to a panorama, each by itself.
 class MarkerFitter {
  public:
-  /// One for each marker; nothing where it is not seen.
+  /// One for each marker; nothing if it is not seen.
   using Fits = std::vector<std::optional<MarkerFit>>;
 
-  /// All but the number of threads must outlive it. `entries`: the markers', in the map.
+  /// The references must outlive it. `entries`: the markers' indices in the map.
   MarkerFitter(const cv::Mat& panorama, const MarkerMap& map, const MountedCamera& camera,
                const TagPatterns& patterns, const std::vector<std::size_t>& entries,
                const PhotometricConfig& config, int threads)
@@ -62,41 +63,42 @@ class MarkerFitter {
         config_(config),
         threads_(threads) {}
 
-  /// The parts of the panorama that show the markers, to find the pose from an initial one: where
-  /// their pixels look is to be asked of their lines of sight.
+  /// The parts of the panorama that show the markers, for an alignment from an initial pose. At
+  /// other poses, their lines of sight give what their pixels see.
   std::vector<MarkerPatch> roughPatches(const Pose& pose) const;
 
-  /// What each marker says at the alignment's pose and camera error, near those of the patches.
-  /// `lines` are the patches'.
+  /// Each marker's fit at the alignment's pose and camera error, which must be near those of the
+  /// patches. `lines`: from linesOfSight() of the patches.
   Fits fits(const std::vector<MarkerPatch>& patches, const std::vector<LinesOfSight>& lines,
             const Alignment& alignment) const;
 
-  /// The pixels of each marker from a pose that is hardly to change any more: only those tell more
-  /// of it that have an edge in them.
+  /// The pixels of each marker from a pose that will hardly change any more: only pixels that see
+  /// an edge add to it.
   std::vector<MarkerPixels> finePixels(const Pose& pose, const ImagingError& error) const;
 
-  /// About as many of them, all together, as rough patches have.
+  /// A selection of the pixels, in total about as many as rough patches have.
   std::vector<MarkerPixels> someOf(const std::vector<MarkerPixels>& pixels) const;
 
-  /// What they say at the pose that they are from, the alignment's.
+  /// Each marker's fit at the pose that the pixels were taken from, which must be the alignment's.
   Fits fits(std::vector<MarkerPixels> pixels, const Alignment& alignment) const;
 
-  /// What all markers' pixels say about the blur once the unknowns change so.
+  /// The equations of all markers' pixels for the blur after this change of the unknowns.
   BlurEquations blur(const Fits& fits, const PixelNoise& noise, const FrameVector& change) const;
 
-  /// What all markers' residuals say about the pixels' noise once the pose changes so; some marker
-  /// must be seen.
+  /// The pixels' noise, estimated from all markers' residuals after this change of the unknowns. At
+  /// least one marker must be seen.
   PixelNoise noise(const Fits& fits, const FrameVector& change) const;
 
  private:
   std::optional<MarkerFit> fitOf(std::size_t index, MarkerPixels pixels,
                                  const Alignment& alignment) const;
-  /// With at most this many pixels at edges, all together, except for what a marker needs. Large
-  /// markers get more of them: they are near, and each of their pixels tells more of the pose.
+  /// With at most `max_pixels` pixels at edges in total, except for the minimum of each marker.
+  /// Large markers get more of them: they are near, so that each of their pixels adds more to
+  /// the pose.
   std::vector<MarkerPatch> patches(const MountedCamera& camera, const Pose& pose, int max_pixels,
                                    const MarkerPatch::Choice& choice,
                                    std::size_t worth_a_thread) const;
-  /// Of a marker between its corners, in pixels, about; 0 where one of them is not seen.
+  /// Approximate area of a marker between its corners, in pixels; 0 if a corner is not seen.
   double areaOf(const Marker& marker, const Pose& pose) const;
 
   const cv::Mat& panorama_;

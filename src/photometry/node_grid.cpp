@@ -5,8 +5,8 @@
 namespace omnitag {
 namespace {
 
-/// What each of the nodes of a cubic polynomial counts for at this many facets' nodes: a row for
-/// each of the latter.
+/// Weights of a cubic polynomial's nodes at the nodes of this many facets: a row for each of
+/// the latter.
 Eigen::Matrix<double, Eigen::Dynamic, kProjectedFacets + 1> cubicWeights(int facets) {
   Eigen::Matrix<double, Eigen::Dynamic, kProjectedFacets + 1> weights(facets + 1,
                                                                       kProjectedFacets + 1);

@@ -6,14 +6,15 @@
 
 namespace omnitag {
 
-/// Pixels of the corners of square facets, row by row; nothing where one is not seen.
+/// Pixels of the corners of square facets, row by row; nothing if one is not seen.
 using NodeGrid = std::vector<std::optional<Eigen::Vector2d>>;
 
-/// Facets along either side from whose nodes cubic polynomials tell all others.
+/// Facets along either side for which nodes are projected; cubic polynomials interpolate
+/// all others.
 constexpr int kProjectedFacets = 3;
 
-/// The nodes of this many facets along either side of the same square as the kProjectedFacets of
-/// `nodes`. Nothing where one of these is missing.
+/// The nodes of a grid with this many facets along either side, interpolated from the nodes of a
+/// grid with kProjectedFacets on the same square. Nothing if one of those is missing.
 std::optional<NodeGrid> interpolated(const NodeGrid& nodes, int facets);
 
 }  // namespace omnitag

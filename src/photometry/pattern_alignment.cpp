@@ -7,12 +7,12 @@
 namespace omnitag {
 namespace {
 
-/// Pixels; the last step leaves far less. On the way it need not be that little.
+/// In pixels; the last step leaves far less. On the way a coarser limit suffices.
 constexpr double kConverged = 0.1;
 constexpr double kConvergedOnTheWay = 0.3;
 
-/// Modules. Where pixels see less of the pattern than this, it is taken for so much blurred until
-/// it is nearly in place: only what sees an edge knows where that should be.
+/// Modules. If pixels see less of the pattern than this, it is blurred by this much until it is
+/// nearly in place: only pixels that see an edge determine where it should be.
 constexpr double kBlurOnTheWay = 0.2;
 
 /// Black, contrast, and contrast times the change of the displacement and, row by row, of the
@@ -20,7 +20,7 @@ constexpr double kBlurOnTheWay = 0.2;
 constexpr int kDisplaced = 4;
 constexpr int kStretched = 8;
 
-/// Pixels from the middle at which a stretch is told in pixels.
+/// Largest distance of a footprint from the middle, in pixels: scales the stretch to pixels.
 double sizeOf(const std::vector<Footprint>& footprints, const Eigen::Vector2d& middle) {
   double size = 1.0;
   for (const Footprint& footprint : footprints) {
@@ -55,7 +55,7 @@ class Aligner {
   const PatternFit& fit() const { return fit_; }
 
  private:
-  /// Pixels that something moved by.
+  /// Norm of the change that it makes, in pixels.
   template <int Unknowns>
   std::optional<double> step(double blur) {
     using Vector = Eigen::Matrix<double, Unknowns, 1>;

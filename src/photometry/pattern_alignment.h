@@ -14,21 +14,21 @@ namespace omnitag {
 struct Placement {
   /// Pixels by which its middle is displaced.
   Eigen::Vector2d displacement = Eigen::Vector2d::Zero();
-  /// By how much more what is around the predicted middle is, per pixel from there.
+  /// Additional displacement around the predicted middle, per pixel of distance from it.
   Eigen::Matrix2d stretch = Eigen::Matrix2d::Zero();
   Eigen::Vector2d predicted_middle = Eigen::Vector2d::Zero();
 
-  /// Pixels by which what is predicted at a pixel is displaced.
+  /// Displacement, in pixels, of a point that is predicted at this pixel.
   Eigen::Vector2d displacementAt(const Eigen::Vector2d& predicted) const {
     return displacement + stretch * (predicted - predicted_middle);
   }
 };
 
-/// What is seen of a marker in its place: the pixels move as far as whole pixels go, and what they
-/// see of the marker by the rest. (Grey levels between pixels would be blurred.) Calls back with
-/// where a pixel was predicted and its footprint, but for what is then off the panorama or nearer
-/// to the drawing's edge than it reaches, or than `least_reach` modules. `width`: the drawing's,
-/// in modules.
+/// Visits the footprints of a marker in its place: pixels move by the whole pixels of the
+/// displacement, and the positions on the drawing by the rest. (Interpolated grey levels would be
+/// blurred.) Calls back with the predicted pixel and the footprint, except if that is off the
+/// panorama or nearer to the drawing's edge than it reaches, or than `least_reach` modules.
+/// `width`: the drawing's, in modules.
 template <typename Visit>
 void visitPlaced(const std::vector<Footprint>& footprints, const Placement& placement,
                  const cv::Size& panorama, double width, double least_reach, const Visit& visit) {
@@ -58,8 +58,8 @@ struct PatternFit {
 
 /// Least squares over the placement, and over grey = black + contrast * white, from a placement
 /// whose displacement is right to a quarter of a module. `is_stretched`: whether the marker may
-/// image larger, turned or slanted; otherwise it is only displaced. Nothing where the pixels leave
-/// something open, or where black is brighter than white.
+/// image larger, turned or slanted; otherwise it is only displaced. Nothing if the pixels leave an
+/// unknown undetermined, or if black is brighter than white.
 std::optional<PatternFit> alignPattern(const cv::Mat& panorama,
                                        const std::vector<Footprint>& footprints,
                                        const TagPattern& pattern, const Placement& start,

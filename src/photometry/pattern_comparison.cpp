@@ -11,8 +11,8 @@
 namespace omnitag {
 namespace {
 
-/// Takes vectors with these inner products to independent ones whose sums of squares are 1; those
-/// that the others explain become zero.
+/// Transforms vectors with these inner products to independent ones whose sums of squares are 1; if
+/// they are dependent, the surplus ones become zero.
 template <int Size>
 Eigen::Matrix<double, Size, Size> normalizing(const Eigen::Matrix<double, Size, Size>& gram) {
   using Vector = Eigen::Matrix<double, Size, 1>;
@@ -73,7 +73,7 @@ void PatternComparison::look(const cv::Mat& panorama, const std::vector<Footprin
 }
 
 bool PatternComparison::compare() {
-  // All that follows leaves out what the nuisances explain.
+  // The rest works on what the nuisances do not explain.
   Eigen::Matrix<double, kNuisances, kNuisances> gram;
   gram.setZero();
   for (const DataPixel& pixel : pixels_) gram += pixel.nuisances * pixel.nuisances.transpose();
@@ -108,14 +108,14 @@ bool PatternComparison::compare() {
   const double norms = std::sqrt(expected_squares_ * grey_squares_);
   if (!(norms > 1e-9)) return false;
   correlation_ = product_ / norms;
-  // Of random signs r, the correlation with the expected ones s has the variance
-  // |G s|^2 / (s'G s tr G), G = A'A; of n independent dimensions it would be 1 / n.
+  // For random signs r, the correlation with the expected ones s has the variance |G s|^2 / (s'G s
+  // tr G), G = A'A; for n independent dimensions it would be 1 / n.
   dimensions_ = expected_squares_ * share_squares / along_expected.squaredNorm();
   return true;
 }
 
 bool PatternComparison::isLikelierThanOthers(double log_ratio) const {
-  // Half of the difference between black and white, which random modules would have, too.
+  // Half of the difference between black and white; random modules would have the same.
   const double amplitude = product_ / expected_squares_;
   if (!(amplitude > 0.0)) return false;
   const Eigen::Index modules = in_shares_.cols();
@@ -131,14 +131,14 @@ bool PatternComparison::isLikelierThanOthers(double log_ratio) const {
     begin = end;
   }
 
-  // Twice the logarithms of the likelihoods at a noise variance, without what both have.
+  // Twice the log-likelihoods at a noise variance, without the terms that both share.
   constexpr double kLeastVariance = 1.0;  // grey levels squared
   const double freedom = static_cast<double>(pixels_.size()) - kNuisances;
   const double left = grey_squares_ - amplitude * product_;
   const double own_variance = std::max(left / (freedom - 1.0), kLeastVariance);
   const double own = -left / own_variance - freedom * std::log(own_variance);
   const auto ofOthers = [&](double variance) {
-    // Of grey levels with the covariance amplitude^2 A A' + variance, by the inversion lemma.
+    // For grey levels with the covariance amplitude^2 A A' + variance, by the inversion lemma.
     const double ratio = variance / (amplitude * amplitude);
     Eigen::MatrixXd sum = gram;
     sum.diagonal().array() += ratio;
@@ -148,7 +148,7 @@ bool PatternComparison::isLikelierThanOthers(double log_ratio) const {
     return (in_grey.dot(factors.solve(in_grey)) - grey_squares_) / variance - log_determinant -
            freedom * std::log(variance);
   };
-  // Others that explain the pixels better leave less noise.
+  // Random modules that explain the pixels better leave less noise.
   double best_of_others = -std::numeric_limits<double>::infinity();
   double variance = own_variance;
   while (variance >= kLeastVariance) {

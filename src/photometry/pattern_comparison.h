@@ -12,25 +12,25 @@
 
 namespace omnitag {
 
-/// How a panorama compares with what a marker's data modules should look like, whatever the light
-/// is and whatever the layout fixes.
+/// Compares a panorama with the expected data modules, whatever the light is and whatever the
+/// layout fixes.
 class PatternComparison {
  public:
-  /// Nothing where too few pixels see data modules, or where these should all look alike.
+  /// Nothing if too few pixels see data modules, or if all of these should look alike.
   static std::optional<PatternComparison> of(const cv::Mat& panorama,
                                              const std::vector<Footprint>& footprints,
                                              const Placement& placement, const TagPattern& pattern);
 
   double correlation() const { return correlation_; }
 
-  /// In how many independent ways the data modules, as the pixels see them, can vary.
+  /// The number of independent ways in which the data modules, as the pixels see them, can vary.
   double dimensions() const { return dimensions_; }
 
   /// Whether the pixels are likelier by this factor (its logarithm) to show the pattern than
-  /// modules that are black or white at random, each at the noise that suits it best. Where they do
-  /// show such modules, that happens no more often than once in as many cases (Markov's
-  /// inequality). Unlike a correlation, this does not ask strong and coarse features to be as sharp
-  /// as weak and fine ones: a pattern that is blurred still tells by what the noise leaves of it.
+  /// modules that are black or white at random, each at the noise that suits it best. If they do
+  /// show such modules, that happens at most once in as many cases (Markov's inequality). Unlike a
+  /// correlation, this does not require strong, coarse features to be as sharp as weak, fine ones:
+  /// a blurred pattern is accepted by what the noise leaves of it.
   bool isLikelierThanOthers(double log_ratio) const;
 
  private:
@@ -40,11 +40,11 @@ class PatternComparison {
   /// A pixel that sees something of data modules.
   struct DataPixel {
     double grey = 0.0;
-    /// What it would see of the data modules if black were -1.
+    /// Expected value of the data modules with black as -1.
     double expected = 0.0;
-    /// What else may have made it so bright: the light, and what the layout fixes.
+    /// Other contributions to the grey level: the light, and what the layout fixes.
     Nuisances nuisances = Nuisances::Zero();
-    /// Of the modules' shares in all pixels, how many belong to this one and those before.
+    /// End of this pixel's range in `shares_`.
     std::ptrdiff_t shares_end = 0;
   };
 
@@ -53,8 +53,8 @@ class PatternComparison {
             const Placement& placement, const TagPattern& pattern);
   bool compare();
 
-  /// One after the other with their shares. Grey levels and what is expected are without what the
-  /// nuisances explain, once they were compared.
+  /// In `shares_`, each pixel's shares follow those of the pixel before. After compare(), grey
+  /// levels and expected values are without what the nuisances explain.
   std::vector<DataPixel> pixels_;
   std::vector<TagPattern::DataShare> shares_;
   Eigen::Matrix<double, kNuisances, Eigen::Dynamic> in_shares_;

@@ -15,13 +15,13 @@
 namespace omnitag {
 namespace {
 
-/// All that is known about a frame's unknowns.
+/// Equations for a frame's unknowns.
 struct Linearization {
   MarkerFitter::Fits fits;
   FrameEquations equations;
 };
 
-/// Adds up what the markers and the priors say, each marker with its weight.
+/// Sums the equations of the markers, each with its weight, and of the priors.
 Linearization combine(MarkerFitter::Fits fits, const PosePrior& prior, const Alignment& alignment) {
   FrameEquations markers;
   for (std::size_t i = 0; i < fits.size(); ++i) {
@@ -30,26 +30,26 @@ Linearization combine(MarkerFitter::Fits fits, const PosePrior& prior, const Ali
   return {std::move(fits), withPriors(markers, prior, alignment.pose, alignment.error)};
 }
 
-/// How much a marker counts where the unknowns change so: one that disagrees with the others, since
-/// something shades it or it hangs farther off than the map says it may, counts less.
+/// Weight of a marker after this change of the unknowns: it is less for one that disagrees with the
+/// others, since it is shaded or misplaced by more than the map allows.
 double weightOf(const MarkerFit& fit, const FrameVector& change) {
-  // Chi-square that 95 of 100 markers stay below, whose pixels usually err twice as much as they
+  // 95 of 100 markers stay below this chi-square; their pixels usually err twice as much as they
   // would independently of each other.
   constexpr double kDisagreement = 12.59;
-  // Where the marker tells hardly anything in some direction, rounding may make this negative.
+  // If the marker leaves a direction almost undetermined, rounding may make this negative.
   const double chi_square =
       chiSquareOf(fit.equations, fit.equations.information.topLeftCorner<6, 6>(), change);
   return chi_square > kDisagreement ? kDisagreement / chi_square : 1.0;
 }
 
-/// Weighs the markers by how well they agree on a change of the unknowns.
+/// Weights the markers by how well they agree with a change of the unknowns.
 void weigh(const Linearization& all, const FrameVector& change, Alignment* alignment) {
   for (std::size_t i = 0; i < all.fits.size(); ++i) {
     if (all.fits[i]) alignment->weights[i] = weightOf(*all.fits[i], change);
   }
 }
 
-/// The change of the unknowns that fits best; nothing where they are not determined.
+/// The change of the unknowns that fits best; nothing if they are not determined.
 std::optional<FrameVector> changeOf(const Linearization& all) {
   const bool is_seen = std::any_of(all.fits.begin(), all.fits.end(),
                                    [](const auto& fit) { return fit.has_value(); });
@@ -61,14 +61,14 @@ void apply(const FrameVector& change, Alignment* alignment) {
   alignment->error += change.tail<kImagingUnknowns>();
 }
 
-/// Keeps the lights that fit best once the unknowns change so.
+/// Keeps the lights that fit best after this change of the unknowns.
 void keepLights(const Linearization& all, const FrameVector& change, Alignment* alignment) {
   for (std::size_t i = 0; i < all.fits.size(); ++i) {
     if (all.fits[i]) alignment->lights[i] = all.fits[i]->patch.lightAfter(change);
   }
 }
 
-/// Pixels by which a marker's edges are displaced, RMS, where the unknowns change.
+/// Displacement of a marker's edges by a change of the unknowns, RMS, in pixels.
 double displacementOf(const MarkerPixels& pixels, const FrameVector& change) {
   const std::vector<Eigen::Vector2d> changes = pixels.positionChanges(change);
   double squares = 0.0;
@@ -81,15 +81,15 @@ double displacementOf(const MarkerPixels& pixels, const FrameVector& change) {
   return gradient_squares > 0.0 ? std::sqrt(squares / gradient_squares) : 0.0;
 }
 
-/// m and rad by which a pose may change in one step. What the markers leave open, edges hardly
-/// tell, and they do not follow it evenly.
+/// Largest change of a pose in one step, in m and rad. In directions that the markers leave open,
+/// the edges hardly limit the step, and do not follow it linearly.
 constexpr double kShort = 0.01;
 
-/// Pixels by which a marker's edges may. What a pixel sees of one changes evenly as long as it
-/// stays well within it.
+/// Largest displacement of a marker's edges in one step, in pixels. What a pixel sees of an edge
+/// changes linearly as long as the edge stays well within it.
 constexpr double kNear = 0.05;
 
-/// Whether pixels follow a change of the unknowns evenly.
+/// Whether pixels follow a change of the unknowns linearly.
 bool isShort(const Linearization& all, const FrameVector& change) {
   return change.head<6>().cwiseAbs().maxCoeff() < kShort &&
          std::all_of(all.fits.begin(), all.fits.end(), [&change](const auto& fit) {
@@ -97,8 +97,8 @@ bool isShort(const Linearization& all, const FrameVector& change) {
          });
 }
 
-/// Whether the unknowns are so near the optimum already that one step will do. Learns the step, the
-/// noise and the lights on the way. `some`: of each marker's pixels, from there.
+/// Whether the unknowns are so near the optimum that one step suffices. Learns the step, the noise
+/// and the lights along the way. `some`: some of each marker's pixels, from the alignment's pose.
 bool isNear(const MarkerFitter& fitter, std::vector<MarkerPixels> some, const PosePrior& prior,
             Alignment* alignment) {
   const Linearization all = combine(fitter.fits(std::move(some), *alignment), prior, *alignment);
@@ -110,11 +110,12 @@ bool isNear(const MarkerFitter& fitter, std::vector<MarkerPixels> some, const Po
   return true;
 }
 
-/// Takes steps until they hardly change anything. False where that does not come about.
+/// Takes steps until they hardly change anything. False if they do not converge.
 bool converge(const MarkerFitter& fitter, const std::vector<MarkerPatch>& patches,
               const PosePrior& prior, Alignment* alignment) {
   constexpr int kMaxSteps = 25;
-  // Standard deviations of what these pixels can tell, which is far less than what is to come.
+  // In standard deviations of the estimate from these pixels; the last step's pixels determine
+  // far more.
   constexpr double kConverged = 1.0;
   std::vector<LinesOfSight> lines;
   lines.reserve(patches.size());
@@ -137,14 +138,14 @@ bool converge(const MarkerFitter& fitter, const std::vector<MarkerPatch>& patche
   return false;
 }
 
-/// The last step from a pose that is nearly right, and what it stands on.
+/// The last step from a pose that is nearly right, and the equations that it solves.
 struct FinalStep {
   Linearization all;
   FrameVector change;
 };
 
-/// `pixels`: of each marker, from the alignment's pose. They are many, and tell better than fewer
-/// which markers disagree. Nothing where they leave the pose undetermined.
+/// `pixels`: of each marker, from the alignment's pose. They are many, and show better than fewer
+/// which markers disagree. Nothing if they leave the pose undetermined.
 std::optional<FinalStep> finalStep(const MarkerFitter& fitter, std::vector<MarkerPixels> pixels,
                                    const PosePrior& prior, Alignment* alignment) {
   Linearization all = combine(fitter.fits(std::move(pixels), *alignment), prior, *alignment);
@@ -176,15 +177,15 @@ Disagreement disagreementOf(const std::vector<std::optional<FrameEquations>>& ma
   return {chi_square, static_cast<double>(freedom)};
 }
 
-/// How many times larger than `lasting` squared errors are in an image, at least 1: where that is
-/// not by chance, something hides, shades or displaces a marker, or the camera is farther off than
-/// its file says.
+/// The factor by which squared errors in an image exceed `lasting`, at least 1. If that is not by
+/// chance, something hides, shades or displaces a marker, or the camera is farther off than its
+/// file says.
 double surpriseOf(const Disagreement& image, double lasting) {
-  // What one marker is off more than its pixels say on average, as the NEES of 1,900 poses from one
-  // marker has it.
+  // Factor by which one marker's squared errors exceed what its pixels show on average, from the
+  // NEES of 1,900 poses from one marker.
   constexpr double kOfOne = 1.2;
   if (image.freedom <= 0.0) return kOfOne;
-  // By chance, chi-square is beyond this in one of a hundred frames.
+  // Chance exceeds this in one of a hundred frames.
   constexpr double kDeviations = 2.6;
   const double chi_square = image.chi_square / lasting;
   const bool is_by_chance =
@@ -192,8 +193,8 @@ double surpriseOf(const Disagreement& image, double lasting) {
   return is_by_chance ? 1.0 : chi_square / image.freedom;
 }
 
-/// The pose after the last step, of an estimate whose terms count as its equations say, and err as
-/// the residuals say (the sandwich of Huber and White).
+/// The result of the last step: the estimate's terms are weighted as its equations say, and err as
+/// the residuals show (the sandwich of Huber and White).
 PhotometricFit fitAfter(const FinalStep& step, const PosePrior& prior, const Alignment& alignment,
                         double lasting_excess) {
   std::vector<std::optional<FrameEquations>> markers;

@@ -8,7 +8,7 @@
 namespace omnitag {
 namespace {
 
-/// The variance of which the squares are samples, by their median.
+/// The variance of samples with these squares, from their median.
 double varianceOf(std::vector<double> squares) {
   constexpr double kMedianOfChiSquare = 0.455;  // with one degree of freedom
   const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);

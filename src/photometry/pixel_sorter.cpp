@@ -32,7 +32,7 @@ struct Cubic {
 /// A polynomial of the third degree in both directions.
 class Bicubic {
  public:
-  /// Through values at 0, 1, 2 and 3 of each; `rows` are those along the first.
+  /// Through values at 0, 1, 2 and 3 in each direction; `rows` are the polynomials along the first.
   explicit Bicubic(const std::array<Cubic, 4>& rows)
       : constant_(across(rows, &Cubic::constant)),
         linear_(across(rows, &Cubic::linear)),
@@ -54,14 +54,14 @@ class Bicubic {
   Cubic cubic_;
 };
 
-/// Spacings of the nodes of a Bicubic.
+/// Spacings between the nodes of a Bicubic, in each direction.
 constexpr int kSpacings = 3;
 
-/// Steps along either side of a cell of pixels that may all see even ground. A block has a whole
-/// number of cells.
+/// Steps along either side of a cell, whose pixels are tested together for even ground. A block
+/// consists of whole cells.
 constexpr int kCell = kSpacings;
 
-/// Of the grid of pixels that are looked at: pixels along columns and rows.
+/// Steps of the grid of considered pixels, along columns and rows (pixels).
 Eigen::Vector2i stepsFor(double area, std::size_t max_considered) {
   const double wanted = std::max(1.0, area / static_cast<double>(max_considered));
   const int smaller = std::max(1, static_cast<int>(std::sqrt(wanted)));
@@ -89,7 +89,7 @@ class Sorter {
 
   SortedPixels sort() {
     const PixelBox& box = facets_.box();
-    // Of blocks so small, there would be as many nodes as pixels.
+    // Blocks this small would have as many nodes as pixels.
     if (block_ == kSpacings * step_) {
       sortOneByOne(box);
       return std::move(sorted_);
@@ -104,11 +104,11 @@ class Sorter {
   }
 
  private:
-  /// The side, a whole number of steps between nodes, of a block of pixels in which positions may
-  /// follow from those of the nodes.
+  /// Side of a block of pixels in which positions may be interpolated between nodes; a whole number
+  /// of steps between nodes.
   int blockOf(int step, double tolerance) const {
-    // Interpolated between nodes that are h pixels apart, they are off by up to this times h^4 /
-    // r^3 at r pixels from the middle of the image: measured in PositionsAreWhatThePixelsSee.
+    // Interpolated between nodes h pixels apart, positions are off by up to this times h^4 / r^3 at
+    // r pixels from the middle of the image; measured in the test PositionsAreWhatThePixelsSee.
     constexpr double kError = 7.0;
     const PixelBox& box = facets_.box();
     const Eigen::Vector2d middle(0.5 * (box.left + box.right), 0.5 * (box.top + box.bottom));
@@ -122,16 +122,16 @@ class Sorter {
     return ray ? plane_.meet(*ray) : std::nullopt;
   }
 
-  /// Modules around a position that a pixel there, or one this many pixels beside it, may turn out
-  /// to see.
+  /// Half extent (modules) around a position of what the pixel there, or one `beside` pixels away,
+  /// may turn out to see.
   Eigen::Vector2d surroundingsAt(const Eigen::Vector2d& position,
                                  const Eigen::Vector2d& beside) const {
     const Facet& facet = facets_.at(position);
     return facet.window.reach() + facet.by_pixel.cwiseAbs() * (reach_ + beside);
   }
 
-  /// Positions by columns and rows in spacings of nodes, from those of all nodes; nothing where one
-  /// is not seen.
+  /// Positions as a function of columns and rows in spacings of nodes; nothing if a node does not
+  /// see the plane.
   std::optional<Bicubic> positionsIn(const PixelBox& block) const {
     const Eigen::Vector2i spacing = block_ / kSpacings;
     std::array<Cubic, kSpacings + 1> along_rows;
@@ -162,8 +162,8 @@ class Sorter {
     }
   }
 
-  /// One row of cells, with the positions along its rows of pixels. Most pixels see even ground,
-  /// and most of those do so together.
+  /// One row of cells, given the positions along its rows of pixels. Most pixels see even ground,
+  /// mostly as whole cells.
   void sortCells(const PixelBox& cells, const std::array<Cubic, kCell>& rows, double per_pixel) {
     constexpr int kMiddle = kCell / 2;
     const Cubic& middle = rows[kMiddle];

@@ -12,13 +12,14 @@ namespace omnitag {
 
 /// Pixels that see a marker's drawing.
 struct SortedPixels {
-  /// What may see an edge; all where nothing is to be told apart.
+  /// Pixels that may see an edge; all pixels if the choice limits neither kind.
   std::vector<PixelPosition> at_edges;
-  /// Of those that see even black or even white, and so do all around, one of several.
+  /// One of several pixels that see even black or white and are surrounded by it.
   std::vector<PixelPosition> on_even_ground;
 };
 
-/// Looks at the pixels that `choice` says. `plane` and `facets` are the drawing's, from one pose.
+/// Considers the pixels that `choice` allows. `plane` and `facets` are the drawing's, from the
+/// same pose.
 SortedPixels sortPixels(const TagPattern& pattern, const MountedCamera& camera,
                         const DrawingPlane& plane, const FacetGrid& facets,
                         const MarkerPatch::Choice& choice);

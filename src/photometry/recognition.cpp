@@ -23,9 +23,9 @@ struct Sample {
   double white;
 };
 
-/// How many pixels of a marker are looked at, about, by the width of a module in pixels. More would
-/// only make it slower; but of wide modules, few pixels see an edge, and what may be stretched has
-/// twice as many unknowns.
+/// About how many pixels of a marker are considered, by the width of a module in pixels. More would
+/// only be slower; but few pixels of wide modules see an edge, and a marker that may be stretched
+/// has twice as many unknowns.
 std::size_t pixelsFor(double module, bool may_be_stretched) {
   constexpr double kFewest = 150.0;
   constexpr double kPerWidth = 33.0;
@@ -34,23 +34,23 @@ std::size_t pixelsFor(double module, bool may_be_stretched) {
   return static_cast<std::size_t>(may_be_stretched ? 1.5 * pixels : pixels);
 }
 
-/// Pixels; however small the marker, it is worth to look for it so far around. Where it may be
-/// farther away, it may also image larger, turned or slanted.
+/// Pixels: even for the smallest marker, searching this far around is worthwhile. A marker that may
+/// be farther away may also image larger, turned or slanted.
 constexpr double kLeastMargin = 3.0;
 
-/// Pixels, the width of a module where it is predicted.
+/// Width of a module where it is predicted, in pixels.
 double moduleOf(const PredictedMarker& predicted, const TagPattern& pattern) {
   return meanEdge(predicted.corners) / pattern.widthBetweenCorners();
 }
 
-/// Pixels over which the pattern varies: a module, made wider by the lens.
+/// Pixels over which the pattern varies: a module, widened by the lens's blur.
 double blurredModuleOf(const PredictedMarker& predicted, const TagPattern& pattern,
                        const MountedCamera& camera) {
   return std::hypot(moduleOf(predicted, pattern),
                     2.0 * std::sqrt(camera.lensVariance(predicted.center)));
 }
 
-/// Of as many of a marker's pixels as tell, about, where it is.
+/// Samples of about as many of a marker's pixels as are needed to locate it.
 std::vector<Sample> samplesOf(const std::vector<Footprint>& footprints, const TagPattern& pattern) {
   constexpr std::size_t kEnough = 100;
   const std::size_t every = std::max<std::size_t>(1, footprints.size() / kEnough);
@@ -64,15 +64,15 @@ std::vector<Sample> samplesOf(const std::vector<Footprint>& footprints, const Ta
   return samples;
 }
 
-/// A place of a marker: it is turned about the principal point (rad), which displaces it along the
+/// A place of a marker: turned about the principal point (rad), which displaces it along the
 /// tangent, and then displaced by whole pixels.
 struct Place {
   double turn = 0.0;
   Eigen::Vector2i offset = Eigen::Vector2i::Zero();
 };
 
-/// Where a marker may be, relative to where it is predicted: around the principal point, as a robot
-/// that turns sees it, and toward it.
+/// Where a marker may be, relative to its prediction: around the principal point, as when the robot
+/// turns, and along the radius.
 class SearchArea {
  public:
   SearchArea(const PredictedMarker& predicted, const CameraModel& camera)
@@ -95,8 +95,8 @@ class SearchArea {
            std::abs(off.x()) <= radial_margin_ + tolerance;
   }
 
-  /// A grid that leaves none of it farther than a step (pixels) away, that which is predicted among
-  /// them; those of the same turn one after another.
+  /// A grid of places, at most about a step (pixels) apart, that covers the area and includes the
+  /// prediction; places with the same turn follow one another.
   std::vector<Place> places(int step) const {
     std::vector<Place> places;
     if (!isFarFromAxis()) {
@@ -121,7 +121,7 @@ class SearchArea {
     return places;
   }
 
-  /// Where a pixel of the predicted marker images, once that has turned.
+  /// The place at which a pixel of the predicted marker images after a turn.
   Eigen::Vector2d turned(const Eigen::Vector2d& pixel, double turn) const {
     return middle_ - from_axis_ + Eigen::Rotation2Dd(turn) * (pixel - middle_ + from_axis_);
   }
@@ -140,7 +140,7 @@ class SearchArea {
     return static_cast<int>(std::ceil((reach - 0.5 * step) / step));
   }
 
-  /// Whether a displacement is nearly a turn, and how far a marker is from the axis.
+  /// Whether the marker is so far from the axis that tangential displacements are nearly turns.
   bool isFarFromAxis() const { return from_axis_.norm() > 2.0 * tangential_margin_; }
 
   Eigen::Vector2d from_axis_;
@@ -149,7 +149,7 @@ class SearchArea {
   double radial_margin_;
 };
 
-/// Samples relative to the first pixel of a panorama, about their mean.
+/// Samples, indexed from the first pixel of a panorama, with their mean subtracted.
 class PlacedSamples {
  public:
   PlacedSamples(const std::vector<Sample>& samples, const SearchArea& area, double turn,
@@ -171,8 +171,8 @@ class PlacedSamples {
     for (Pixel& pixel : pixels_) pixel.white -= sum / count;
   }
 
-  /// Their correlation with the panorama, but for a factor that all places share; -1 where one is
-  /// not in the image.
+  /// Their correlation with the panorama, up to a factor common to all places; -1 if a sample is
+  /// off the image.
   float correlationAt(const cv::Mat& panorama, const Eigen::Vector2i& offset) const {
     if ((low_ + offset).minCoeff() < 0 || high_.x() + offset.x() >= panorama.cols ||
         high_.y() + offset.y() >= panorama.rows) {
@@ -205,8 +205,8 @@ class PlacedSamples {
   Eigen::Vector2i high_ = Eigen::Vector2i::Constant(std::numeric_limits<int>::min() / 2);
 };
 
-/// Where the marker's pattern correlates best with the panorama, of the places where all of it is
-/// in the image.
+/// The place where the marker's pattern correlates best with the panorama, among those entirely in
+/// the image.
 Place bestPlace(const cv::Mat& panorama, const std::vector<Sample>& samples, const SearchArea& area,
                 const std::vector<Place>& places) {
   Place best;
@@ -282,7 +282,7 @@ std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& mark
   constexpr std::size_t kFewestPixels = 24;
   if (footprints.size() < kFewestPixels) return std::nullopt;
 
-  // Alignment finds its way from a quarter of a module.
+  // Alignment converges from a quarter of a module.
   const int step = std::max(1, static_cast<int>(0.3 * blurredModuleOf(predicted, pattern, camera)));
   const SearchArea area(predicted, camera.model());
   const std::vector<Place> places = area.places(step);
@@ -297,8 +297,8 @@ std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& mark
     const double rate = config.false_accept_rate / static_cast<double>(places.size());
     return recognitionOf(predicted, fit->placement, *comparison, rate);
   };
-  // Where little displacement is to be expected, it is mostly found from where it is predicted,
-  // which is one of the places.
+  // If little displacement is expected, alignment mostly succeeds from the prediction itself, which
+  // is one of the places.
   std::optional<Recognition> there;
   if (!may_be_stretched) there = recognizedFrom({});
   if (there && there->is_accepted) return there;

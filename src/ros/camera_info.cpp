@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* kInstead = "; calibrate the camera, or give a camera file";
 
-/// Throws unless the message says something about a camera at all.
+/// Throws InputError if the message does not describe a camera.
 void checkCalibrated(const sensor_msgs::CameraInfo& info, const std::string& topic) {
   const auto isFinite = [](const auto& numbers) {
     return std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });

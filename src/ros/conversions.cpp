@@ -12,7 +12,7 @@
 namespace omnitag {
 namespace {
 
-/// Where x, y and yaw stand among (x, y, z, roll, pitch, yaw).
+/// The indices of x, y and yaw in (x, y, z, roll, pitch, yaw).
 constexpr std::array<std::size_t, 3> kPlanarIndices = {0, 1, 5};
 
 std::size_t covarianceIndex(int row, int column) {
@@ -85,7 +85,7 @@ geometry_msgs::Transform toMessage(const Eigen::Isometry3d& target_from_source) 
 geometry_msgs::PoseWithCovariance toMessage(const PoseEstimate& estimate) {
   geometry_msgs::PoseWithCovariance message;
   message.pose = toMessage(estimate.pose);
-  // Of rotations about the axes of the map, as in ROS.
+  // PoseEstimate has rotations about the base's own axes, ROS about those of the target frame.
   const Eigen::Matrix3d map_from_base = estimate.pose.toIsometry().linear();
   Eigen::Matrix<double, 6, 6> turned;
   for (int i = 0; i < 6; ++i) {

@@ -46,7 +46,7 @@ std::string shortened(std::string text, std::size_t length) {
   return text;
 }
 
-/// How probable each of several poses is: "60 : 40 %"; empty where there is but one.
+/// The probabilities of several poses, e.g. "60 : 40 %"; empty for a single one.
 std::string oddsOf(const std::vector<WeightedPose>& hypotheses) {
   if (hypotheses.size() < 2) return "";
   std::string text;
@@ -66,7 +66,7 @@ cv::Scalar colorOf(const MarkerDetection* detection) {
 
 DebugImagePainter::DebugImagePainter(std::shared_ptr<const CameraModel> camera, MarkerMap map)
     : camera_(std::move(camera)), map_(std::move(map)), warper_(camera_, kWorkingDistance) {
-  // The part of the image that shows the world, or all of it where that is less.
+  // The part of the image that shows the world, or the whole image if that is less.
   const ImageSize& size = camera_->imageSize();
   const ImagePlane& plane = camera_->imagePlane();
   constexpr double kRoom = 1.03;
@@ -163,7 +163,7 @@ void DebugImagePainter::paintView(const FrameResult& result, std::size_t view_in
   }
   for (const MarkerDetection* detection : rejected) drawCorners(detection->corners, kOrange);
 
-  // The words stand on the side that the line from the panorama does not come from.
+  // The words are on the side that the line from the panorama does not come from.
   const bool is_below = cell.y > debug_layout::middle().y + debug_layout::middle().height / 2;
   const int words_height = 2 * kTextLine;
   const cv::Point corner(
@@ -209,7 +209,7 @@ void DebugImagePainter::paintTitle(const FrameResult& result, cv::Mat* canvas) {
   cv::Point pen(kMargin, 29);
   pen.x = writeText(toString(result.mode), pen, color, kTextSize, canvas) + 2 * kMargin;
   std::array<char, 200> words{};
-  // A search expects none.
+  // A search expects no markers.
   const std::string of =
       result.predicted.empty() ? "" : " of " + std::to_string(result.predicted.size());
   std::snprintf(words.data(), words.size(), "%d%s markers   %.0f ms", result.acceptedMarkers(),

@@ -15,7 +15,7 @@ namespace {
 using RvizMarker = visualization_msgs::Marker;
 using RvizMarkers = std::vector<RvizMarker>;
 
-/// m, of the line to a rejected marker whose range is not known.
+/// m, length of the line to a rejected marker of unknown range.
 constexpr double kUnknownRange = 2.0;
 constexpr double kTextHeight = 0.2;
 
@@ -36,7 +36,8 @@ RvizMarker text(const std::string& frame, const std::string& name_space,
   return marker;
 }
 
-/// Where the line of sight of a detection ends: at the marker's range and height, as measured.
+/// The end of a detection's line of sight: along the measured bearing, at the map entry's range
+/// and height.
 Eigen::Vector3d endOfSight(const MarkerDetection& detection, const MarkerMap& map, const Pose& pose,
                            const Eigen::Vector3d& camera) {
   const double range = std::isfinite(detection.range) ? detection.range : kUnknownRange;
@@ -123,7 +124,7 @@ void addCovariance(const std::string& frame, const PoseEstimate& estimate, doubl
   const std_msgs::ColorRGBA yellow = color(1.0, 0.9, 0.3);
   markers->push_back(ellipse(frame, "covariance", pose, half_axes, eigen.vectors, yellow));
 
-  // The power of ten that makes it about as large as the robot.
+  // The power of ten that makes the ellipse about as large as the robot.
   const double power = std::floor(std::log10(3.0 * robot_radius / std::max(half_axes.y(), 1e-9)));
   const double enlargement = std::pow(10.0, std::max(0.0, power));
   std::array<char, 100> words{};
@@ -142,8 +143,8 @@ void addCovariance(const std::string& frame, const PoseEstimate& estimate, doubl
   markers->push_back(label);
 }
 
-/// An arrow at each pose that the robot may have, the fainter the less probable it is. There is but
-/// one where nothing is open.
+/// An arrow at each pose that the robot may have, the fainter the less probable; none if only one
+/// is left.
 void addHypotheses(const std::string& frame, const std::vector<WeightedPose>& hypotheses,
                    double robot_radius, RvizMarkers* markers) {
   if (hypotheses.size() < 2) return;
@@ -166,7 +167,7 @@ void addHypotheses(const std::string& frame, const std::vector<WeightedPose>& hy
   }
 }
 
-/// Over the middle of the map, why there is no robot to be seen.
+/// Above the middle of the map, why no robot is shown.
 RvizMarker whyLost(const std::string& frame, const std::string& remark, const MarkerMap& map) {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const Marker& marker : map.markers) {

@@ -18,7 +18,7 @@ namespace {
 constexpr double kReportPeriod = 1.0;
 /// s without an image until the camera counts as gone.
 constexpr double kImageTimeout = 3.0;
-/// s between two lines of the log about the same lasting problem.
+/// s between two log lines about the same lasting problem.
 constexpr double kLinePeriod = 10.0;
 
 double seconds(std::chrono::steady_clock::duration duration) {
@@ -76,7 +76,7 @@ void HealthMonitor::imageCame() {
   last_image_time_ = ros::Time::now();
 }
 
-// Or one that plays so slowly that no image is due.
+// Also true of a bag that plays so slowly that no image is due.
 bool HealthMonitor::isPaused() const {
   return ros::Time::isSimTime() &&
          std::abs((ros::Time::now() - last_image_time_).toSec()) < kImageTimeout;

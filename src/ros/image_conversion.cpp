@@ -43,7 +43,7 @@ void checkSizes(const sensor_msgs::Image& image) {
   }
 }
 
-/// Of a grey image of 16 bits.
+/// The upper 8 bits of a 16 bit grey image.
 cv_bridge::CvImageConstPtr upperBytes(const sensor_msgs::Image& message) {
   // OpenCV has no view on constant data.
   auto* const data = const_cast<std::uint8_t*>(message.data.data());
@@ -64,7 +64,7 @@ cv_bridge::CvImageConstPtr grayImage(const sensor_msgs::ImageConstPtr& message) 
   }
   try {
     const bool is_gray = encoding == encodings::MONO8 || encoding == encodings::TYPE_8UC1;
-    // cv_bridge does not swap the bytes of colors of 16 bits.
+    // cv_bridge does not swap the bytes of 16 bit colours.
     const bool is_swapped = message->is_bigendian != 0U && encodings::bitDepth(encoding) > 8;
     if (!is_swapped) {
       cv_bridge::CvImageConstPtr gray =
@@ -72,7 +72,7 @@ cv_bridge::CvImageConstPtr grayImage(const sensor_msgs::ImageConstPtr& message) 
       if (gray->image.type() == CV_8UC1) return gray;
     }
   } catch (const std::exception&) {
-    // Said below.
+    // Reported below.
   }
   throw InputError("image encoding '" + encoding +
                    "' cannot be shown in grey; expected a grey, colour, Bayer or YUV encoding");

@@ -12,7 +12,7 @@
 namespace omnitag {
 namespace {
 
-/// "compressed" and the transports that have a plugin, whose names begin with "image_transport/".
+/// "compressed" and the transports that have a plugin, without the prefix "image_transport/".
 std::string knownTransports(const image_transport::ImageTransport& image_transport) {
   std::string text = "compressed";
   for (const std::string& name : image_transport.getLoadableTransports()) {
@@ -39,8 +39,8 @@ ImageInput::ImageInput(const ros::NodeHandle& node, const ros::NodeHandle& priva
 }
 
 void ImageInput::subscribe(const ros::NodeHandle& private_node, const std::string& transport) {
-  // What waits is decided here, not in ROS's own queue, which drops without a word: there is room
-  // for a second's images.
+  // Which images wait is decided here, not in ROS's own queue, which drops silently. That one has
+  // room for a second's images.
   constexpr std::size_t kMessagesInRosQueue = 30;
   const auto ros_queue_size = static_cast<uint32_t>(queue_size_ + kMessagesInRosQueue);
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();

@@ -8,7 +8,7 @@
 namespace omnitag {
 namespace {
 
-/// None where mapping is off.
+/// None if mapping is off.
 std::optional<MarkerMapper> makeMapper(const LocalizerParameters& parameters,
                                        const std::shared_ptr<const CameraModel>& camera,
                                        const MarkerMap& map) {
@@ -36,7 +36,7 @@ ImageLocalizer::ImageLocalizer(const LocalizerParameters& parameters, const Desc
 }
 
 void ImageLocalizer::checkMap(const LocalizerParameters& parameters) {
-  // A mapper asks for its camera when an image comes.
+  // A mapper needs its camera only when an image comes.
   makeMapper(parameters, nullptr, loadMarkerMap(parameters.map_file));
 }
 

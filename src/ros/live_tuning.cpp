@@ -46,7 +46,7 @@ Knob estimatorKnob() {
   return knob;
 }
 
-/// The editor's choice of a str, as dynamic_reconfigure's Python clients read it.
+/// The choices that an editor offers for a str, as dynamic_reconfigure's Python clients read them.
 std::string editMethod(const Knob& knob) {
   if (knob.values.empty()) return "";
   std::string choices;
@@ -83,7 +83,7 @@ void add(const Knob& knob, double value, Config* message) {
   }
 }
 
-/// The only group, which holds all.
+/// The only group; all tunables are in it.
 Config groupOnly() {
   Config message;
   dynamic_reconfigure::GroupState group;

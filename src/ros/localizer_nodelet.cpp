@@ -10,7 +10,7 @@ namespace omnitag {
 /// The localizer in a nodelet manager.
 class LocalizerNodelet : public nodelet::Nodelet {
  private:
-  /// The manager reports a nodelet that throws as not loaded, and goes on.
+  /// If this throws, the manager reports the nodelet as not loaded and continues.
   void onInit() override {
     try {
       starter_ = std::make_unique<LocalizerStarter>(getNodeHandle(), getPrivateNodeHandle());

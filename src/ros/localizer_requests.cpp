@@ -1,4 +1,4 @@
-// What people ask of a localizer that runs: poses from outside, and maps to be saved.
+// What people may request of a running localizer: to take a pose from outside, or to save maps.
 
 #include <tf2/exceptions.h>
 
@@ -123,7 +123,7 @@ std::string LocalizerServer::saveMapped(const std::string& path) {
   const std::vector<MapEntry> entries = usedEntries(provisional);
   const SavedMap saved = addToMapFile(path, entries);
   if (saved.is_written) {
-    // A marker that is the map's own, mapping does not know.
+    // The saved markers become the map's own and no longer belong to mapping.
     settings_.editMap([](MapEditor* map) { return map->reload(); });
   }
   const std::string done = saved.is_written

@@ -18,17 +18,17 @@
 namespace omnitag {
 namespace {
 
-/// s, the longest that transforms wait where no image comes.
+/// s, the longest that transforms wait while no image comes.
 constexpr double kTransformsWait = 0.1;
 
-/// By a pointer: subscribers in the same nodelet manager get it without a copy, and without a
-/// thread that ROS would wake to hand it on.
+/// Publishes through a pointer: subscribers in the same nodelet manager get the message without a
+/// copy, and ROS need not wake a thread to hand it on.
 template <typename Message>
 void publishShared(const ros::Publisher& publisher, Message message) {
   publisher.publish(boost::make_shared<Message>(std::move(message)));
 }
 
-/// Does a step of the thread's work; an exception, which would end the process, is reported.
+/// Does a step of the thread's work and reports an exception, which would end the process.
 template <typename Step, typename Report>
 void attempt(const Step& step, const Report& report) {
   try {
@@ -57,7 +57,8 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
       settings_(parameters_, localizer_.camera(),
                 [this](std::shared_ptr<Successor> successor) {
                   const std::lock_guard<std::mutex> lock(request_mutex_);
-                  // What the one before was to change, this one does too.
+                  // A successor that was not used yet may have changed the map; this one then
+                  // does too.
                   if (successor_) successor->has_other_map |= successor_->has_other_map;
                   successor_ = std::move(successor);
                 }),
@@ -114,7 +115,7 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
 }
 
 LocalizerServer::~LocalizerServer() {
-  // Each waits for a callback that is running: afterwards none touches what is destroyed.
+  // Each waits for a running callback; afterwards no callback touches what is destroyed.
   initial_pose_subscriber_.shutdown();
   global_localization_server_.shutdown();
   save_map_server_.shutdown();
@@ -155,7 +156,7 @@ void LocalizerServer::keepUp() {
 void LocalizerServer::watchClock() {
   const ClockReading reading = readClocks([] { return ros::Time::now().toSec(); });
   const double step = clock_watch_.step(reading.clock, reading.steady);
-  // Simulated time is set by whoever plays the images: when it steps, they begin again.
+  // Whoever plays the images sets simulated time: when it steps, they start again.
   if (!ros::Time::isSimTime() && step != 0.0) localizer_.clockStepped(step);
 }
 
@@ -185,7 +186,7 @@ void LocalizerServer::onImage(const ReceivedImage& received) {
     for (const Request& request : std::exchange(requests_, {})) request(&localizer_);
   }
   const cv_bridge::CvImageConstPtr image = received.decode();
-  // Of an image without a frame or of another size, tf need not be asked.
+  // An image without a frame or of another size is refused without waiting for tf.
   localizer_.assembler().check(*image);
   waitForTransforms(image->header);
   try {
@@ -203,7 +204,7 @@ void LocalizerServer::onImage(const ReceivedImage& received) {
   }
 }
 
-// In wall time, since a clock that stands still must not stop the localizer.
+// In wall time, since a stopped clock must not stop the localizer.
 void LocalizerServer::waitForTransforms(const std_msgs::Header& header) {
   using Clock = std::chrono::steady_clock;
   using Seconds = std::chrono::duration<double>;
@@ -212,7 +213,7 @@ void LocalizerServer::waitForTransforms(const std_msgs::Header& header) {
   while (!localizer_.assembler().hasTransforms(header, transforms_.buffer()) && remaining() > 0.0 &&
          !input_.isClosed()) {
     transforms_.serve(std::min(remaining(), parameters_.transform_period));
-    // Of images that come meanwhile, only the newest are to wait.
+    // Only the newest of the images that come meanwhile should wait.
     input_.serve(0.0);
     keepUp();
   }
@@ -275,12 +276,12 @@ void LocalizerServer::publish(const LocalizedImage& localized) {
   health_.localized(messages.status, localized.result, localized.input.odometry_problem);
 }
 
-// Without odometry a transform holds for the image's stamp alone. With it, map -> odom is a
-// correction that holds until a better one comes, or until the pose is lost.
+// Without odometry a transform holds only for the image's stamp. With it, map -> odom is a
+// correction that holds until a better one comes or the pose is lost.
 void LocalizerServer::sendTransform(const std::optional<geometry_msgs::TransformStamped>& transform,
                                     bool has_pose) {
   if (!has_pose) correction_.reset();
-  // What came while the frame was worked on tells that another parent is still there.
+  // What came while the frame was processed may show that another parent is still there.
   transforms_.serve(0.0);
   if (!checkParent() || !transform) return;
   broadcast(*transform);
@@ -290,9 +291,9 @@ void LocalizerServer::sendTransform(const std::optional<geometry_msgs::Transform
 
 void LocalizerServer::repeatTransform() {
   if (!correction_) return;
-  // The images' clock may be another one than this machine's, as when a bag is played without
-  // /clock: only the time that went by is taken from the latter. Before the first /clock it stands
-  // at zero.
+  // The clock of the images may differ from this machine's, as when a bag is played without
+  // /clock: only the time that has passed is taken from the latter. Before the first /clock it
+  // stands at zero.
   const ros::Time now = ros::Time::now();
   if (correction_->made.isZero()) correction_->made = correction_->sent = now;
   const bool is_set_back = now < correction_->sent;
@@ -300,7 +301,7 @@ void LocalizerServer::repeatTransform() {
   correction_->sent = now;
   geometry_msgs::TransformStamped transform = correction_->transform;
   const double stamp = transform.header.stamp.toSec() + (now - correction_->made).toSec();
-  // A bag that is played again brings other images, and no stamp is before the first.
+  // A bag that is played again brings other images, and no stamp may be negative.
   if ((is_set_back && ros::Time::isSimTime()) || stamp < 0.0 || stamp >= kTimesEnd) {
     correction_.reset();
     return;

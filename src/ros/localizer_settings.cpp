@@ -19,7 +19,7 @@ bool areSame(const MarkerMap& a, const MarkerMap& b) {
                     });
 }
 
-/// The map without what is ignored. Throws InputError where nothing is left.
+/// The map without the ignored markers. Throws InputError if none are left.
 MarkerMap usedMap(const MarkerMap& map, const std::vector<MarkerSelection>& ignored) {
   MarkerMap used = withoutMarkers(map, ignored);
   if (used.markers.empty()) {

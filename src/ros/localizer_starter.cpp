@@ -10,7 +10,7 @@ namespace omnitag {
 
 namespace {
 
-/// `camera_info` where it is remapped, else the one beside the images.
+/// `camera_info` if it is remapped, else the one beside the images.
 std::string infoTopic(const ros::NodeHandle& node) {
   constexpr bool kWithRemapping = false;
   const std::string info = node.resolveName("camera_info");
@@ -26,8 +26,8 @@ LocalizerStarter::LocalizerStarter(const ros::NodeHandle& node, const ros::NodeH
       name_(private_node.getNamespace()),
       parameters_(readParameters(name_)) {
   if (parameters_.camera_file.empty()) {
-    // What is wrong with these is to be said now, not when the camera speaks. Whether a transport
-    // can be loaded shows when it is.
+    // Errors in these should be reported now, not when the camera_info comes. Whether a transport
+    // can be loaded shows only when it is.
     ImageLocalizer::checkMap(parameters_);
     ImageInput(node_, private_node_, parameters_.image_transport, parameters_.queue_size).close();
     waitForInfo();
@@ -43,7 +43,7 @@ LocalizerStarter::LocalizerStarter(const ros::NodeHandle& node, const ros::NodeH
 }
 
 LocalizerStarter::~LocalizerStarter() {
-  // Each waits for a callback that is running.
+  // Each waits for a running callback.
   timer_.stop();
   image_timer_.stop();
   info_subscriber_.shutdown();
@@ -111,7 +111,7 @@ void LocalizerStarter::onImageTimer() {
 }
 
 void LocalizerStarter::start(const DescribedCamera& camera) {
-  // What is wrong beside the camera, the next message would not mend.
+  // The next message would not mend what is wrong apart from the camera.
   is_waiting_ = false;
   try {
     server_ = std::make_unique<LocalizerServer>(node_, private_node_, parameters_, camera);
@@ -123,8 +123,8 @@ void LocalizerStarter::start(const DescribedCamera& camera) {
   }
 }
 
-// More messages would only wake a thread. Not in their own callback: the destructor could then not
-// wait for that, nor while the mutex is held, for which a callback may be waiting.
+// More messages would only wake a thread. Not shut down in their own callback, since the destructor
+// could then not wait for it, nor while the mutex is held, for which a callback may be waiting.
 void LocalizerStarter::onTimer() {
   updater_->force_update();
   if (isWaiting()) return;
@@ -152,7 +152,7 @@ void LocalizerStarter::report(diagnostic_updater::DiagnosticStatusWrapper& repor
 }
 
 void LocalizerStarter::complain(const std::string& problem) {
-  // s between two lines of the log about the same lasting problem.
+  // s between two log lines about the same lasting problem.
   constexpr double kLinePeriod = 10.0;
   const ros::WallTime now = ros::WallTime::now();
   const bool is_new = problem != problem_;

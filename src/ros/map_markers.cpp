@@ -32,7 +32,7 @@ class Sheet {
     addTriangle(lower_left, upper_right, upper_left, color);
   }
 
-  /// The border of a square that reaches to `outer`, around a square hole that reaches to `inner`.
+  /// The border of a square of half width `outer`, around a square hole of half width `inner`.
   void addFrame(double outer, double inner, const std_msgs::ColorRGBA& color) {
     addRectangle({-outer, inner, outer, outer}, 0.0, color);
     addRectangle({-outer, -outer, outer, -inner}, 0.0, color);
@@ -53,14 +53,14 @@ class Sheet {
   visualization_msgs::Marker* triangles_;
 };
 
-/// More would make the message too large for RViz; their faces are white.
+/// More would make the message too large for RViz; the faces are then white.
 constexpr std::size_t kMostWithPatterns = 200;
 
 std_msgs::ColorRGBA moduleColor(bool is_white) {
   return is_white ? color(0.95, 0.95, 0.95) : color(0.08, 0.08, 0.08);
 }
 
-/// Each row's modules, neighbours of one colour together.
+/// The modules row by row, neighbours of one colour together.
 void addPattern(const TagPattern& pattern, Sheet* sheet) {
   const double module = 2.0 / pattern.widthBetweenCorners();
   const double edge = 0.5 * module * pattern.width();
@@ -94,7 +94,7 @@ void addTag(const Marker& marker, bool with_pattern, visualization_msgs::Marker*
   sheet.addRectangle({-kMargin, -kMargin, kMargin, kMargin}, -kThickness, color(0.45, 0.45, 0.5));
 }
 
-/// Lies across the face, flat for a marker on a wall, so that it is seen from above.
+/// Lies across the face, flat if the marker is on a wall, so that it can be seen from above.
 void addNormal(const Marker& marker, visualization_msgs::Marker* triangles) {
   const double half_width = marker.size / 10.0;
   const double length = marker.size / 2.0;
@@ -106,7 +106,7 @@ void addNormal(const Marker& marker, visualization_msgs::Marker* triangles) {
       .addTriangle(-across, across, length * Eigen::Vector3d::UnitZ(), color(0.25, 0.55, 0.95));
 }
 
-/// A frame around a tag that mapping has found, a little before its face.
+/// A frame around a tag that mapping has found.
 void addMappedFrame(const Marker& marker, const std_msgs::ColorRGBA& color,
                     visualization_msgs::Marker* triangles) {
   constexpr double kInside = 10.0 / 8.0;  // the white margin's edge
@@ -116,7 +116,7 @@ void addMappedFrame(const Marker& marker, const std_msgs::ColorRGBA& color,
 
 bool isSame(const Marker& a, const Marker& b) { return a.id == b.id && a.family == b.family; }
 
-/// Whether people could see that mapping has gone on.
+/// Whether people could see the difference.
 bool looksDifferent(const std::vector<ProvisionalMarker>& a,
                     const std::vector<ProvisionalMarker>& b) {
   constexpr double kVisible = 0.01;  // m
@@ -176,7 +176,7 @@ MapDrawing::MapDrawing(const MarkerMap& map, const std::string& map_frame)
 void MapDrawing::replace(const MarkerMap& map, const std::vector<ProvisionalMarker>& provisional) {
   const std::size_t before = markers_.markers.size();
   visualization_msgs::MarkerArray array = mapMarkers(map, provisional, map_frame_);
-  // Names are told apart by their number: those of which there are no more.
+  // Deletes names beyond the new count, since RViz knows each by its number.
   constexpr std::size_t kOthers = 2;
   for (std::size_t id = array.markers.size() - kOthers; id + kOthers < before; ++id) {
     visualization_msgs::Marker gone;
@@ -190,7 +190,7 @@ void MapDrawing::replace(const MarkerMap& map, const std::vector<ProvisionalMark
   drawn_ = provisional;
 }
 
-// Compared with what was drawn, not with the frame before: small moves add up.
+// Compares with what was drawn, not with the previous frame, since small moves add up.
 bool MapDrawing::update(const MarkerMap& map, const std::vector<ProvisionalMarker>& provisional) {
   if (!looksDifferent(provisional, drawn_)) return false;
   markers_ = mapMarkers(map, provisional, map_frame_);

@@ -23,7 +23,7 @@ MapMarker toMessage(const Marker& marker, bool is_ignored) {
   return message;
 }
 
-/// Without what tools trip over in the names of frames, such as blanks.
+/// Without characters that tools trip over in names of frames, such as blanks.
 std::string frameOf(const Marker& marker) {
   std::string name =
       marker.name.empty() ? marker.family + "_" + std::to_string(marker.id) : marker.name;

@@ -14,7 +14,7 @@
 namespace omnitag {
 namespace {
 
-/// A handle along, or about, one of the marker's axes, to which RViz turns the control's x axis.
+/// A handle along or about one of the marker's axes, to which it turns the control's x axis.
 visualization_msgs::InteractiveMarkerControl control(const Eigen::Vector3d& axis,
                                                      const std::string& name,
                                                      std::uint8_t interaction_mode) {

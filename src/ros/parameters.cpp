@@ -14,7 +14,7 @@ void readFrame(const YamlReader& reader, const std::string& key, std::string* fr
   }
 }
 
-/// An empty list stands for none.
+/// An empty list means none.
 std::optional<Pose> readInitialPose(const YamlReader& reader) {
   const std::string key = "initial_pose";
   if (!reader.has(key)) return std::nullopt;
@@ -24,14 +24,14 @@ std::optional<Pose> readInitialPose(const YamlReader& reader) {
   return Pose{pose[0], pose[1], pose[2]};
 }
 
-/// Where a list was given on a command line (`_initial_pose:=[1,2,0]`), it arrives as text. Other
-/// texts stay what they are and are refused as such.
+/// A list that is given on a command line (`_initial_pose:=[1,2,0]`) arrives as text. Other texts
+/// stay as they are and are refused as such.
 void parseList(YAML::Node node) {
   if (!node.IsDefined() || !node.IsScalar()) return;
   try {
     const YAML::Node parsed = YAML::Load(node.Scalar());
     if (!parsed.IsSequence()) return;
-    // Without the places in the text, which is no file.
+    // Without the positions in the text, which is not a file.
     YAML::Node list(YAML::NodeType::Sequence);
     for (const YAML::Node& item : parsed) list.push_back(item.as<std::string>());
     node = list;

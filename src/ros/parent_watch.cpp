@@ -18,9 +18,9 @@ void ParentWatch::see(const geometry_msgs::TransformStamped& transform, bool is_
   std::string parent = withoutSlash(transform.header.frame_id);
   const bool is_transform = !parent.empty() && parent != child;
   if (!is_transform || child != sentFrame(frames_)) return;
-  // What the localizer sends is never static.
+  // The localizer's own transform is never static.
   if (parent == frames_.map && !is_static) return;
-  // What is static stays, whatever else comes and goes.
+  // A static parent stays, whatever else comes and goes.
   if (other_ && other_->is_static && !is_static) return;
   other_ = Parent{std::move(parent), is_static, now};
 }

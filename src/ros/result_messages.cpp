@@ -22,7 +22,7 @@ std::optional<geometry_msgs::TransformStamped> robotTransform(const AssembledFra
   if (!input.odom_from_base) return std::nullopt;
   message.header.stamp += ros::Duration(transform_tolerance);
   message.child_frame_id = frames.odom;
-  // On a floor, what odometry says of leaning stays with odometry.
+  // On a floor, the lean of odometry stays in odom -> base.
   const Eigen::Isometry3d odom_from_base =
       result.is_on_floor ? Pose::fromIsometry(*input.odom_from_base).onFloor().toIsometry()
                          : *input.odom_from_base;
@@ -31,7 +31,8 @@ std::optional<geometry_msgs::TransformStamped> robotTransform(const AssembledFra
   return message;
 }
 
-/// Where the map and the frame's pose have a marker; nothing where they do not tell.
+/// Where the marker should be in the camera's frame by the map and the frame's pose; nothing
+/// without an entry or a pose.
 std::optional<Eigen::Isometry3d> expectedPlace(const LocalizedImage& localized,
                                                const MarkerDetection& detection,
                                                const MarkerMap& map) {

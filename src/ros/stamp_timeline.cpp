@@ -5,27 +5,27 @@
 namespace omnitag {
 namespace {
 
-/// s after which images that were stamped before the clock was set have all come.
+/// s after which all images from before the clock was set have come.
 constexpr double kInFlight = 10.0;
 
-/// s, of a step that counts.
+/// s, the least step that counts.
 constexpr double kLeastStep = 1e-3;
 
 }  // namespace
 
 void StampTimeline::clockStepped(double seconds) {
   pending_step_ += seconds;
-  // A clock that was set and set back.
+  // The clock was set and set back.
   if (std::abs(pending_step_) < kLeastStep) pending_step_ = 0.0;
   pending_for_ = 0.0;
 }
 
 StampPlace StampTimeline::place(const ros::Time& stamp) const {
   if (!last_stamp_) return {StampPlace::Kind::kLater, stamp.toSec(), 0.0};
-  // ros::Duration ends at 68 years, and throws.
+  // In doubles: ros::Duration ends at 68 years and throws.
   const double passed = stamp.toSec() - last_stamp_->toSec();
-  // Images that are still on their way have stamps from before the clock was set: where both are
-  // possible, the shorter is taken for the time that passed.
+  // Images that are still on their way have stamps from before the clock was set. If both are
+  // possible, the shorter time is taken as the one that passed.
   const double without_step = passed - pending_step_;
   const bool shows_step = without_step > 0.0 && (passed <= 0.0 || without_step < passed);
   if (pending_step_ != 0.0 && shows_step) {

@@ -6,14 +6,14 @@
 namespace omnitag {
 namespace {
 
-/// s of tf that are kept: images that waited in a long queue still find theirs.
+/// s of tf to keep, so that images from a long queue still find theirs.
 constexpr double kKept = 30.0;
 
-/// Messages that wait while a frame is worked on: as long, at a thousand a second.
+/// Messages that may wait while a frame is processed: the same time, at a thousand a second.
 constexpr std::uint32_t kWaiting = 30000;
 
-/// s that a message may be on its way on a busy computer, and s ahead of the clock that a transform
-/// is from before it was set back.
+/// s that a message may be on its way on a busy computer, and s by which a transform from before
+/// the clock was set back is ahead of the clock.
 constexpr double kInFlight = 3.0;
 constexpr double kAhead = 1.0;
 
@@ -28,7 +28,7 @@ void logRefused(const std::string& frame, const std::string& publisher, const ch
 TransformInput::TransformInput(const ros::NodeHandle& node, const FrameNames& frames)
     : node_(node), buffer_(ros::Duration(kKept)), parents_(frames) {
   node_.setCallbackQueue(&queue_);
-  // tf2_ros::TransformListener would lose what comes beyond a hundred messages.
+  // tf2_ros::TransformListener would lose all but the last hundred messages.
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   using Callback = boost::function<void(const Event&)>;
   const Callback take_moving = [this](const Event& event) { take(event, false); };
@@ -44,8 +44,8 @@ void TransformInput::serve(double duration) {
   noticeSetBack();
 }
 
-// What came before the clock was set back, as when a bag is played again, would seem to be the
-// newest from then on.
+// Transforms from before the clock was set back, as when a bag is played again, would seem to be
+// the newest from then on.
 void TransformInput::noticeSetBack() {
   const ros::Time now = ros::Time::now();
   if (now < last_served_) {
@@ -55,7 +55,7 @@ void TransformInput::noticeSetBack() {
   last_served_ = now;
 }
 
-// tf2 would refuse all that is much older than the newest, until time has caught up.
+// Beside such a transform, tf2 would refuse all that are much older until time has caught up.
 bool TransformInput::isStale(const ros::Time& stamp) const {
   return steadyTime() < stale_until_ && stamp.toSec() > last_served_.toSec() + kAhead;
 }
@@ -64,7 +64,7 @@ void TransformInput::take(const Event& event, bool is_static) {
   for (const geometry_msgs::TransformStamped& transform : event.getConstMessage()->transforms) {
     if (!is_static && isStale(transform.header.stamp)) continue;
     try {
-      // Most of what is no transform, tf2 refuses with a line in the log.
+      // tf2 itself refuses most invalid transforms, with a line in the log.
       buffer_.setTransform(transform, event.getPublisherName(), is_static);
     } catch (const std::exception& error) {
       logRefused(transform.child_frame_id, event.getPublisherName(), error.what());

@@ -21,7 +21,7 @@ ContourTable::ContourTable(const CameraModel& camera, double distance)
       radius_step_((max_radius_ - min_radius_) / (kRadii - 1)) {
   rays_.reserve(kRadii);
   for (int k = 0; k < kRadii; ++k) {
-    // Rounding must not push the last radius over the camera's edge.
+    // Rounding must not push the last radius beyond the camera's edge.
     rays_.push_back(*camera.rayFromRadius(std::min(min_radius_ + k * radius_step_, max_radius_)));
   }
   height_grows_ = rays_.back().direction.y() > rays_.front().direction.y();
@@ -40,8 +40,8 @@ ContourTable::ContourTable(const CameraModel& camera, double distance)
 }
 
 double ContourTable::imageRadius(double distance, double height) const {
-  // Along the radii, height at a given distance is monotone, as rays do not cross in front of the
-  // camera.
+  // Height at a given distance is monotone in the radius, since rays do not cross in front of
+  // the camera.
   const auto above = std::partition_point(
       rays_.begin(), rays_.end(), [this, distance, height](const MeridionalRay& ray) {
         const bool ray_is_outward = ray.direction.x() > 1e-9;

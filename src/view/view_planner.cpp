@@ -62,7 +62,7 @@ View planView(const ViewTarget& target, const ContourTable& table, double pixels
   view.distance = target.distance;
   view.axis_up = axis_up;
 
-  // The rectangle's heights must take in the target's middle as well as its sides, which are
+  // The rectangle's height must cover the target's middle as well as its sides, which are
   // farther away.
   const double half_width = std::min(target.half_width, ContourTable::kMaxAzimuthOffset);
   const double side_distance = target.distance / std::cos(half_width);
@@ -98,7 +98,7 @@ std::vector<View> planViews(const std::vector<ViewTarget>& targets, const Contou
   for (std::size_t i = 0; i < targets.size(); ++i) {
     Group group{targets[i], {i}};
     View view = plan(group);
-    // Each merger may make another one worth while, so start over after it.
+    // Each merger may make another one worthwhile, so start over after it.
     for (std::size_t k = 0; k < planned.size();) {
       if (group.target.cone || planned[k].first.target.cone) {
         ++k;

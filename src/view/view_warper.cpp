@@ -9,7 +9,8 @@
 namespace omnitag {
 namespace {
 
-/// Bilinear; black outside. cv::remap would round positions to 1/32 pixel, which shows in corners.
+/// Bilinear; black outside. cv::remap would round positions to 1/32 pixel, which is visible in the
+/// corners' positions.
 std::uint8_t sample(const cv::Mat& image, float u, float v) {
   if (!(u >= 0.0F && v >= 0.0F && u < static_cast<float>(image.cols - 1) &&
         v < static_cast<float>(image.rows - 1))) {

@@ -15,19 +15,19 @@ struct CalibrationFrame {
   std::vector<MarkerObservation> observations;
 };
 
-/// What a calibration stands on.
+/// The observations that a calibration uses.
 struct CalibrationData {
   std::vector<CalibrationFrame> frames;
   /// What was left out and why, a line each.
   std::vector<std::string> remarks;
 };
 
-/// The readings of a recording that say without doubt which marker of the map they are, in frames
-/// that have at least three: fewer do not tell the robot's pose while the camera is not known.
+/// The readings of a recording that belong to one marker of the map without doubt, in frames with
+/// at least three of them: fewer do not determine the robot's pose while the camera is unknown.
 ///
-/// `prefers_large`: small markers, whose corners are less exact, count only where there are too few
-/// large ones. Throws InputError, with what to do, where the readings cannot calibrate a camera:
-/// too few frames, too few markers, ids that the map has twice.
+/// `prefers_large`: small markers, whose corners are less exact, are used only if there are too few
+/// large ones. Throws InputError, with what to do, if the readings cannot calibrate a camera: too
+/// few frames, too few markers, ids that occur twice in the map.
 CalibrationData selectObservations(const MarkerMap& map, const std::vector<FrameReadings>& frames,
                                    bool prefers_large = true);
 

@@ -12,32 +12,32 @@
 
 namespace omnitag {
 
-/// All that the images of a recording have in common: the camera's numbers and then, of its
-/// mounting, z (m), roll and pitch (rad).
+/// What all images of a recording have in common: the camera's parameters, followed by z (m), roll
+/// and pitch (rad) of its mounting.
 class CalibrationModel {
  public:
   CalibrationModel(CameraTemplate camera, const LeaningMounting& mounting);
-  /// A camera that stays as it is, on whatever mounting: there are no parameters.
+  /// A fixed camera on any mounting: there are no parameters.
   explicit CalibrationModel(std::shared_ptr<const CameraModel> camera);
 
   const std::vector<CalibrationParameter>& parameters() const { return parameters_; }
-  /// Of a parameter; nothing where there is none of this name.
+  /// The index of a parameter; nothing if none has this name.
   std::optional<Eigen::Index> indexOf(const std::string& name) const;
-  /// The values that it was made from.
+  /// The initial values.
   Eigen::VectorXd guess() const;
 
-  /// The camera, widened (see CameraTemplate), on its mounting. Throws InputError where these
-  /// values make none.
+  /// The camera, widened (see CameraTemplate), on its mounting. Throws InputError if these values
+  /// are not valid.
   MountedCamera mounted(const Eigen::VectorXd& values) const;
 
-  /// What mounted() mounts, and by how much it is mounted otherwise than the guess: in base_link,
-  /// from the one to the other. Throws as mounted() does.
+  /// The camera of mounted(), and the change of its mounting: the motion in base_link from the
+  /// guessed mounting to it. Throws as mounted() does.
   std::shared_ptr<const CameraModel> cameraAt(const Eigen::VectorXd& values) const;
   Eigen::Isometry3d mountingChange(const Eigen::VectorXd& values) const;
-  /// Whether a parameter is the mounting's.
+  /// Whether a parameter belongs to the mounting.
   bool isOfMounting(Eigen::Index index) const;
 
-  /// Not of a camera that stays as it is; neither are the two below.
+  /// Invalid for a fixed camera, as are the two below.
   const CameraTemplate& camera() const { return *camera_; }
   Eigen::VectorXd cameraValues(const Eigen::VectorXd& values) const;
   Eigen::Isometry3d baseFromCamera(const Eigen::VectorXd& values) const;

@@ -18,58 +18,59 @@ namespace omnitag {
 struct CalibrationConfig {
   /// Names of parameters to keep at the guess.
   std::set<std::string> fixed;
-  /// Pixels: a corner that is farther off than this counts less and less.
+  /// Pixels: corners that are farther off count less and less.
   double robust_width = 0.25;
   /// Whether the markers were read with a camera that may be wrong: then small ones count, too, and
   /// they need not be all around.
   bool is_rough = false;
-  /// Pixels: a calibration whose corners are farther off (RMS) is refused.
+  /// Pixels: a calibration is refused if its corners are farther off (RMS).
   double max_residual = 1.0;
-  /// How the robot may lean, and how high it may stand.
+  /// How far the robot may lean, and its height vary.
   FloorConfig floor;
-  /// What is known of where each of the map's markers hangs; none: as they say themselves.
+  /// Priors of the places of the map's markers; if empty, the markers' own.
   std::vector<std::optional<PlacePrior>> priors;
-  /// What was measured between markers, by their indices in the map.
+  /// Measurements between markers, by their indices in the map.
   std::vector<PlaceConstraint> constraints;
 };
 
-/// A number of the camera or its mounting, before and after.
+/// A parameter of the camera or its mounting, before and after.
 struct CalibratedParameter {
   CalibrationParameter guess;
   double value = 0.0;
-  /// Standard deviation in the parameter's unit; 0 where it was held.
+  /// Standard deviation in the parameter's unit; 0 if it was held.
   double deviation = 0.0;
-  /// Why it was held at the guess; empty where it was estimated.
+  /// Why it was held at the guess; empty if it was estimated.
   std::string held;
 };
 
 struct CalibrationResult {
   std::vector<CalibratedParameter> parameters;
-  /// Of the camera file, in the order of CameraTemplate::parameters(), and its mirror's rim (m).
+  /// Values of the camera file, in the order of CameraTemplate::parameters(), and the rim of its
+  /// mirror (m).
   Eigen::VectorXd camera_values;
   std::optional<double> rim_radius;
   Eigen::Isometry3d base_from_camera = Eigen::Isometry3d::Identity();
 
-  /// With the guess (the poses being as good as it allows), and with what was estimated.
+  /// Residuals with the guess (at the best poses that it allows), and with the result.
   ResidualSummary before;
   ResidualSummary after;
   std::vector<CornerResidual> residuals;
-  /// Where the markers hang, in the order of the map; those that are exactly known stay. With the
-  /// covariances of their MarkerIncrements within the map, and of the map as a whole: see
-  /// BundleInformation.
+  /// The markers in the order of the map, at their estimated places; exactly known ones stay.
+  /// With the covariances of their MarkerIncrements within the map, and of the map as a whole:
+  /// see BundleInformation.
   std::vector<Marker> markers_found;
   std::vector<MarkerCovariance> marker_covariances;
   Eigen::Matrix<double, 6, 6> placement = Eigen::Matrix<double, 6, 6>::Zero();
-  /// The robot, in those images that count, and their stamps (s).
+  /// The robot's poses in the images that count, and the images' stamps (s).
   std::vector<Pose> trajectory;
   std::vector<double> stamps;
-  /// What is left of the camera's and the mounting's errors, for the camera file.
+  /// The remaining uncertainty of the camera and the mounting, for the camera file.
   CameraUncertainty uncertainty;
   /// Pixels, along each axis: the noise of a corner.
   double noise = 0.0;
   std::size_t frames = 0;
   std::size_t markers = 0;
-  /// What a user should know: what was left out, what trades off against what.
+  /// For the user: what was left out, and which parameters trade off against each other.
   std::vector<std::string> remarks;
 };
 
@@ -79,12 +80,12 @@ using CalibrationProgress = std::function<void(const std::string& step, int iter
 /// Estimates a camera and its mounting (height, roll and pitch) from markers of known place that
 /// were read along a drive.
 ///
-/// Bearings, which survive whatever the optics do to elevation, give the poses to start from. Then
-/// more and more is set free: the radial scale, the centre and the lean, the mirror's shape;
-/// corners that are far off count less and less. In the end, what the images do not tell is held at
-/// the guess.
+/// Bearings, which do not depend on how the optics image elevation, give the initial poses. Then
+/// parameters are released in steps: the radial scale; the centre and the lean; the mirror's shape.
+/// Corners that are far off count less and less. Finally, parameters that the images do not
+/// determine are held at the guess.
 ///
-/// Throws InputError, with what to do, where the recording cannot calibrate the camera: see
+/// Throws InputError, with what to do, if the recording cannot calibrate the camera: see
 /// selectObservations(); too little motion, markers on one side only, a mounting that moves, a
 /// model that does not explain the corners.
 CalibrationResult calibrateCamera(const CameraTemplate& guess, const MarkerMap& map,

@@ -14,62 +14,63 @@ namespace omnitag {
 
 /// A number that a calibration may change.
 struct CalibrationParameter {
-  /// Of a camera: the key in its file, or the coefficient that it stands for, e.g. "k1".
+  /// For a camera: the key in its file, or the name of a coefficient, e.g. "k1".
   std::string name;
   /// "px", "m", "rad" or empty.
   std::string unit;
   /// The guess.
   double value = 0.0;
-  /// By how much a guess may well be off; what the solver and numeric derivatives measure it in.
+  /// Typical error of a guess; the unit of the solver and of numeric derivatives.
   double scale = 1.0;
-  /// Standard deviation beyond which images are said not to tell it.
+  /// Standard deviation beyond which images are considered not to determine it.
   double tolerable = 1.0;
 };
 
-/// The values of parameters, in their order.
+/// The parameters' values, in their order.
 Eigen::VectorXd valuesOf(const std::vector<CalibrationParameter>& parameters);
 
-/// A camera file whose numbers may be replaced. What is optimized is therefore always what can be
-/// written, read again and used.
+/// A camera file whose parameters can be replaced. Whatever is optimized can therefore be written,
+/// read again and used.
 ///
-/// The numbers are the lens's fx, fy, cx and cy and, of a mirror, radius_of_curvature,
-/// conic_constant and apex_distance (of a tabulated one apex_distance alone), of the equidistant
-/// model k1 to k4, of others what they have of xi, alpha, beta, k1, k2, p1 and p2. The rest stays
-/// as in the file.
+/// The parameters are the lens's fx, fy, cx and cy; for a mirror, radius_of_curvature,
+/// conic_constant and apex_distance (only apex_distance if it is tabulated); for the equidistant
+/// model, k1 to k4; for other models, those present of xi, alpha, beta, k1, k2, p1 and p2.
+/// Everything else stays as in the file.
 class CameraTemplate {
  public:
-  /// Throws InputError where the file describes no camera, or one whose model is not calibrated.
+  /// Throws InputError if the file does not describe a camera, or if its model cannot
+  /// be calibrated.
   static CameraTemplate fromFile(const std::string& path);
 
-  /// The same from text; `origin` stands for the file name in errors.
+  /// The same from text; errors name `origin` instead of a file.
   static CameraTemplate fromText(const std::string& text, const std::string& origin);
 
   const std::string& origin() const { return origin_; }
   const std::vector<CalibrationParameter>& parameters() const { return parameters_; }
   bool hasMirror() const { return has_mirror_; }
 
-  /// Pixels: radius, in the image, of what the file says that the camera sees.
+  /// Radius of the camera's visible circle in the image according to the file, in pixels.
   double circle() const { return circle_; }
 
   /// Whether the file's profile implies the conic constant (spherical, parabolic).
   bool impliesConicConstant() const { return implies_conic_constant_; }
 
-  /// The camera with these numbers, in the order of parameters(). Throws InputError where they
-  /// make none.
+  /// The camera with these values, in the order of parameters(). Throws InputError if they are
+  /// not valid.
   std::shared_ptr<const CameraModel> camera(const Eigen::VectorXd& values) const;
 
-  /// The same with a mirror that goes on beyond its rim and without the lens's housing: while its
-  /// numbers are wrong, what the mirror shows may seem to lie beyond the rim.
+  /// The same with a mirror extended beyond its rim and without the lens's housing: with wrong
+  /// values, what the mirror shows may seem to lie beyond the rim.
   std::shared_ptr<const CameraModel> widened(const Eigen::VectorXd& values) const;
 
-  /// The camera file with these numbers, in full precision. `rim_radius` (m) and `uncertainty` (to
-  /// a thousandth of a pixel) stand in place of the file's.
+  /// The camera file with these values, in full precision. `rim_radius` (m) and `uncertainty` (to a
+  /// thousandth of a pixel) replace those of the file.
   std::string text(const Eigen::VectorXd& values,
                    const std::optional<double>& rim_radius = std::nullopt,
                    const std::optional<CameraUncertainty>& uncertainty = std::nullopt) const;
 
-  /// The rim (m) that images at a radius (pixels) of the image about the lens's centre, at most the
-  /// silhouette of the mirror. For cameras with a mirror only.
+  /// The rim (m) that images at this radius (pixels) about the lens's centre, at most the mirror's
+  /// silhouette. Only for cameras with a mirror.
   double rimAt(const Eigen::VectorXd& values, double pixels) const;
 
  private:
@@ -84,7 +85,7 @@ class CameraTemplate {
   std::vector<CalibrationParameter> parameters_;
   bool has_mirror_ = false;
   bool implies_conic_constant_ = false;
-  /// Pixels, radius of the field in the image.
+  /// Radius of the field in the image, in pixels.
   double circle_ = 0.0;
 };
 

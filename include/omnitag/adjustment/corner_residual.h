@@ -15,20 +15,19 @@ struct CornerResidual {
   std::size_t landmark = 0;
   /// Where it was measured, in pixels.
   Eigen::Vector2d pixel;
-  /// Where it should be, less where it was measured, in pixels; nothing where it should not be
-  /// seen.
+  /// Predicted minus measured position, in pixels; nothing if the corner should not be visible.
   std::optional<Eigen::Vector2d> residual;
 };
 
-/// Of all corners, observation by observation.
+/// The residuals of all corners, observation by observation.
 std::vector<CornerResidual> cornerResiduals(const Bundle& bundle);
 
 /// Residuals of corners, in pixels.
 struct ResidualSummary {
-  /// Over the corners that count, and how many these are.
+  /// Over the corners that count, and their number.
   double rms = 0.0;
   std::size_t counted = 0;
-  /// Corners that are so far off that they say nothing about the camera, or are not seen at all.
+  /// Corners that are too far off to be used for the camera, or are not seen at all.
   std::size_t left_out = 0;
 };
 ResidualSummary summarize(const std::vector<CornerResidual>& residuals);

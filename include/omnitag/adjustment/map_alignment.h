@@ -11,42 +11,43 @@
 
 namespace omnitag {
 
-/// The robot at one time, in the map that was built, and in that of another localizer.
+/// The robot's pose at one time, in the map that was built and in the map of another localizer.
 struct PosePair {
   Pose in_map;
   Pose in_other;
 };
 
-/// A point of the map that was built, and where it is in another, by hand (m).
+/// A point in the map that was built and, measured by hand, in another map (m).
 struct PointPair {
   Eigen::Vector2d in_map;
   Eigen::Vector2d in_other;
 };
 
-/// Where the map that was built lies in another, in the plane: z is along gravity in both.
+/// The planar transform of the map that was built to another map; z is along gravity in both.
 struct MapAlignment {
   Pose other_from_map;
-  /// Of x, y and yaw of a change of it, about the middle of what was aligned (m and rad).
+  /// Covariance of x, y and yaw of its error, about the middle of what was aligned (m and rad).
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  /// What is left, RMS, over what agrees: m, and rad where there are headings.
+  /// RMS of the residuals of the pairs that agree: m, and rad if there are headings.
   double position_residual = 0.0;
   double heading_residual = 0.0;
-  /// Pairs that agree, and all.
+  /// Number of pairs that agree, and of all.
   std::size_t agreeing = 0;
   std::size_t all = 0;
 
-  /// m and rad: standard deviations of the fit.
+  /// Standard deviations of the fit, in m and rad.
   double positionDeviation() const;
   double headingDeviation() const;
 };
 
-/// Robust: a localizer that was lost for a while does not count there. Errors that last from one
-/// pose to the next are counted once: the deviations are those of as many poses as are independent.
-/// Throws InputError for fewer than three pairs, and where most do not agree.
+/// Robust: poses of a localizer that was lost for a while do not count. Correlated errors of
+/// successive poses are accounted for: the deviations are those of the equivalent number of
+/// independent poses. Throws InputError for fewer than three pairs, or if most do not agree.
 MapAlignment alignByPoses(const std::vector<PosePair>& pairs);
 
-/// Of two points or more, all of which count. Two say by how much their distances differ, from
-/// which the deviations are. Throws InputError for fewer, or points nearer than half a metre.
+/// From two or more points, all of which count; with two, the deviations follow from the
+/// difference of their distances. Throws InputError for fewer points, or if all are less than half
+/// a metre apart.
 MapAlignment alignByPoints(const std::vector<PointPair>& pairs);
 
 }  // namespace omnitag

@@ -10,9 +10,9 @@
 
 namespace omnitag {
 
-/// A map file's markers with changes that people have made since, which the file gets when they
-/// save them. Every operation is done as a whole or, throwing InputError, not at all; and says in
-/// words what it did.
+/// A map file's markers with changes made by users, which are written to the file on save(). Every
+/// operation is done as a whole or, throwing InputError, not at all, and describes in words what
+/// it did.
 class MapEditor {
  public:
   /// Throws what loadMarkerMap() throws.
@@ -22,31 +22,31 @@ class MapEditor {
   const MarkerMap& map() const { return map_; }
   std::size_t unsavedChanges() const;
 
-  /// Takes the file as it is now, with the unsaved changes. One whose marker the file does not have
-  /// any more is dropped, and named.
+  /// Loads the file again and applies the unsaved changes. A change whose marker is no longer in
+  /// the file is dropped and named.
   std::string reload();
 
-  /// Takes another file; unsaved changes are dropped, and counted. The frame of the map must be the
-  /// same, or `may_change_frame`.
+  /// Loads another file; unsaved changes are dropped, and counted. The frame of the map must be the
+  /// same unless `may_change_frame`.
   std::string change(const std::string& path, bool may_change_frame);
 
-  /// `marker`: of an empty family, a size of 0 or deviations of 0, the map's defaults are taken.
+  /// `marker`: an empty family, a size of 0 and deviations of 0 are replaced by the map's defaults.
   std::string add(Marker marker);
 
-  /// All that are meant, but one marker must be left.
+  /// Removes all selected markers, but at least one marker must be left.
   std::string remove(const MarkerSelection& selection);
 
   std::string move(std::size_t entry, const Eigen::Isometry3d& map_from_marker);
 
-  /// Writes the changes into the file as it is now; the rest of it stays byte for byte.
+  /// Writes the changes into the file in its present state; the rest of it stays byte for byte.
   std::string save();
 
  private:
-  /// Of an entry of map_, which of the file's it is; none for one that was added.
+  /// The file's entry that an entry of map_ comes from; none for an added one.
   using Origin = std::optional<std::size_t>;
   void load(const std::string& path);
   bool isMoved(std::size_t entry) const;
-  /// The file's entries that are in map_ no more.
+  /// The file's entries that are no longer in map_.
   std::vector<std::size_t> removed() const;
 
   std::string path_;
@@ -55,8 +55,7 @@ class MapEditor {
   std::vector<Origin> origins_;
 };
 
-/// How one map differs from another, in words: which markers it has besides, which it lacks, and
-/// which hang elsewhere.
+/// How one map differs from another, in words: which markers were added, removed or changed.
 std::string differences(const MarkerMap& before, const MarkerMap& after);
 
 }  // namespace omnitag

@@ -10,26 +10,26 @@
 
 namespace omnitag {
 
-/// An estimated marker as an entry of a map file: its deviation is the largest of its position's, a
-/// remark says for people where it faces and how well it is known.
+/// An estimated marker as an entry of a map file. Its deviations are those in the worst direction;
+/// a remark for the reader states where it faces and how well it is known.
 MapEntry mappedEntry(const Marker& marker, const MarkerCovariance& covariance);
 
-/// Entries of those that are known well enough to be used.
+/// Entries of the markers that are known well enough to be used.
 std::vector<MapEntry> usedEntries(const std::vector<ProvisionalMarker>& markers);
 
-/// What saving a map came to.
+/// The result of saving a map.
 struct SavedMap {
-  /// What the file has got. Those whose family and id it had already are not among them.
+  /// The markers added to the file. Markers whose family and id it already had are not among them.
   std::vector<Marker> added;
   /// Whether the file was written.
   bool is_written = false;
 };
 
-/// Adds markers to a map file as it is now, with what its user may have written meanwhile. Throws
-/// InputError where it cannot be read, understood or replaced; it is then as it was.
+/// Adds markers to a map file in its present state, including edits made meanwhile. Throws
+/// InputError if it cannot be read, parsed or replaced; it is then unchanged.
 SavedMap addToMapFile(const std::string& path, const std::vector<MapEntry>& entries);
 
-/// The text of a file. Throws InputError where it cannot be read.
+/// The text of a file. Throws InputError if it cannot be read.
 std::string readTextFile(const std::string& path);
 
 }  // namespace omnitag

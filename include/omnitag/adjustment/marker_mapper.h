@@ -16,25 +16,25 @@
 
 namespace omnitag {
 
-/// How a map is extended while the robot drives, and when what it sees is good enough.
+/// How a map is extended while the robot drives, and when an estimate is good enough.
 struct MarkerMapperConfig {
-  /// How many views' worth unknown markers are looked for in each frame, as
-  /// LocalizerConfig::exploring_views.
+  /// Effort spent on unknown markers in each frame, counted in views,
+  /// as LocalizerConfig::exploring_views.
   int views_per_frame = 2;
-  /// m, of unknown markers; 0: the map's default size.
+  /// Size of unknown markers in m; 0: the map's default size.
   double size = 0.0;
-  /// Whether the sizes of unknown markers are estimated, that size being a first guess.
+  /// Whether the sizes of unknown markers are estimated, starting from `size`.
   bool estimate_sizes = false;
   /// Pixels of the panorama, standard deviation of a decoded corner along each axis.
   double corner_noise = 0.1;
-  /// m: a pose that is less certain than this (standard deviation) tells nothing about markers.
+  /// m: sightings from a pose with a larger standard deviation are not used.
   double max_pose_deviation = 0.05;
-  /// Sightings of a marker that are kept, and m between the places that they are from.
+  /// Largest number of sightings kept of a marker, and least distance between their places, in m.
   int max_sightings = 24;
   double min_step = 0.15;
-  /// When a marker is used: sightings, the angle between the directions it was seen from (rad), the
-  /// share of sightings that agree, and standard deviations in the direction in which they are
-  /// largest (m and rad).
+  /// When a marker is used: least number of sightings, angle between the directions from which it
+  /// was seen (rad), and share of sightings that agree; largest standard deviations in the worst
+  /// direction (m and rad).
   int min_sightings = 4;
   double min_parallax = radians(15.0);
   double min_agreement = 0.8;
@@ -49,40 +49,38 @@ MarkerMapperConfig readMarkerMapperConfig(const YamlReader& reader);
 struct ProvisionalMarker {
   MarkerEstimate estimate;
   std::size_t sightings = 0;
-  /// rad, the largest angle between the directions it was seen from.
+  /// The largest angle between the directions from which it was seen, in rad.
   double parallax = 0.0;
   /// Whether the map has it.
   bool is_used = false;
 };
 
-/// Extends a map by the markers that a localizer reads and the map does not have: keeps sightings
-/// of each, estimates its place as the robot moves, and adds it to the map once that is good
-/// enough. What the map had from the beginning is never touched.
+/// Extends a map by markers that a localizer reads and the map does not have: keeps sightings of
+/// each, estimates its place as the robot moves, and adds it to the map once the estimate is good
+/// enough. The map's original markers are never touched.
 ///
-/// Poses that stand on markers of this mapper's own err along with these: their uncertainty is
-/// added to a pose's, in the share that such markers have in it. Not safe to use from two threads
-/// at once.
+/// Poses estimated from the mapper's own markers share the errors of these: the markers'
+/// uncertainty is added to the pose's in proportion to their share in it. Not thread-safe.
 class MarkerMapper {
  public:
-  /// Throws InputError where neither the configuration nor the map says how large unknown markers
-  /// are.
+  /// Throws InputError if neither the configuration nor the map gives a size of unknown markers.
   MarkerMapper(std::shared_ptr<const CameraModel> camera, MarkerMap map,
                const MarkerMapperConfig& config);
 
-  /// Takes what a frame showed. Returns whether map() has changed.
+  /// Processes a frame. Returns whether map() has changed.
   bool add(const Frame& frame, const FrameResult& result);
 
-  /// The map with those markers that are good enough behind its own, at indices that stay.
+  /// The map's own markers followed by those that are good enough, whose indices stay the same.
   const MarkerMap& map() const { return map_; }
 
-  /// Those of which something is known, by family and id.
+  /// The markers with an estimate, by family and id.
   std::vector<ProvisionalMarker> provisional() const;
 
-  /// Where those seem to hang that are not good enough yet.
+  /// The estimated markers that are not good enough yet.
   std::vector<Marker> unfinished() const;
 
-  /// Takes another version of the map's own markers, as one into which markers were saved. What it
-  /// has now stays as it is; what mapping knows besides stays behind it.
+  /// Replaces the map's own markers, for example after markers were saved into the map. Markers
+  /// that it has now stay as they are in it; the mapper's other markers follow.
   void setOwn(MarkerMap own);
 
  private:
@@ -90,15 +88,15 @@ class MarkerMapper {
   struct Track {
     std::vector<MarkerSighting> sightings;
     std::optional<MarkerEstimate> estimate;
-    /// Its place in map().
+    /// Its index in map().
     std::optional<std::size_t> entry;
-    /// Sightings at two places at once: not one marker but two.
+    /// Images in which the id was read at two places at once: it is not a single marker.
     int repetitions = 0;
   };
 
   std::vector<MarkerReading> unknownReadings(const FrameResult& result) const;
   PoseEstimate honestPose(const FrameResult& result) const;
-  /// Returns whether the sighting told something new.
+  /// Returns whether the sighting adds information.
   bool keep(const MarkerSighting& sighting, Track* track) const;
   bool isGoodEnough(const Track& track) const;
 

@@ -17,8 +17,8 @@ using MarkerCovariance = Eigen::Matrix<double, 6, 6>;
 /// The marker's place after the change.
 Eigen::Isometry3d moved(const Eigen::Isometry3d& map_from_marker, const MarkerIncrement& increment);
 
-/// J with rotationOf(v + d) = rotationOf(J d) rotationOf(v) for small d (the left Jacobian of the
-/// rotations).
+/// The left Jacobian of the rotations: J with rotationOf(v + d) = rotationOf(J d) rotationOf(v) for
+/// small d.
 Eigen::Matrix3d leftJacobian(const Eigen::Vector3d& rotation_vector);
 
 /// Four corners in the panorama as one vector: u and v of each in turn, in pixels.
@@ -26,8 +26,8 @@ using CornerPixels = Eigen::Matrix<double, 8, 1>;
 
 CornerPixels stacked(const Corners<Eigen::Vector2d>& corners);
 
-/// Where a marker's corners image, and how that changes with the robot's pose (x, y, yaw), with a
-/// MarkerIncrement, and with the marker's size; per metre and per radian.
+/// The pixels of a marker's corners, and their derivatives by the robot's pose (a PoseVector), by a
+/// MarkerIncrement, and by the marker's size; per metre and per radian.
 struct MarkerProjection {
   CornerPixels pixels;
   Eigen::Matrix<double, 8, 6> by_pose;
@@ -35,8 +35,8 @@ struct MarkerProjection {
   CornerPixels by_size;
 };
 
-/// Nothing where the camera does not see all four corners. Whether the marker faces the camera is
-/// not looked at.
+/// Nothing if the camera does not see all four corners. Does not check whether the marker faces
+/// the camera.
 std::optional<MarkerProjection> projectMarker(const Marker& marker, const MountedCamera& camera,
                                               const Pose& map_from_base);
 

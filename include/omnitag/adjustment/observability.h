@@ -8,12 +8,12 @@
 
 namespace omnitag {
 
-/// What the images tell of some parameters.
+/// The information of the images about some parameters.
 struct CameraInformation {
   /// Inverse covariance, in units of the parameters' scales.
   Eigen::MatrixXd matrix;
-  /// What the gradient would be if all corners were off by one pixel, a column for each way, and by
-  /// how many pixels they are.
+  /// The gradient if all corners were off by one pixel, a column for each direction, and by how
+  /// many pixels they are off.
   Eigen::MatrixX2d common_error_gradient = {};
   double common_error = 0.0;
 };
@@ -26,22 +26,23 @@ struct ParameterUncertainty {
   Eigen::MatrixXd correlations;
 };
 
-/// What the information says about the parameters `free`, in its order, all others being known.
+/// The uncertainty of the parameters `free`, in the order of the information, given all others.
 ParameterUncertainty uncertaintyOf(const CalibrationModel& model,
                                    const std::vector<Eigen::Index>& free,
                                    const CameraInformation& information);
 
-/// Which parameters the images tell, and which must be known from elsewhere.
+/// Which parameters the images determine, and which must be known from elsewhere.
 struct Observability {
   std::vector<Eigen::Index> observed;
-  /// Those to hold, and the standard deviation that each would have if it were estimated with the
-  /// observed ones and those that are held after it.
+  /// The parameters to hold, and the standard deviation that each would have if it were estimated
+  /// together with the observed ones and those held after it.
   std::vector<std::pair<Eigen::Index, double>> held;
 };
 
-/// Takes parameters out of `candidates` until images tell all of those that are left as exactly as
-/// is tolerable. Where several trade off against each other, the one goes first that matters least
-/// or that a user can measure: the mirror's size, coefficients of high order, its shape.
+/// Removes parameters from `candidates` until the images determine all that are left within
+/// tolerance. Of several that trade off against each other, the first removed is the one that
+/// matters least or that a user can measure: the mirror's size, coefficients of high order,
+/// its shape.
 Observability observability(const CalibrationModel& model,
                             const std::vector<Eigen::Index>& candidates,
                             const CameraInformation& information);

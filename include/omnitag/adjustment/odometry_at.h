@@ -9,11 +9,11 @@
 
 namespace omnitag {
 
-/// odom_from_base at a time (s); nothing where odometry does not reach.
+/// odom_from_base at a time (s); nothing if odometry does not cover it.
 using OdometryAt = std::function<std::optional<Pose>(double time)>;
 
-/// How the base moves at a time (s), by the odometry about it and with the deviations that the
-/// configuration gives it; nothing where odometry does not reach.
+/// The base's motion at a time (s) by odometry around it, with the deviations of the configuration;
+/// nothing if odometry does not cover it.
 std::optional<BaseMotion> baseMotionAt(const OdometryAt& odometry, double time,
                                        const MotionModelConfig& config);
 

@@ -12,36 +12,37 @@
 
 namespace omnitag {
 
-/// A MapConstraint with its markers resolved to indices, here of a bundle's landmarks.
+/// A MapConstraint with its markers resolved to indices, for example of a bundle's landmarks.
 struct PlaceConstraint {
   MapConstraint::Kind kind = MapConstraint::Kind::kDistance;
   std::vector<std::size_t> markers;
-  /// m; of a distance and a height.
+  /// m; for distances and heights.
   double value = 0.0;
   /// m, or rad for verticals.
   double deviation = 1.0;
-  /// For people, as MapConstraint::text().
+  /// For messages, as MapConstraint::text().
   std::string name = {};
 };
 
-/// A constraint of these markers; nothing where one that it names is not among them. Throws
-/// InputError where it names an id that several have.
+/// The constraint with its markers' indices; nothing if one of them is not among `markers`. Throws
+/// InputError if it names an id that several have.
 std::optional<PlaceConstraint> resolved(const MapConstraint& constraint,
                                         const std::vector<Marker>& markers);
 
-/// In words where markers at these places contradict a constraint by far more than its deviation:
-/// what it says, and what they do. Nothing where they do not.
+/// If the markers contradict a constraint by far more than its deviation: the constrained and the
+/// actual value, in words.
 std::optional<std::string> contradiction(const PlaceConstraint& constraint,
                                          const std::vector<Marker>& markers);
 
-/// By how much markers at these places (map_from_marker, in the constraint's order) are off, in the
-/// constraint's unit: one number for a distance or a height; the distance of each from the plane
-/// that fits all best, along `up`'s side of it; the tilt of each face off the vertical.
+/// Errors of markers at these places (map_from_marker, in the constraint's order), in the
+/// constraint's unit: one number for a distance or a height; for a plane, each marker's distance
+/// from the best-fitting plane, positive on the side of `up`; for verticals, the tilt of each face
+/// off the vertical.
 Eigen::VectorXd errorsOf(const PlaceConstraint& constraint,
                          const std::vector<Eigen::Isometry3d>& places,
                          const Eigen::Vector3d& up = Eigen::Vector3d::UnitZ());
 
-/// Unit normal of the plane that fits the centres of these places best.
+/// Unit normal of the plane that best fits the centres of these places.
 Eigen::Vector3d normalOfPlane(const std::vector<Eigen::Isometry3d>& places);
 
 }  // namespace omnitag

@@ -10,10 +10,10 @@
 
 namespace omnitag {
 
-/// Readings of a panorama (CV_8UC1) with their corners placed by all of the markers' pixels,
+/// The readings of a panorama (CV_8UC1) with their corners located by all of the markers' pixels,
 /// several times more exactly than decoding does. The camera must be known to about half a pixel.
-/// Readings that no marker of the map explains, or whose pixels do not fit, are left out; so are
-/// all of them where they do not tell the robot's pose.
+/// Readings that no marker of the map explains, or whose pixels do not fit, are left out; all of
+/// them are if they do not determine the robot's pose.
 std::vector<MarkerReading> alignReadings(const cv::Mat& panorama, const MarkerMap& map,
                                          const TagPatterns& patterns, const MountedCamera& camera,
                                          std::vector<MarkerReading> readings);

@@ -13,44 +13,45 @@ namespace omnitag {
 
 /// A number of ShutterConfig that was estimated.
 struct EstimatedTime {
-  /// s, or s per row; 0 where it was held, but for a deviation that is infinite or says what it
+  /// s, or s per row. If it was held, the value is 0 and the deviation is infinite or what it
   /// would be.
   double value = 0.0;
   double deviation = 0.0;
-  /// Why it was held at 0; empty where it was estimated.
+  /// Why it was held at 0; empty if it was estimated.
   std::string held;
-  /// Whether the drive tells it, be it that it is 0.
+  /// Whether the drive determines it, even if the value is 0.
   bool is_observed = false;
 };
 
-/// When a camera's images were taken, and how the robot moved meanwhile.
+/// When a camera's images were taken, relative to their stamps.
 struct TimeCalibration {
   EstimatedTime image_time_offset;
   EstimatedTime row_readout_time;
-  /// s, from an image's stamp to the middle of the exposure of its middle row.
+  /// Time from an image's stamp to the middle of the exposure of its middle row, in s.
   double middle_row_offset = 0.0;
-  /// Motions from image to image that odometry has.
+  /// Number of motions from image to image covered by odometry.
   std::size_t motions = 0;
-  /// The readings, corners being where they would be had all rows been exposed at the middle row's
-  /// time; those of markers that the map has once, in frames whose pose is known.
+  /// The readings with their corners moved to where they would be if all rows had been exposed
+  /// at the middle row's time; only of markers that occur once in the map, in frames with a
+  /// known pose.
   std::vector<FrameReadings> at_middle_row;
 };
 
-/// Estimates when the rows of a recording's images were exposed. The images alone tell the poses at
-/// the middle rows' times and, by how odometry has the robot turn and drive, the readout time; how
-/// odometry's motions from image to image compare with those of the poses tells the offset. The
-/// modes of the camera's uncertainty are estimated with them: a camera that was calibrated as if
-/// all rows were exposed at once is off by more than it says.
+/// Estimates when the rows of a recording's images were exposed. The images alone determine the
+/// poses at the middle rows' times and, given the robot's velocities by odometry, the readout time;
+/// the comparison of odometry's motions from image to image with those of the poses determines the
+/// offset. The modes of the camera's uncertainty are estimated, too: a camera that was calibrated
+/// as if all rows were exposed at once is off by more than it says.
 ///
-/// What the drive does not tell to 5 ms (of the whole image, as to the readout time) is held at 0,
-/// and so is a readout time that agrees with a global shutter. Throws InputError as
-/// selectObservations() does, and where no pose explains what was read.
+/// A time that the drive does not determine to 5 ms (for the readout time, of the whole image) is
+/// held at 0, and so is a readout time that agrees with a global shutter. Throws InputError as
+/// selectObservations() does, and if no pose explains the readings.
 TimeCalibration calibrateTime(const MarkerMap& map, const MountedCamera& camera,
                               const std::vector<FrameReadings>& frames, const OdometryAt& odometry,
                               const MotionModelConfig& config);
 
-/// The camera as it took the image of this stamp (s), by a calibration. The pose that goes with it
-/// is that at the middle row's time.
+/// The camera as it took the image of this stamp (s), given a time calibration. It goes with the
+/// pose at the middle row's time.
 MountedCamera cameraAt(const MountedCamera& camera, const TimeCalibration& time,
                        const OdometryAt& odometry, const MotionModelConfig& config, double stamp);
 

@@ -8,23 +8,23 @@
 
 namespace omnitag {
 
-/// A camera and when its rows are exposed.
+/// A camera and the times at which its rows are exposed.
 struct TimedCalibration {
   CalibrationResult camera;
   TimeCalibration time;
 };
 
-/// calibrateCamera() with a robot that moves while images are taken: the camera and the rows' times
-/// by turns, until each agrees with the other. The residuals are those of corners that have been
-/// moved to where the middle row's time would have shown them. Throws as both do.
+/// calibrateCamera() for a robot that moves while images are taken: the camera and the rows' times
+/// are calibrated by turns, until they agree. The residuals are of corners moved to where they
+/// would be at the middle row's time. Throws as both do.
 TimedCalibration calibrateCameraAndTime(const CameraTemplate& guess, const MarkerMap& map,
                                         const std::vector<FrameReadings>& frames,
                                         const CalibrationConfig& config, const OdometryAt& odometry,
                                         const MotionModelConfig& motion,
                                         const CalibrationProgress& progress = {});
 
-/// Pixels: a residual (CalibrationConfig::max_residual) that rows exposed one after the other may
-/// leave where nothing is known of their times yet.
+/// Pixels: the residual (CalibrationConfig::max_residual) allowed while the times of successively
+/// exposed rows are not known yet.
 constexpr double kMaxRollingResidual = 10.0;
 
 }  // namespace omnitag

@@ -9,26 +9,26 @@
 
 namespace omnitag {
 
-/// Reads a camera file (YAML, the format is described in doc/camera_models.md), or what other tools
-/// write, told apart by its content: Kalibr's camchain (PATH#NAME names one of several cameras),
-/// OpenCV's calibrations, ROS's camera_info, OCamCalib's calib_results.txt. Throws InputError with
-/// one line that names the file, the line and the key where something is missing, unknown or out of
-/// its range, or where the values together describe no camera.
+/// Reads a camera file (YAML, see doc/camera_models.md), or a file of another tool, recognized by
+/// its content: Kalibr's camchain (PATH#NAME selects one of several cameras), OpenCV's
+/// calibrations, ROS's camera_info, OCamCalib's calib_results.txt. Throws InputError with one line
+/// that names the file, the line and the key if something is missing, unknown or out of its range,
+/// or if the values together describe no camera.
 std::shared_ptr<const CameraModel> loadCamera(const std::string& path);
 
-/// The same file as a camera file of this package, whoever wrote it: what others write is told in
-/// its words. Throws InputError where it cannot be read or is nobody's; its own file is not checked
-/// otherwise.
+/// The content as a camera file of this package; files of other tools are translated. Throws
+/// InputError if the file cannot be read or its format is unknown; this package's own files are not
+/// checked further.
 YAML::Node readCameraFile(const std::string& path);
 
-/// The file of what names a camera: PATH of PATH#NAME.
+/// The file in the name of a camera: PATH of PATH#NAME.
 std::string cameraFilePath(const std::string& path);
 
-/// What a sensor_msgs/CameraInfo, field by field, says of the camera of its images, as a camera
-/// file. `origin` stands for the file name in errors.
+/// A sensor_msgs/CameraInfo, given field by field, as a camera file for its images. `origin` takes
+/// the place of the file name in errors.
 YAML::Node cameraFileOfInfo(const YAML::Node& info, const std::string& origin);
 
-/// The same as loadCamera from text; `origin` stands for the file name in errors.
+/// The same as loadCamera from text; `origin` takes the place of the file name in errors.
 std::shared_ptr<const CameraModel> parseCamera(const std::string& text, const std::string& origin);
 
 /// The same from a file that is parsed already.

@@ -13,14 +13,14 @@ namespace omnitag {
 
 /// A line of sight in the camera's optical frame, in metres: every point that images at its pixel
 /// is origin + s * direction, s > 0. The direction has length 1. A camera without a single
-/// viewpoint has another origin for every ray.
+/// viewpoint has a different origin for every ray.
 struct Ray {
   Eigen::Vector3d origin;
   Eigen::Vector3d direction;
 };
 
-/// A line of sight within its half-plane through the optical axis: both as (distance from the
-/// axis, height along the axis), in metres. The direction has length 1.
+/// A line of sight within its half-plane through the optical axis. Both vectors are (distance from
+/// the axis, height along the axis), in metres; the direction has length 1.
 struct MeridionalRay {
   Eigen::Vector2d origin;
   Eigen::Vector2d direction;
@@ -40,12 +40,12 @@ struct RadialImage {
 };
 
 /// A camera whose optics are radially symmetric about the optical axis: a mirror of any profile, a
-/// fisheye, and, with them, every camera in which azimuth survives the projection exactly.
+/// fisheye, and any other camera whose projection preserves the azimuth exactly.
 ///
 /// The optical frame has its origin at the lens's pinhole, z along the optical axis out of the
-/// lens, x toward increasing u and y toward increasing v. A model says what happens within one
-/// half-plane through the axis (`imageFromPoint`, `rayFromRadius`: the paper's E and its inverse);
-/// this class turns that into three dimensions, and the ImagePlane into pixels.
+/// lens, x toward increasing u and y toward increasing v. A model describes one half-plane through
+/// the axis (`imageFromPoint`, `rayFromRadius`: the paper's E and its inverse); this class extends
+/// it to three dimensions, and the ImagePlane to pixels.
 ///
 /// Immutable once it is shared, and therefore safe to share between threads.
 class CameraModel {
@@ -53,29 +53,30 @@ class CameraModel {
   virtual ~CameraModel() = default;
 
   /// The pixel of a point of the optical frame (metres) and, on request, its derivative with
-  /// respect to the point (pixels per metre). Nothing where the camera does not see the point: it
-  /// lies beyond the optics' field, in the camera's own blind spot, or off the image.
+  /// respect to the point (pixels per metre). Nothing if the camera does not see the point because
+  /// it lies beyond the optics' field, in the camera's own blind spot, or off the image.
   std::optional<Eigen::Vector2d> pixelFromPoint(
       const Eigen::Vector3d& point, Eigen::Matrix<double, 2, 3>* jacobian = nullptr) const;
 
-  /// The same, also where that pixel lies off the image: for a camera whose numbers are not known
-  /// yet.
+  /// The same, even if the pixel lies off the image: for a camera whose parameters are still to
+  /// be found.
   std::optional<Eigen::Vector2d> pixelBeyondImage(
       const Eigen::Vector3d& point, Eigen::Matrix<double, 2, 3>* jacobian = nullptr) const;
 
-  /// The line of sight of a pixel. Nothing where the pixel is off the image or shows something
-  /// else than the world through the optics, e.g. beyond the mirror's rim.
+  /// The line of sight of a pixel. Nothing if the pixel is off the image or does not show the world
+  /// through the optics, e.g. beyond the mirror's rim.
   std::optional<Ray> rayFromPixel(const Eigen::Vector2d& pixel) const;
 
-  /// The same from a table over the radius, several times faster and off by less than a thousandth
-  /// of a pixel where rays turn evenly from pixel to pixel; the direction's length is nearly 1.
+  /// The same from a table over the radius, several times faster. Off by less than a thousandth of
+  /// a pixel where the rays' directions change evenly from pixel to pixel; the direction's length
+  /// is nearly 1.
   std::optional<Ray> tabulatedRayFromPixel(const Eigen::Vector2d& pixel) const;
 
   /// Image of a point at `distance` >= 0 from the axis and at `height` along it, in metres (the
-  /// paper's E, Eqns 5 and 7-14). Nothing where the optics do not show the point.
+  /// paper's E, Eqns 5 and 7-14). Nothing if the optics do not show the point.
   virtual std::optional<RadialImage> imageFromPoint(double distance, double height) const = 0;
 
-  /// Line of sight of a radius of the ideal image plane. Nothing outside of
+  /// Line of sight of a radius of the ideal image plane. Nothing outside
   /// [minRadius(), maxRadius()].
   virtual std::optional<MeridionalRay> rayFromRadius(double radius) const = 0;
 
@@ -83,24 +84,24 @@ class CameraModel {
   virtual double minRadius() const = 0;
   virtual double maxRadius() const = 0;
 
-  /// Pixels: radius, in the image, of what the camera shows.
+  /// Pixels, radius of the field in the image.
   double rimPixels() const { return image_plane_.scale() * maxRadius(); }
 
-  /// How far the model may be off; not at all unless something else was set.
+  /// How far the model may be off; not at all by default.
   const CameraUncertainty& uncertainty() const { return uncertainty_; }
   void setUncertainty(const CameraUncertainty& uncertainty) { uncertainty_ = uncertainty; }
 
-  /// Pixels by which each mode of the uncertainty, off by a standard deviation, displaces what
-  /// images at a pixel.
+  /// Pixels by which each mode of the uncertainty, off by a standard deviation, displaces the image
+  /// at a pixel.
   Eigen::Matrix<double, 2, kCameraModes> displacementByError(const Eigen::Vector2d& pixel) const;
 
   /// Whether images may also be larger or smaller than the camera's by an integer factor.
   bool scalesToImage() const { return scales_to_image_; }
   void setScalesToImage(bool scales) { scales_to_image_ = scales; }
 
-  /// The camera of images of another size: the same where the size is, or where it may not scale;
-  /// its pixels and deviations scaled where both sides are an integer multiple of the camera's, or
-  /// an integer part of them, less than a pixel that is cut off. Nothing for any other size.
+  /// The camera for images of another size. Unchanged if the size is the camera's own, or if it
+  /// must not scale. With scaled pixels and deviations if both sides are an integer multiple of the
+  /// camera's, or an integer fraction, cut off by less than a pixel. Nothing for any other size.
   std::shared_ptr<const CameraModel> ofImage(const ImageSize& size) const;
 
   const ImageSize& imageSize() const { return image_size_; }
@@ -119,7 +120,7 @@ class CameraModel {
   /// A copy of the whole model.
   virtual std::shared_ptr<CameraModel> copy() const = 0;
 
-  /// For the constructor of every model, at its end.
+  /// To be called at the end of every model's constructor.
   void tabulateRays();
 
  private:

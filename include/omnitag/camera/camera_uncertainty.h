@@ -4,15 +4,16 @@
 
 namespace omnitag {
 
-/// What a calibration leaves: smooth modes by which a whole image may be off, each with a standard
-/// deviation in pixels. With n = (pixel - principal point) / (radius of the rim), the modes are
+/// What a calibration leaves uncertain: smooth modes by which a whole image may be off, each with a
+/// standard deviation in pixels. With n = (pixel - principal point) / (radius of the rim), the
+/// modes are
 ///
 ///   principal point  (1, 0) and (0, 1)    the image is displaced
 ///   scale            n                    it is larger
 ///   tilt             n_x n and n_y n      it is seen aslant: a mirror or a sensor that leans
 ///   rim              |n|^2 n              it is larger toward the rim
 ///
-/// All but the first show in full at the rim. The same in all images of a camera.
+/// All but the first reach their full size at the rim. All images of a camera have the same errors.
 struct CameraUncertainty {
   double principal_point = 0.0;
   double scale = 0.0;
@@ -23,22 +24,21 @@ struct CameraUncertainty {
     return principal_point == 0.0 && scale == 0.0 && tilt == 0.0 && rim == 0.0;
   }
 
-  /// That of images with `factor` times as many pixels along each side.
+  /// The uncertainty for images with `factor` times as many pixels along each side.
   CameraUncertainty scaled(double factor) const {
     return {factor * principal_point, factor * scale, factor * tilt, factor * rim};
   }
 
-  /// Pixels, standard deviation of what no smooth mode tells, from marker to marker and from corner
-  /// to corner. Calibrations that people publish leave 1 to 2 pixels near the rim of a fisheye of
-  /// 1600 pixels, most of which is smooth.
+  /// Pixels, standard deviation of the errors that no smooth mode describes, from marker to marker
+  /// and from corner to corner. Published calibrations leave 1 to 2 pixels near the rim of a
+  /// fisheye of 1600 pixels, most of which is smooth.
   double local() const;
 };
 
-/// Of the modes, in the order above.
+/// The number of modes, in the order above.
 constexpr int kCameraModes = 6;
 
-/// Pixels by which each mode, off by a standard deviation, displaces what images at `n` (see
-/// above).
+/// Pixels by which each mode, off by a standard deviation, displaces the image at `n` (see above).
 Eigen::Matrix<double, 2, kCameraModes> displacementByError(const CameraUncertainty& uncertainty,
                                                            const Eigen::Vector2d& n);
 

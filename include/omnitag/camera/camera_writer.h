@@ -5,7 +5,7 @@
 
 namespace omnitag {
 
-/// A camera file in a format, and what of the camera the format has no place for.
+/// A camera file in some format, and what the format cannot express of the camera.
 struct WrittenCamera {
   std::string text;
   /// Keys of this package's camera file.
@@ -16,10 +16,10 @@ struct WrittenCamera {
 /// camera_calibration writes it), "ocam" (OCamCalib's calib_results.txt).
 const std::vector<std::string>& cameraFormats();
 
-/// A camera file, whoever wrote it, in a format. Numbers keep all of their digits; "ocam" has a
-/// polynomial in place of other models, which is off by less than a fiftieth of a pixel. `output`
-/// is where the text will be: a camera file may name another one beside it. Throws InputError where
-/// the file is no camera's, and where the format has no such camera.
+/// A camera file of any tool in one of the formats. Numbers keep all their digits; for other models
+/// than its own, "ocam" has a polynomial that is off by less than a fiftieth of a pixel. `output`
+/// is where the text will be stored, since a camera file may name another one relative to itself.
+/// Throws InputError if the file describes no camera, or if the format has no such camera.
 WrittenCamera writtenCamera(const std::string& path, const std::string& format,
                             const std::string& output);
 

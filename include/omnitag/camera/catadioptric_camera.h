@@ -11,15 +11,15 @@ namespace omnitag {
 /// camera has no single viewpoint; parabolic and hyperbolic mirrors have one only in special
 /// positions (Baker and Nayar).
 ///
-/// The mirror's surface lies at z = apex_distance + sag(rho) of the optical frame. The law of
-/// reflection (the paper's Eqns 7-13) is solved for the point of reflection by a safeguarded Newton
-/// iteration on rho.
+/// The mirror's surface lies at z = apex_distance + sag(rho) in the optical frame. A
+/// safeguarded Newton iteration on rho solves the law of reflection (the paper's Eqns 7-13) for
+/// the point of reflection.
 ///
-/// Valid domain: points in front of the mirror that lie within the fan of rays between the blind
-/// spot, where the camera sees itself, and the mirror's edge: its rim or, where the mirror curves
-/// away from the lens before that, its silhouette. Since the constructor makes sure that the
-/// reflected rays leave the axis behind and that their elevation grows along the visible profile,
-/// no two rays meet, none meets the mirror again, and a point has one image at most.
+/// Valid domain: points in front of the mirror within the fan of rays between the blind spot, where
+/// the camera sees itself, and the mirror's edge: its rim or, if the mirror curves away from the
+/// lens before that, its silhouette. The constructor makes sure that the reflected rays lead away
+/// from the axis and that their elevation grows along the visible profile. Therefore no two rays
+/// meet, none meets the mirror again, and a point has at most one image.
 class CatadioptricCamera final : public CameraModel {
  public:
   struct Mirror {
@@ -29,13 +29,13 @@ class CatadioptricCamera final : public CameraModel {
     /// m, distance of the mirror's edge from the axis.
     double rim_radius;
     /// m, radius of the disc at the pinhole, across the axis, that the camera's body fills: rays
-    /// that would pass through it show the camera itself.
+    /// through it would show the camera itself.
     double housing_radius = 0.0;
   };
 
-  /// Throws InputError where the mirror cannot work: the rim beyond the profile's domain or hidden
-  /// from the lens, reflected rays that cross, a lens distortion that folds within the rim, or a
-  /// housing that fills the view.
+  /// Throws InputError if the mirror cannot work: a rim beyond the profile's domain or hidden from
+  /// the lens, reflected rays that cross, a lens distortion that folds within the rim, or a housing
+  /// that fills the view.
   CatadioptricCamera(const ImageSize& image_size, const ImagePlane& image_plane, Mirror mirror);
 
   std::optional<RadialImage> imageFromPoint(double distance, double height) const override;
@@ -50,16 +50,16 @@ class CatadioptricCamera final : public CameraModel {
     return std::make_shared<CatadioptricCamera>(*this);
   }
 
-  /// The ray of the lens that meets the mirror at some rho, after its reflection. Vectors are
-  /// (distance from the axis, height along it); the ray's length is of no meaning.
+  /// The lens's ray that meets the mirror at some rho, after its reflection. Vectors are (distance
+  /// from the axis, height along it); the ray's length has no meaning.
   struct Reflection {
     Eigen::Vector2d origin;
     double slope;
     Eigen::Vector2d ray;
     Eigen::Vector2d ray_by_rho;
 
-    /// Cross product of the way to a point and the ray: zero where the ray hits the point,
-    /// negative where the point must be reflected farther out.
+    /// Cross product of the vector to a point and the ray: zero if the ray hits the point, negative
+    /// if the point must be reflected farther out.
     double turnTo(const Eigen::Vector2d& point) const {
       const Eigen::Vector2d way = point - origin;
       return way.x() * ray.y() - way.y() * ray.x();

@@ -9,7 +9,7 @@ namespace omnitag {
 
 /// What a central camera sees: everything up to an angle off the optical axis.
 struct CentralField {
-  /// rad off the axis, and the radius of the ideal image plane at which that images.
+  /// rad off the axis, and the radius of the ideal image plane at which this angle images.
   double max_angle = 0.0;
   double max_radius = 0.0;
   /// Whether the middle of the image looks back at the camera, as through a mirror, instead of out
@@ -17,22 +17,22 @@ struct CentralField {
   bool through_mirror = false;
 };
 
-/// What limits a central camera's field besides its model.
+/// What limits a central camera's field in addition to its model.
 struct FieldLimits {
-  /// rad off the axis. Not given: as far as the model grows. The field always ends where the
-  /// image's farthest corner does.
+  /// rad off the axis. If not given, as far as the model grows. The field never reaches beyond the
+  /// image's farthest corner.
   std::optional<double> max_angle;
   bool through_mirror = false;
 };
 
-/// A camera with a single viewpoint, the origin of its optical frame: every point images by the
-/// angle of its direction off the optical axis alone, at a radius that grows with the angle. Angles
-/// of more than 90 degrees, of rays that point backwards, are angles like others.
+/// A camera with a single viewpoint, the origin of its optical frame: a point's radius depends only
+/// on the angle of its direction off the optical axis, and grows with it. Angles of more than 90
+/// degrees, of rays that point backwards, are nothing special.
 ///
 /// Valid domain: points other than the viewpoint itself, up to `maxAngle()`.
 class CentralCamera : public CameraModel {
  public:
-  /// rad. No field reaches farther: behind it, a point would image all along a circle.
+  /// rad. No field reaches farther: directly behind, a point would image along a whole circle.
   static constexpr double kLargestAngle = 3.12;
 
   std::optional<RadialImage> imageFromPoint(double distance, double height) const final;
@@ -49,8 +49,8 @@ class CentralCamera : public CameraModel {
                 const CentralField& field)
       : CameraModel(image_size, image_plane), field_(field) {}
 
-  /// The radius of the ideal image plane that no pixel exceeds: that of the farthest corner of the
-  /// image; where the plane's distortion folds before, the radius where it does.
+  /// The radius of the ideal image plane that no pixel exceeds: at the image's farthest corner, or
+  /// where the plane's distortion folds if that comes first.
   static double radiusOfImage(const ImageSize& image_size, const ImagePlane& image_plane);
 
  private:

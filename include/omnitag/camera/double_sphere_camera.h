@@ -8,7 +8,7 @@ namespace omnitag {
 /// Basalt and Kalibr's ds-none: a direction is a point of a unit sphere; seen from xi behind that
 /// sphere's centre it is a point of a second one, which images from alpha / (1 - alpha) behind the
 /// second one's centre. With d = sqrt(x^2 + y^2 + (z + xi)^2) of a direction (x, y, z) of length 1,
-/// the ideal image plane has (x, y) / (alpha d + (1 - alpha) (z + xi)).
+/// the point of the ideal image plane is (x, y) / (alpha d + (1 - alpha) (z + xi)).
 class DoubleSphereCamera final : public CentralCamera {
  public:
   struct Parameters {
@@ -18,8 +18,8 @@ class DoubleSphereCamera final : public CentralCamera {
     double alpha = 0.5;
   };
 
-  /// `image_plane` has no distortion. Throws InputError where the radius does not grow up to the
-  /// angle that `limits` gives, or does not grow at all.
+  /// `image_plane` has no distortion. Throws InputError if the radius does not grow up to the angle
+  /// that `limits` gives, or does not grow at all.
   DoubleSphereCamera(const ImageSize& image_size, const ImagePlane& image_plane,
                      const Parameters& parameters, const FieldLimits& limits = {});
 
@@ -32,7 +32,7 @@ class DoubleSphereCamera final : public CentralCamera {
 
   struct Radius {
     Parameters parameters;
-    /// Without a slope where the model has no image.
+    /// The slope is 0 where the model has no image.
     ValueAndSlope operator()(double angle) const;
   };
 

@@ -14,8 +14,8 @@ class EquidistantCamera final : public CentralCamera {
   /// k1 to k4.
   using Coefficients = std::array<double, 4>;
 
-  /// `image_plane` has no distortion of its own, but may have skew. Throws InputError where the
-  /// radius does not grow up to the angle that `limits` gives, or does not grow at all.
+  /// `image_plane` has no distortion of its own, but may have skew. Throws InputError if the radius
+  /// does not grow up to the angle that `limits` gives, or does not grow at all.
   EquidistantCamera(const ImageSize& image_size, const ImagePlane& image_plane,
                     const Coefficients& coefficients, const FieldLimits& limits = {});
 

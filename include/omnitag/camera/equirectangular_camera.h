@@ -4,14 +4,15 @@
 
 namespace omnitag {
 
-/// A whole sphere as a panorama, without a lens: pixel (u, v) looks along the longitude
-/// 2 pi (u + 0.5) / width - pi, about y from z toward x, and the latitude pi / 2 - pi (v + 0.5) /
-/// height, upward: toward -y. So it is about the optical axis, too: a direction images in the ideal
-/// plane as far from the origin as it lies off the axis, and the image plane does the rest.
+/// The whole sphere as a panorama, without a lens: pixel (u, v) looks along the longitude
+/// 2 pi (u + 0.5) / width - pi, about y from z toward x, and along the latitude
+/// pi / 2 - pi (v + 0.5) / height, positive upward, toward -y. It fits radial symmetry about the
+/// optical axis: in the ideal plane a direction images as far from the origin as it lies off the
+/// axis, and the image plane does the rest.
 ///
-/// The image's left and right edge are one line, straight behind; what lies across it is not seen
-/// in one piece. The direction straight behind, where the ideal plane has no single point, is not
-/// seen at all.
+/// The image's left and right edges are the same line, straight behind; an object across it is seen
+/// in two pieces. The direction straight behind, which has no single point in the ideal plane, is
+/// not seen at all.
 class EquirectangularCamera final : public CentralCamera {
  public:
   explicit EquirectangularCamera(const ImageSize& image_size);

@@ -6,8 +6,8 @@ namespace omnitag {
 
 /// The extended unified camera model (Khomutenko, Garcia, Martinet, *An Enhanced Unified Camera
 /// Model*, 2016), as in Basalt and Kalibr's eucm-none: a direction is a point of the ellipsoid of
-/// revolution beta (x^2 + y^2) + z^2 = 1. With d = sqrt(beta (x^2 + y^2) + z^2), the ideal image
-/// plane has (x, y) / (alpha d + (1 - alpha) z).
+/// revolution beta (x^2 + y^2) + z^2 = 1. With d = sqrt(beta (x^2 + y^2) + z^2), the point of the
+/// ideal image plane is (x, y) / (alpha d + (1 - alpha) z).
 class EucmCamera final : public CentralCamera {
  public:
   struct Parameters {
@@ -17,8 +17,8 @@ class EucmCamera final : public CentralCamera {
     double beta = 1.0;
   };
 
-  /// `image_plane` has no distortion. Throws InputError where the radius does not grow up to the
-  /// angle that `limits` gives, or does not grow at all.
+  /// `image_plane` has no distortion. Throws InputError if the radius does not grow up to the angle
+  /// that `limits` gives, or does not grow at all.
   EucmCamera(const ImageSize& image_size, const ImagePlane& image_plane,
              const Parameters& parameters, const FieldLimits& limits = {});
 
@@ -29,7 +29,7 @@ class EucmCamera final : public CentralCamera {
 
   struct Radius {
     Parameters parameters;
-    /// Without a slope where the model has no image.
+    /// The slope is 0 where the model has no image.
     ValueAndSlope operator()(double angle) const;
   };
 

@@ -23,20 +23,20 @@ class ImagePlane {
   ImagePlane(const Eigen::Matrix2d& affine, const Eigen::Vector2d& principal_point,
              const Distortion& distortion = {});
 
-  /// That of a panorama of the whole sphere, whose ideal plane is the azimuthal equidistant one
-  /// about the optical axis: points lie as far from its origin as directions lie off the axis
+  /// The plane of a panorama of the whole sphere, whose ideal plane is the azimuthal equidistant
+  /// one about the optical axis: points lie as far from its origin as directions lie off the axis
   /// (rad). See EquirectangularCamera.
   static ImagePlane equirectangular(const ImageSize& size);
 
-  /// That of images with `factor` times as many pixels along each side.
+  /// The plane of images with `factor` times as many pixels along each side.
   ImagePlane scaled(double factor) const;
 
   /// The pixel of a point of the ideal plane and, on request, its derivative with respect to it.
   Eigen::Vector2d pixelFromIdeal(const Eigen::Vector2d& ideal,
                                  Eigen::Matrix2d* jacobian = nullptr) const;
 
-  /// Inverse of `pixelFromIdeal`; nothing where no point of the ideal plane has this pixel. Where
-  /// the distortion folds, several may have: see `isInvertibleUpTo`.
+  /// Inverse of `pixelFromIdeal`; nothing if no point of the ideal plane has this pixel. Where the
+  /// distortion folds, several points may have it: see `isInvertibleUpTo`.
   std::optional<Eigen::Vector2d> idealFromPixel(const Eigen::Vector2d& pixel) const;
 
   /// Whether the distortion keeps its orientation, i.e. can be inverted, up to this radius of the

@@ -14,8 +14,8 @@ struct ValueAndSlope {
   double slope;
 };
 
-/// How far a function surely grows: the last of evenly spaced places of [0, end] up to which its
-/// value is finite and its slope positive at all of them; 0 where it does not grow at all.
+/// How far a function surely grows: the last of evenly spaced positions in [0, end] up to which its
+/// value is finite and its slope positive at every one; 0 if it does not grow at all.
 template <typename Function>
 double increasingUpTo(const Function& function, double end) {
   constexpr int kSteps = 4096;
@@ -47,7 +47,7 @@ class InverseFunction {
 
   const Function& function() const { return function_; }
 
-  /// The x at which the function has a value; the nearer end where it never has.
+  /// The x at which the function has this value; the nearer end if it never has.
   double operator()(double value) const {
     const double position = (value - first_value_) / value_step_;
     if (!(position > 0.0)) return starts_.front();
@@ -62,7 +62,8 @@ class InverseFunction {
   static constexpr int kSamples = 256;
 
   double solve(double value, double start, double low, double high) const {
-    // Newton doubles the digits with every step: this one leaves an error at machine precision.
+    // Newton doubles the digits with every step: one this small leaves an error at
+    // machine precision.
     constexpr double kSmallStep = 1e-9;
     constexpr int kMaxIterations = 100;
     const double largest_x = starts_.back();
@@ -80,7 +81,7 @@ class InverseFunction {
   Function function_;
   double first_value_ = 0.0;
   double value_step_ = 0.0;
-  /// Where the function has evenly spaced values, from its first to its last.
+  /// Positions at which the function has evenly spaced values, from its first to its last.
   std::vector<double> starts_;
 };
 

@@ -26,14 +26,14 @@ class MirrorProfile {
                              std::vector<double> coefficients = {});
 
   /// A smooth curve through samples (rho, sag) in metres: the cubic spline whose slope on the axis
-  /// is zero. Where the first sample is off the axis, the profile begins there. Throws InputError
+  /// is zero. If the first sample is off the axis, the profile begins there. Throws InputError
   /// unless there are at least four samples, all finite, rho increasing from >= 0.
   static MirrorProfile tabulated(const std::vector<Eigen::Vector2d>& samples);
 
   /// Valid for rho in [minRho(), maxRho()].
   Point at(double rho) const;
 
-  /// The profile's domain, in metres from the axis. The conic is unbounded where K <= -1.
+  /// The profile's domain, in metres from the axis. The conic is unbounded if K <= -1.
   double minRho() const;
   double maxRho() const;
 

@@ -12,63 +12,63 @@
 
 namespace omnitag {
 
-/// By what an image may be off beside the pose, each in standard deviations: the modes of the
-/// CameraUncertainty, and the velocities that BaseMotion has deviations of.
+/// The imaging error of one image, each entry in standard deviations: the modes of the
+/// CameraUncertainty, and the velocities for which BaseMotion has deviations.
 constexpr int kImagingUnknowns = kCameraModes + 3;
 using ImagingError = Eigen::Matrix<double, kImagingUnknowns, 1>;
 
-/// What one image leaves open, as changes: the robot's pose (a PoseVector), and the imaging error.
+/// The unknowns of one image, as changes: the robot's pose (a PoseVector) and the imaging error.
 constexpr int kFrameUnknowns = 6 + kImagingUnknowns;
 using FrameVector = Eigen::Matrix<double, kFrameUnknowns, 1>;
 using FrameMatrix = Eigen::Matrix<double, kFrameUnknowns, kFrameUnknowns>;
 using FrameJacobian = Eigen::Matrix<double, 2, kFrameUnknowns>;
 
-/// A camera on a robot while it takes an image: from points of the map to pixels, as a function of
-/// the robot's pose at the image's stamp. Any mounting will do, looking up or down, turned or
-/// tilted.
+/// A camera on a robot while it takes an image: maps points of the map to pixels, as a function
+/// of the robot's pose at the image's stamp. Works with any mounting, looking up or down, turned
+/// or tilted.
 class MountedCamera {
  public:
   MountedCamera(std::shared_ptr<const CameraModel> camera,
                 const Eigen::Isometry3d& base_from_camera);
 
-  /// The same camera with an error, which displaces what it sees.
+  /// The same camera with an imaging error, which displaces the image.
   MountedCamera withError(const ImagingError& error) const;
 
-  /// The same camera on a base that moves while the shutter lets each row see its own moment.
+  /// The same camera on a base that moves, so that the shutter exposes each row from a
+  /// different place.
   MountedCamera withMotion(const ShutterConfig& shutter, const BaseMotion& motion) const;
 
   /// The same camera with a blur.
   MountedCamera withBlur(const ImageBlur& blur) const;
 
-  /// The pixel of a point of the map (metres) and, on request, its derivatives by what is unknown
-  /// in a frame (the pose: pixels per metre and per radian; the imaging error: pixels per standard
-  /// deviation) and by the point, in pixels per metre along the map's axes. Nothing where the
-  /// camera does not see it.
+  /// The pixel of a point of the map (metres) and, on request, its derivatives by the unknowns of a
+  /// frame (the pose: pixels per metre and per radian; the imaging error: pixels per standard
+  /// deviation) and by the point, in pixels per metre along the map's axes. Nothing if the camera
+  /// does not see the point.
   std::optional<Eigen::Vector2d> pixelFromMap(
       const Eigen::Isometry3d& map_from_base, const Eigen::Vector3d& point,
       FrameJacobian* by_frame = nullptr, Eigen::Matrix<double, 2, 3>* by_point = nullptr) const;
 
-  /// The same; whoever projects many points from one pose makes the isometry once.
+  /// The same. For many points from one pose, make the isometry once instead.
   std::optional<Eigen::Vector2d> pixelFromMap(
       const Pose& map_from_base, const Eigen::Vector3d& point, FrameJacobian* by_frame = nullptr,
       Eigen::Matrix<double, 2, 3>* by_point = nullptr) const {
     return pixelFromMap(map_from_base.toIsometry(), point, by_frame, by_point);
   }
 
-  /// The line of sight of a pixel in base_link as it is at the image's stamp. Nothing where the
-  /// pixel shows no world.
+  /// The line of sight of a pixel, in base_link at the image's stamp. Nothing if the pixel does not
+  /// show the world.
   std::optional<Ray> rayInBase(const Eigen::Vector2d& pixel) const;
 
   /// The same from the model's table, faster.
   std::optional<Ray> tabulatedRayInBase(const Eigen::Vector2d& pixel) const;
 
-  /// By how much something that a pixel sees, and that changes so with the base (a PoseVector along
-  /// its own axes), changes with each unit of the imaging error's velocities.
+  /// The derivative, by the imaging error's velocities, of anything that a pixel sees and that has
+  /// the derivative `by_base` by a change of the base's pose (a PoseVector along its own axes).
   Eigen::Matrix<double, 2, 3> byVelocities(const Eigen::Vector2d& pixel,
                                            const Eigen::Matrix<double, 2, 6>& by_base) const;
 
-  /// Whether the shutter says for how long each pixel is exposed; the blur's turn then says
-  /// nothing.
+  /// Whether the exposure time is known; the blur's turn is then ignored.
   bool knowsExposure() const { return shutter_.exposure_time > 0.0; }
 
   /// The motion of the base during an exposure: a PoseVector along its own axes. Its sign has no
@@ -88,19 +88,19 @@ class MountedCamera {
   const ImageBlur& blur() const { return blur_; }
 
  private:
-  /// What a point of base_link, as it is at the image's stamp, images as, and its derivatives by
-  /// the point and by the imaging error's velocities.
+  /// The image of a point given in base_link at the image's stamp, and its derivatives by the point
+  /// and by the imaging error's velocities.
   struct Image {
     Eigen::Vector2d pixel;
     Eigen::Matrix<double, 2, 3> by_point = Eigen::Matrix<double, 2, 3>::Zero();
     Eigen::Matrix<double, 2, 3> by_velocities = Eigen::Matrix<double, 2, 3>::Zero();
   };
   std::optional<Image> imageOf(const Eigen::Vector3d& at_stamp, bool wants_derivatives) const;
-  /// The same of a point of base_link as it is when the point is seen.
+  /// The pixel of a point given in base_link at the moment when it is seen.
   std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& in_base,
                                          Eigen::Matrix<double, 2, 3>* by_point) const;
   Ray inBase(const Ray& in_camera, const Eigen::Vector2d& pixel) const;
-  /// The model's pixel for one that the camera's error has displaced.
+  /// The pixel without the displacement by the camera's error.
   Eigen::Vector2d withoutError(const Eigen::Vector2d& pixel) const;
 
   std::shared_ptr<const CameraModel> camera_;
@@ -109,7 +109,7 @@ class MountedCamera {
   ImagingError error_ = ImagingError::Zero();
   bool has_camera_error_ = false;
   ShutterConfig shutter_;
-  /// The imaging error taken into account.
+  /// With the imaging error's velocities included.
   BaseMotion motion_;
   bool moves_ = false;
   ImageBlur blur_;

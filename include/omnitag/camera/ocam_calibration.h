@@ -7,8 +7,8 @@
 
 namespace omnitag {
 
-/// What the OCamCalib toolbox writes into calib_results.txt. Its polynomial for the way from points
-/// to pixels is left out: it only approximates the inverse of the other one.
+/// The content of a calib_results.txt of the OCamCalib toolbox. Its polynomial from points to
+/// pixels is left out: it only approximates the inverse of the other one.
 struct OcamCalibration {
   /// a0, a1, ...: pixels, per pixel^0, per pixel^1, ...
   std::vector<double> polynomial;
@@ -26,7 +26,7 @@ struct OcamCalibration {
 /// expected there.
 OcamCalibration loadOcamCalibration(const std::string& path);
 
-/// The same from text; `origin` stands for the file name in errors.
+/// The same from text; `origin` takes the place of the file name in errors.
 OcamCalibration parseOcamCalibration(const std::string& text, const std::string& origin);
 
 }  // namespace omnitag

@@ -12,13 +12,13 @@ namespace omnitag {
 /// f(rho) = a0 + a1 rho + a2 rho^2 + ...
 ///
 /// The toolbox counts x along the rows, downward, and y along the columns, to the right, and the
-/// middle of the image looks along its -z axis, as a0 < 0. In the optical frame, whose z axis leads
-/// out of the lens, its (x, y, z) are therefore (y, x, -z). The ideal image plane is the toolbox's,
-/// in pixels, the axes named as in the optical frame.
+/// middle of the image looks along its -z axis, since a0 < 0. In the optical frame, whose z axis
+/// points out of the lens, its (x, y, z) are therefore (y, x, -z). The ideal image plane is the
+/// toolbox's, in pixels, the axes named as in the optical frame.
 class OcamCamera final : public CentralCamera {
  public:
-  /// Throws InputError where the angle off the axis does not grow with the radius up to the angle
-  /// that `limits` gives, or not at all, and where the affine correction is singular or mirrors.
+  /// Throws InputError if the angle off the axis does not grow with the radius up to the angle that
+  /// `limits` gives, or does not grow at all, or if the affine correction is singular or mirrors.
   explicit OcamCamera(const OcamCalibration& calibration, const FieldLimits& limits = {});
 
  private:

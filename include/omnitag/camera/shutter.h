@@ -7,17 +7,18 @@
 
 namespace omnitag {
 
-/// When the rows of an image are exposed. All 0: all of them at its stamp, for no time.
+/// When the rows of an image are exposed. If all values are 0, all rows are exposed at the image's
+/// stamp, for no time.
 struct ShutterConfig {
   /// s, from the image's stamp to the middle of the exposure of row 0.
   double image_time_offset = 0.0;
-  /// s from a row to the next; negative where the last row is read first.
+  /// s from a row to the next; negative if the last row is read first.
   double row_readout_time = 0.0;
   /// s for which each row is exposed.
   double exposure_time = 0.0;
 
-  /// s, from the image's stamp to the middle of a row's exposure, and to the beginning of the first
-  /// and the end of the last exposure of an image with this many rows.
+  /// s, from the image's stamp to the middle of a row's exposure; to the beginning of the first
+  /// exposure, and to the end of the last one, of an image with this many rows.
   double timeOf(double row) const { return image_time_offset + row * row_readout_time; }
   double begin(int rows) const;
   double end(int rows) const;
@@ -27,23 +28,23 @@ struct ShutterConfig {
   }
 };
 
-/// Reads the keys above; absent ones keep their defaults. Other keys are not looked at. Throws
-/// InputError.
+/// Reads the keys above; absent ones keep their defaults. Other keys are ignored.
+/// Throws InputError.
 ShutterConfig readShutterConfig(const YamlReader& reader);
 
 /// How the base moves while an image is taken, and how well that is known.
 struct BaseMotion {
   /// Per second, along and about the axes of base_link; in a PoseVector's order.
   PoseVector velocity = PoseVector::Zero();
-  /// m/s and rad/s: standard deviations of what the image itself may tell better, the velocity
-  /// along x and y and the rate of yaw.
+  /// m/s and rad/s: standard deviations of the velocity along x and y and of the yaw rate, which
+  /// the image itself may determine better.
   Eigen::Vector3d deviations = Eigen::Vector3d::Zero();
 
-  /// base_link at the stamp, from where it is this many seconds later.
+  /// The pose of base_link after this many seconds, in base_link at the stamp.
   Eigen::Isometry3d after(double time) const;
 };
 
-/// The velocity, as in BaseMotion, that makes a motion in this many seconds.
+/// The velocity, as in BaseMotion, of a motion that takes this many seconds.
 PoseVector velocityOf(const Eigen::Isometry3d& motion, double duration);
 
 }  // namespace omnitag

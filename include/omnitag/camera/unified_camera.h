@@ -5,12 +5,12 @@
 namespace omnitag {
 
 /// Mei's unified model, as in OpenCV's omnidir module and Kalibr's omni-radtan: a direction is a
-/// point of the unit sphere and images from a point xi behind the sphere's centre,
-/// (x, y) / (z + xi), which is the ideal image plane; the lens distorts that plane.
+/// point of the unit sphere, seen from a point xi behind the sphere's centre. In the ideal image
+/// plane, which the lens distorts, it images at (x, y) / (z + xi).
 class UnifiedCamera final : public CentralCamera {
  public:
   /// `xi` >= 0; `image_plane` carries the lens's distortion k1, k2, p1, p2 and its skew. Throws
-  /// InputError where the model or the distortion folds before the angle that `limits` gives.
+  /// InputError if the model or the distortion folds before the angle that `limits` gives.
   UnifiedCamera(const ImageSize& image_size, const ImagePlane& image_plane, double xi,
                 const FieldLimits& limits = {});
 

@@ -5,7 +5,7 @@
 
 namespace omnitag {
 
-/// The least and the greatest of some values; none at first.
+/// The smallest and the largest of some values; empty at first.
 struct Bounds {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();

@@ -6,16 +6,19 @@
 
 namespace omnitag {
 
-/// OpenCV draws at fractions of a pixel where it is told how many binary digits of them there are.
+/// The number of fractional binary digits of the coordinates that OpenCV's drawing functions take
+/// (their `shift`).
 constexpr int kFractionalBits = 4;
 
-/// A place of an image (pixels, the centre of the top-left pixel at (0, 0)) with that many digits.
+/// A position in an image (pixels, the centre of the top-left pixel at (0, 0)), with that
+/// many digits.
 cv::Point fixedPoint(const cv::Point2d& place);
 
-/// Pixels that a line of text takes, above its baseline.
+/// Pixels that a line of text covers, its height above the baseline.
 cv::Size sizeOfText(const std::string& text, double size);
 
-/// Writes from the left, and returns where the text ends. `size`: of OpenCV's letters.
+/// Writes to the right of `baseline`, and returns the x where the text ends. `size`: OpenCV's
+/// font scale.
 int writeText(const std::string& text, const cv::Point& baseline, const cv::Scalar& color,
               double size, cv::Mat* image);
 

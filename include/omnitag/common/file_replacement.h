@@ -4,11 +4,11 @@
 
 namespace omnitag {
 
-/// Whether what was there stays, with "~" at the end of its name.
+/// Whether the old file is kept, with "~" at the end of its name.
 enum class Backup { kKept, kNone };
 
 /// Replaces a file as a whole or not at all: writes beside it, syncs, and renames. Throws
-/// InputError where that cannot be done; the file is then as it was.
+/// InputError if that fails; the file is then unchanged.
 void replaceFile(const std::string& path, const std::string& text, Backup backup = Backup::kKept);
 
 }  // namespace omnitag

@@ -7,7 +7,7 @@
 
 namespace omnitag {
 
-/// A text by printf's pattern, which must be right for the values.
+/// The values formatted by printf's pattern, which must match them.
 template <typename... Values>
 std::string format(const char* pattern, Values... values) {
   const int length = std::snprintf(nullptr, 0, pattern, values...);

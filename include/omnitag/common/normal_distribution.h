@@ -5,14 +5,15 @@
 
 namespace omnitag {
 
-/// The standard normal distribution from a table, linear in between: off by less than 1e-5.
+/// The standard normal distribution from a table, linear in between: probabilities are off by less
+/// than 4e-5, mostly in the tails.
 class NormalDistribution {
  public:
-  /// Standard deviations beyond which nothing is left.
+  /// In standard deviations; the tails beyond are neglected.
   static constexpr double kReach = 4.0;
 
   struct Value {
-    /// The probability of less, and its derivative.
+    /// The probability of a smaller value, and its derivative.
     double probability;
     double density;
   };

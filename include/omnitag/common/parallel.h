@@ -8,10 +8,10 @@
 
 namespace omnitag {
 
-/// Calls `work(worker, i)` for every i below `count`, on at most this many threads at once, this
-/// one among them; each of them is another worker, numbered from 0. The calls must not depend on
-/// each other and must not throw. Threads are started each time, which takes some ten microseconds:
-/// `worth_a_thread` calls take longer than that.
+/// Calls `work(worker, i)` for every i below `count`, on at most `threads` threads, including the
+/// calling one; each of them is another worker, numbered from 0. The calls must not depend on each
+/// other and must not throw. Threads are started each time, which takes some ten microseconds:
+/// `worth_a_thread` is the number of calls that take longer than that.
 template <typename Work>
 void forEachIndexByWorker(std::size_t count, int threads, std::size_t worth_a_thread,
                           const Work& work) {
@@ -27,7 +27,7 @@ void forEachIndexByWorker(std::size_t count, int threads, std::size_t worth_a_th
   for (std::thread& other : others) other.join();
 }
 
-/// The same where it does not matter which of them is at work.
+/// The same if it does not matter which worker makes a call.
 template <typename Work>
 void forEachIndex(std::size_t count, int threads, std::size_t worth_a_thread, const Work& work) {
   forEachIndexByWorker(count, threads, worth_a_thread,

@@ -24,9 +24,9 @@ struct Pose {
   Pose onFloor() const { return {x, y, yaw}; }
 };
 
-/// A small change of a pose, and what derivatives by a pose and covariances of one refer to:
-/// translation along the axes of the target frame (m) and rotation about the base's own axes (rad),
-/// in the order x, y, yaw, z, roll, pitch, so that the floor's part comes first.
+/// A small change of a pose: translation along the axes of the target frame (m) and rotation about
+/// the base's own axes (rad), in the order x, y, yaw, z, roll, pitch, so that the floor's part
+/// comes first. Derivatives by a pose and its covariances refer to such changes.
 using PoseVector = Eigen::Matrix<double, 6, 1>;
 using PoseMatrix = Eigen::Matrix<double, 6, 6>;
 
@@ -35,8 +35,8 @@ Eigen::Vector3d translationPart(const PoseVector& change);
 Eigen::Vector3d rotationPart(const PoseVector& change);
 PoseVector poseVector(const Eigen::Vector3d& translation, const Eigen::Vector3d& rotation);
 
-/// Takes a small motion along and about the axes of a base that is so turned to its change of the
-/// pose: of a PoseVector along the base's axes to one as above.
+/// Maps a small motion along and about the base's own axes, in a PoseVector's order, to the change
+/// of the pose as above. `target_from_base`: the base's orientation.
 PoseMatrix changeByMotion(const Eigen::Matrix3d& target_from_base);
 
 /// The pose after a change.
@@ -45,14 +45,14 @@ Pose moved(const Pose& pose, const PoseVector& change);
 /// The change that leads from `b` to `a`.
 PoseVector difference(const Pose& a, const Pose& b);
 
-/// a_from_c of a_from_b and b_from_c.
+/// a_from_c, from a_from_b and b_from_c.
 Pose operator*(const Pose& a_from_b, const Pose& b_from_c);
 
-/// b_from_a of a_from_b.
+/// b_from_a, from a_from_b.
 Pose inverse(const Pose& a_from_b);
 
-/// How a motion on the floor, (x, y, yaw) of `inverse(from) * to`, changes with the (x, y, yaw) of
-/// the poses from which and to which it leads.
+/// Derivatives of the (x, y, yaw) of a motion on the floor, `inverse(from) * to`, by the same three
+/// numbers of the poses at its beginning and its end.
 struct FloorMotionDerivatives {
   Eigen::Matrix3d by_from;
   Eigen::Matrix3d by_to;
@@ -66,25 +66,25 @@ Pose leaningAs(const Pose& lean, const Pose& place);
 /// A pose and how far it can be trusted.
 struct PoseEstimate {
   Pose pose;
-  /// Of a PoseVector.
+  /// The covariance of a PoseVector.
   PoseMatrix covariance = PoseMatrix::Zero();
-  /// The part of the covariance that estimates from other images of the same camera and map have in
-  /// common: averaging over them does not lessen it.
+  /// The part of the covariance that is shared with estimates from other images of the same camera
+  /// and map: averaging over them does not reduce it.
   PoseMatrix shared = PoseMatrix::Zero();
 };
 
-/// An estimate that knows (x, y, yaw) with this covariance (m^2, m rad, rad^2) and the rest
-/// exactly.
+/// An estimate in which (x, y, yaw) has this covariance (m^2, m rad, rad^2) and the rest is exact.
 PoseEstimate floorEstimate(const Pose& pose, const Eigen::Matrix3d& covariance);
 
 /// Covariance of (x, y, yaw).
 Eigen::Matrix3d floorCovariance(const PoseEstimate& estimate);
 
-/// m, standard deviation of the position on the floor: of both coordinates together.
+/// m, standard deviation of the position on the floor, of both coordinates together.
 double positionDeviation(const PoseEstimate& estimate);
 
-/// Whether two independent estimates of the same pose may both be right: their difference is within
-/// what 999 of 1000 such pairs have (Mahalanobis distance, chi-square with 6 degrees of freedom).
+/// Whether two independent estimates of the same pose may both be right: whether their difference
+/// is one that 999 of 1000 such pairs stay within (Mahalanobis distance, chi-square with 6 degrees
+/// of freedom).
 bool agree(const PoseEstimate& a, const PoseEstimate& b);
 
 }  // namespace omnitag

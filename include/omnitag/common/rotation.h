@@ -4,10 +4,10 @@
 
 namespace omnitag {
 
-/// [v] with [v] w = v x w.
+/// The matrix [v] for which [v] w = v x w.
 Eigen::Matrix3d crossMatrix(const Eigen::Vector3d& v);
 
-/// The rotation that a rotation vector stands for (rad).
+/// The rotation by a rotation vector (rad).
 Eigen::Matrix3d rotationOf(const Eigen::Vector3d& rotation_vector);
 
 }  // namespace omnitag

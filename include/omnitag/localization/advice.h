@@ -10,17 +10,17 @@
 
 namespace omnitag {
 
-/// Says in words what most likely is wrong with a robot's files and settings, and what to do, where
-/// its images show it again and again.
+/// Explains in words what is most likely wrong with a robot's files and settings, and what to do
+/// about it, if its images show it again and again.
 class Advisor {
  public:
   void add(const FrameResult& result, const MarkerMap& map, const CameraModel& camera);
 
-  /// One line each; none where all is as the files say.
+  /// One line for each finding; none if everything agrees with the files.
   std::vector<std::string> lines() const;
 
  private:
-  /// A mean over the last images.
+  /// A mean over recent images.
   class Mean {
    public:
     void add(double value) {
@@ -28,7 +28,7 @@ class Advisor {
       weight_ = kRemembered * weight_ + 1.0;
       sum_ = kRemembered * sum_ + value;
     }
-    /// 0 as long as there are few.
+    /// 0 while there are only a few values.
     double value() const {
       constexpr double kFew = 8.0;
       return weight_ < kFew ? 0.0 : sum_ / weight_;
@@ -40,9 +40,9 @@ class Advisor {
   };
 
   Mean excess_;
-  /// m, by which markers are off the pose that was found.
+  /// m, by which markers are off the estimated pose.
   Mean misplacement_;
-  /// Pixels, by which the image seems off at the rim, and standard deviations of that.
+  /// Pixels, by which the image seems off at the rim; and the same in standard deviations.
   Mean rim_error_;
   Mean rim_deviations_;
   Mean blur_;

@@ -15,26 +15,26 @@
 
 namespace omnitag {
 
-/// How far a marker hangs from its place in the map, as it was observed from a known pose of the
-/// robot, at the height and the tilt that the map says; of several entries with its id, the
-/// nearest. `standing`: how the robot stands. `observation.map_entry` is not looked at. Nothing
-/// where the map has no such marker, or where none at this height looks like what was observed.
+/// How far a marker that was observed from a known pose of the robot hangs from its place in the
+/// map, assuming the height and the tilt that the map gives it. If several entries have its id, the
+/// nearest counts. `standing`: how the robot stands. `observation.map_entry` is ignored. Nothing if
+/// the map has no such marker, or if none at this height looks as observed.
 std::optional<DisplacedMarker> displacement(const MarkerMap& map, const MountedCamera& camera,
                                             const std::string& family, int id,
                                             const MarkerObservation& observation,
                                             const Pose& map_from_base, const PosePrior& standing,
                                             const EstimatorConfig& config);
 
-/// By how much a group of two markers or more was moved as one; nothing where that is not known.
+/// By how much a group of two or more markers was moved as one; nothing if that is not known.
 std::optional<GroupDisplacement> displacement(const MarkerMap& map, const DisplacedGroup& group);
 
-/// Which markers the map has at a wrong place, as frame after frame says.
+/// Which markers the map has in a wrong place, according to frame after frame.
 class DisplacementLog {
  public:
   void add(const FrameResult& result);
 
-  /// Entries that were measured displaced three times and, since then, never seen where the map has
-  /// them; each with the mean distance.
+  /// Entries that were measured displaced three times and have not been seen in their mapped places
+  /// since, each with its mean distance.
   std::vector<DisplacedMarker> persistent() const;
 
   void clear() { sightings_.clear(); }

@@ -13,45 +13,46 @@
 
 namespace omnitag {
 
-/// How likely it is that the world is not as expected: all probabilities by which poses that
-/// contradict each other are weighed. The study of moved groups (group_study) set them.
+/// How likely it is that the world is not as expected: all probabilities that weigh contradictory
+/// poses against each other. They were chosen in the study of moved groups (group_study).
 struct EvidenceConfig {
-  /// That something moves the robot from one image to the next that its odometry does not feel, and
-  /// the same where there is none: then the robot may have moved otherwise by itself.
+  /// That something moves the robot between two images without its odometry noticing; and the same
+  /// without odometry, when the robot may also have moved differently by itself.
   double carried = 1e-6;
   double carried_without_odometry = 1e-2;
-  /// That a marker is seen elsewhere than it hangs, as where something covers it in part.
+  /// That a marker is measured beside its place, for example because something covers part of it.
   double misread = 0.05;
   /// That markers hang elsewhere than the map says, by more than their deviation.
   double moved = 1e-2;
-  /// 1/s: that this happens to one that was seen in its place.
+  /// 1/s: that a marker that was seen in its place is moved.
   double moved_per_second = 1e-8;
-  /// m, by which neighbours are apart that are moved together only every e-th time.
+  /// m, over which the probability that neighbours are moved together falls by a factor of e.
   double together = 2.5;
-  /// That a pose from outside is off by however much more than its deviations say, and that markers
-  /// are seen where it has them by chance.
+  /// That a pose from outside is off by any amount beyond its deviations; and that markers are seen
+  /// by chance where it puts them.
   double mistaken_start = 0.01;
   double mistaken = 1e-2;
-  /// That a marker is not found though it was seen when it was last looked for, and a pose has it
-  /// in view. (Of others, how many of the map's were seen at first sight tells.)
+  /// That a marker is not found though it was found when last looked for, and is in view of a pose.
+  /// For other markers, the share of the map's markers that were found at first sight counts.
   double missed = 0.03;
-  /// Standard deviations (Misfit) that a marker is off at most which hangs in its place, where the
-  /// pose is known.
+  /// Standard deviations (Misfit) by which a marker in its place is off at most, if the pose
+  /// is known.
   double in_place = 2.5;
-  /// How many times likelier one of two hypotheses must be for the other one to be given up.
+  /// How many times likelier than another a hypothesis must be for the other to be given up.
   double odds = 100.0;
-  /// m: as long as two are possible, the likelier one is published with a covariance that covers
-  /// the other, unless its deviation is then larger.
+  /// m: while two hypotheses are possible, the likelier one is published with a covariance that
+  /// covers the other, unless its deviation is then larger than this.
   double open_deviation = 0.25;
 };
 
 /// Reads the keys above; absent ones keep their defaults. Throws InputError.
 EvidenceConfig readEvidenceConfig(const YamlReader& reader);
 
-/// By how many standard deviations a pose from outside was off, if by this motion in the map.
+/// By how many standard deviations a pose from outside was off, if it was off by this motion in
+/// the map.
 double deviationsOfStart(const PosePrior& start, const Eigen::Isometry3d& motion);
 
-/// Weighs hypotheses: how likely it is that all happened which one of them has to suppose.
+/// Weighs hypotheses by the probability of everything that each has to assume.
 class Evidence {
  public:
   /// All but `config` must outlive it.
@@ -62,25 +63,25 @@ class Evidence {
   const EvidenceConfig& config() const { return config_; }
 
   /// Natural logarithm of the probability that the markers are where a hypothesis saw them.
-  /// Neighbours that are moved together share the probability of one, so that a shelf counts once;
-  /// markers that were in their places a moment ago hardly move, so that where these shift together
-  /// the robot did.
+  /// Neighbours that are moved together share the probability of one, so that a shelf counts once.
+  /// Markers that were in their places a moment ago are unlikely to have moved: if they shift
+  /// together, the robot did.
   double logOfPlaces(const MarkerMemory& memory) const;
 
-  /// The same that markers are not found which a pose has in view. `memory`: as of the frames
-  /// before.
+  /// The same for not finding markers that are in view of a pose. `memory`: as of earlier frames.
   double logOfMissed(const std::vector<std::size_t>& entries, const MarkerMemory& memory) const;
 
-  /// The same that a pose from outside was off by a motion in the map. `is_met`: whether markers
-  /// are seen where that pose has them; those that were moved are so only by chance.
+  /// The same for a pose from outside being off by a motion in the map. `is_met`: whether markers
+  /// are seen where that pose puts them, which is chance if it was off.
   double logOfStart(const PosePrior& start, const Eigen::Isometry3d& motion, bool is_met) const;
 
-  /// The same that the robot was carried since the image before.
+  /// The same for the robot having been carried since the last image.
   double logOfCarried(bool has_odometry) const;
 
-  /// Whether a marker, as it was seen, was not where a pose has it that is moved in the map.
+  /// Whether the marker was not in its place in a sighting whose pose is moved in the map
+  /// by `motion`.
   bool contradicts(const RememberedSighting& sighting, const Eigen::Isometry3d& motion) const;
-  /// The same as a function; valid as long as the evidence is.
+  /// The same as a function; valid during the lifetime of the evidence.
   MarkerMemory::Contradicts contradiction() const;
 
  private:

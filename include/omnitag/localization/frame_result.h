@@ -38,23 +38,23 @@ struct Frame {
   cv::Mat image;
   /// The camera's mounting, optical frame to robot.
   Eigen::Isometry3d base_from_camera = Eigen::Isometry3d::Identity();
-  /// Odometry at the stamp, where the robot has one.
+  /// Odometry at the stamp, if the robot has any.
   std::optional<Pose> odom_from_base;
-  /// By odometry, how the base moves while the image is taken: per second, a PoseVector along and
+  /// The base's motion by odometry while the image is taken: per second, a PoseVector along and
   /// about its own axes.
   std::optional<PoseVector> velocity = std::nullopt;
-  /// Whether the result is to hold a view of every predicted marker, for people to look at, also of
-  /// those that are recognized without.
+  /// Whether to include a view of every predicted marker for people to look at, even of those that
+  /// are recognized without one.
   bool wants_views = false;
-  /// Whether the result is to hold what this image says alone (FrameResult::measured).
+  /// Whether to include the pose from this image alone (FrameResult::measured).
   bool wants_measured = false;
 };
 
-/// A marker that was read in a frame, accepted or not.
+/// A marker that was read or recognized in a frame, accepted or not.
 struct MarkerDetection {
   std::string family;
   int id = 0;
-  /// The entry of the map that it was taken for; none where no entry fits.
+  /// The associated map entry; none if no entry fits.
   std::optional<std::size_t> map_entry;
   bool accepted = false;
   /// Why it was rejected; empty for an accepted one.
@@ -62,18 +62,20 @@ struct MarkerDetection {
   /// Pixels of the panoramic image.
   Corners<Eigen::Vector2d> corners;
   Eigen::Vector2d center;
-  /// Unit vector along its centre's line of sight in the camera's optical frame; NaN without one.
+  /// Unit vector along its centre's line of sight in the camera's optical frame; NaN if there
+  /// is none.
   Eigen::Vector3d sight = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
-  /// rad, the same about z of base_link, counter-clockwise from x.
+  /// rad, the direction of that line of sight about z of base_link, counter-clockwise from x.
   double bearing = 0.0;
-  /// m, horizontal distance from the camera to the map entry at the frame's pose; NaN without one.
+  /// m, horizontal distance from the camera to the map entry, at the frame's pose; NaN if either
+  /// is missing.
   double range = 0.0;
-  /// Pixels of the panoramic image, RMS over its corners at the frame's pose; NaN without one.
+  /// Pixels of the panoramic image, RMS over its corners at the frame's pose; NaN without a pose.
   double residual = 0.0;
   /// The same in standard deviations (Misfit).
   double deviations = 0.0;
-  /// Bits that had to be corrected, and grey levels by which modules were black or white enough; -1
-  /// and NaN for a marker that was recognized by its pattern, not decoded.
+  /// Number of corrected bits, and the grey levels by which modules are on their side of black and
+  /// white, on average; -1 and NaN for a marker that was recognized by its pattern, not decoded.
   int hamming = -1;
   double margin = std::numeric_limits<double>::quiet_NaN();
 };
@@ -81,20 +83,20 @@ struct MarkerDetection {
 /// A marker that was read elsewhere than at its place in the map.
 struct DisplacedMarker {
   std::size_t map_entry = 0;
-  /// m, from its place in the map to where it seems to hang, at the same height.
+  /// m, from its place in the map to where it seems to hang at the same height.
   double distance = 0.0;
 };
 
 /// Markers that seem to have been moved as one.
 struct GroupDisplacement {
   std::vector<std::size_t> entries;
-  /// m, of their middle, from its place in the map.
+  /// m, by which their middle moved in the map.
   Eigen::Vector3d shift;
   /// rad, about the map's z.
   double turn = 0.0;
 };
 
-/// A pose that the robot may have, and the probability of that.
+/// A pose that the robot may have, with its probability.
 struct WeightedPose {
   PoseEstimate map_from_base;
   double probability = 1.0;
@@ -110,68 +112,66 @@ struct Timings {
   double total = 0.0;
 };
 
-/// What a frame gave.
+/// The result of a frame.
 struct FrameResult {
   double stamp = 0.0;
   Mode mode = Mode::kSearching;
-  /// base_link in the map, with the height and the lean that were found; none while searching in
-  /// vain.
+  /// base_link in the map, with the estimated height and lean; none in Mode::kSearching.
   std::optional<PoseEstimate> map_from_base;
-  /// The same as this image's markers tell it by themselves, without the prediction, for filters
-  /// (measuredPose()); none where no marker was accepted, or where it is not wanted.
+  /// The same from this image's markers alone, without the prediction, for filters
+  /// (measuredPose()); none if no marker was accepted or it was not asked for.
   std::optional<PoseEstimate> measured;
-  /// Whether the robot moves on a floor, whose height and lean are nobody's concern.
+  /// Whether the robot moves on a floor: its height and lean are then not published.
   bool is_on_floor = true;
-  /// What the camera seemed to be off by.
+  /// The camera's estimated imaging error.
   ImagingError imaging_error = ImagingError::Zero();
-  /// The blur that the image was taken to have, and what its pixels say of it, where these aligned
-  /// the pose.
+  /// The blur assumed for the image, and what its pixels say about it if they aligned the pose.
   ImageBlur blur;
   std::optional<BlurEquations> blur_equations;
-  /// Of the markers that the pose was aligned with.
+  /// Among the markers that the pose was aligned with.
   Disagreement disagreement;
   /// How many times larger than expected the squared residuals are, at least 1.
   double excess = 1.0;
   ImageExposure exposure = ImageExposure::kGood;
-  /// s by which images seem to be later than their stamps, where that is certain.
+  /// s, by which images seem to be later than their stamps, if that is certain.
   std::optional<double> image_lag;
   /// In words, what is odd about the frame: why it has no pose, or that the robot was found far
   /// from where it should have been. Empty otherwise.
   std::string remark;
-  /// In words, what the last images show to be wrong with the robot's files and settings, and what
-  /// to do (Advisor).
+  /// In words, what recent images show to be wrong with the robot's files and settings, and what to
+  /// do about it (Advisor).
   std::vector<std::string> advice;
   /// What the frame was expected to show.
   std::vector<PredictedMarker> predicted;
-  /// Entries of the map that were looked for at their projections, in vain.
+  /// Map entries that were looked for at their projections and not found.
   std::vector<std::size_t> missed;
-  /// Entries of the map that hang elsewhere than it says, if the expected pose is right; and
-  /// whether that is open, since they may as well be right and the expected pose wrong.
+  /// Map entries that hang elsewhere than the map says, if the expected pose is right; and whether
+  /// that is open, since they may be in their places and the expected pose wrong.
   std::vector<std::size_t> elsewhere;
   bool is_open = false;
-  /// Where it was looked, and what was seen there (CV_8UC1, as many as views).
+  /// The views that were looked at, and their images (CV_8UC1, one per view).
   std::vector<View> views;
   std::vector<cv::Mat> view_images;
   std::vector<MarkerDetection> detections;
   std::vector<DisplacedMarker> displaced;
-  /// Groups of two markers or more, where no other hypothesis is left.
+  /// Groups of two or more markers, if no other hypothesis is left.
   std::vector<GroupDisplacement> displaced_groups;
-  /// Of the hypotheses that have a pose, the likeliest first. What their probabilities lack to 1 is
-  /// that it is none of these.
+  /// The poses of the hypotheses that have one, the likeliest first. If their probabilities sum to
+  /// less than 1, the rest is that none of these is right.
   std::vector<WeightedPose> hypotheses;
-  /// All that was decoded where unknown markers are looked for (LocalizerConfig::exploring_views),
-  /// whether the map has it or not. A marker that both a glance and a view read is there twice, and
-  /// the view of a glance's reading is none of `views`.
+  /// All readings while exploring (LocalizerConfig::exploring_views), whether the map has the
+  /// marker or not. A marker that both a glance and a view read appears twice; the view of a
+  /// glance's reading is not in `views`.
   std::vector<MarkerReading> explored;
   Timings timings;
 
-  /// What the robot is told: on a floor the pose in its plane, z = roll = pitch = 0, with the
+  /// The pose to publish: on a floor the pose in its plane, z = roll = pitch = 0, with the
   /// covariance of all six. There must be a pose.
   PoseEstimate publishedPose() const;
-  /// The same of `measured`.
+  /// The same for `measured`.
   std::optional<PoseEstimate> publishedMeasurement() const;
 
-  /// How many of the detections the pose stands on.
+  /// How many detections the pose is based on.
   int acceptedMarkers() const;
 };
 

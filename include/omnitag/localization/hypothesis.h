@@ -15,21 +15,21 @@ namespace omnitag {
 struct Hypothesis {
   MotionModel motion;
   MarkerMemory memory;
-  /// The pose from outside that its poses go back to, none where markers told the first; and by
-  /// which motion in the map that was off.
+  /// The pose from outside that its poses derive from, none if markers gave the first one; and the
+  /// motion in the map by which that pose was off.
   std::optional<PosePrior> start = std::nullopt;
   Eigen::Isometry3d start_error = Eigen::Isometry3d::Identity();
-  /// Whether its pose was too uncertain to be carried on; it may be right all the same.
+  /// Whether its pose became too uncertain to be carried on; the hypothesis may still be right.
   bool is_lost = false;
-  /// Natural logarithm of the probability of what moved the robot unnoticed.
+  /// Natural logarithm of the probability that something moved the robot unnoticed.
   double log_of_carried = 0.0;
-  /// Stamp (s) of the last image whose markers told its pose.
+  /// Stamp (s) of the last image whose markers gave its pose.
   double seen_stamp = std::numeric_limits<double>::infinity();
 
-  /// From now on its poses go back to `pose`, or to markers.
+  /// From now on its poses derive from `pose`, or from markers if there is none.
   void restart(const std::optional<PosePrior>& pose);
 
-  /// Natural logarithm of its probability, up to what all hypotheses have in common.
+  /// Natural logarithm of its probability, up to a constant that all hypotheses share.
   double logProbability(const Evidence& evidence) const;
 };
 

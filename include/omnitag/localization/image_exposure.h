@@ -10,8 +10,8 @@ enum class ImageExposure { kGood, kTooDark, kTooBright, kWashedOut };
 /// "" for a good one, "too dark", "too bright", "washed out".
 const char* toString(ImageExposure exposure);
 
-/// By the grey levels of some of an image's pixels (CV_8UC1). What shows no world, black around a
-/// mirror or a fisheye, must not be more than half of them.
+/// The exposure by the grey levels of a sample of an image's pixels (CV_8UC1). At most half of the
+/// image may show no world, like the black around a mirror or a fisheye.
 ImageExposure exposureOf(const cv::Mat& image);
 
 }  // namespace omnitag

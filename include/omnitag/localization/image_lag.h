@@ -6,33 +6,33 @@
 
 namespace omnitag {
 
-/// Tells from the images and odometry whether images show the robot later than their stamps say.
+/// Estimates from images and odometry whether images show the robot later than their stamps say.
 ///
-/// An image that is late by tau shows a robot that turns by tau times its turn rate further, so
-/// that the turn from image to image differs from odometry's by tau times the change of that rate:
-/// linear regression over the last minutes.
+/// If an image is late by tau, a turning robot appears tau times its turn rate further, so that the
+/// turn from image to image differs from odometry's by tau times the change of that rate. The lag
+/// is a linear regression over the last few hundred images.
 class ImageLag {
  public:
-  /// What an image told: the yaw of the pose that was found less the predicted one (rad), and the
-  /// velocity by odometry (BaseMotion::velocity). `is_carried_on`: whether the prediction followed
-  /// from the image before by odometry.
+  /// Adds an image: the yaw of the estimated pose minus the predicted one (rad), and the velocity
+  /// by odometry (BaseMotion::velocity). `is_carried_on`: whether odometry carried the prediction
+  /// on from the previous image.
   void add(double yaw_innovation, const PoseVector& velocity, bool is_carried_on);
 
-  /// s; nothing as long as it is not certain that there is one.
+  /// s; nothing unless it is certain that there is a lag.
   std::optional<double> lag() const;
 
  private:
   std::optional<double> last_turn_rate_;
-  /// Sums over the images, those long ago less: of 1, of products of the change of the turn rate
-  /// and the innovation.
+  /// Sums over the images, with decreasing weight for old ones: of 1, and of products of the change
+  /// of the turn rate and the innovation.
   double count_ = 0.0;
   double rate_rate_ = 0.0;
   double rate_innovation_ = 0.0;
   double innovation_innovation_ = 0.0;
 };
 
-/// What a lag adds to the covariance of a pose: the robot's way in this time, and a turn in it as
-/// it displaces what is seen from row to row.
+/// What a lag adds to the covariance of a pose: the robot's motion in this time, and the apparent
+/// displacement of markers from row to row in a turn.
 PoseMatrix covarianceOfLag(double lag, const PoseVector& velocity);
 
 }  // namespace omnitag

@@ -30,44 +30,45 @@ class Patrol;
 struct TrackingTools;
 
 /// Follows a robot through a stream of images: predicts, looks, triangulates, judges; and looks all
-/// around where it has no pose, or none that the image agrees with.
+/// around if it has no pose, or none that agrees with the image.
 ///
-/// Same input, same result. Not safe to use from two threads at once.
+/// The same input gives the same result. Not safe to use from two threads at once.
 class Localizer {
  public:
-  /// Throws InputError where the map names a family that the AprilTag library does not have.
+  /// Throws InputError if the map names a family that the AprilTag library does not have.
   Localizer(std::shared_ptr<const CameraModel> camera, MarkerMap map,
             const LocalizerConfig& config);
   ~Localizer();
 
   /// Takes base_link's pose in the map from outside, as a hypothesis
   /// (MotionModelConfig::max_initial_…). `odom_from_base`: odometry when the robot was there, from
-  /// which frames with odometry carry it on; none: it is there at the stamp of the next frame.
+  /// which frames with odometry carry the pose on; if absent, the robot is there at the stamp of
+  /// the next frame.
   void setPose(const PoseEstimate& map_from_base,
                const std::optional<Pose>& odom_from_base = std::nullopt);
 
-  /// The same without a covariance: the configured initial deviations are taken.
+  /// The same without a covariance; the configured initial deviations apply.
   void setPose(const Pose& map_from_base, const std::optional<Pose>& odom_from_base = std::nullopt);
 
   /// Forgets the pose; the next frames search.
   void forgetPose();
 
-  /// Takes the map with markers added behind those that it had, or with some of those moved. Throws
-  /// InputError as the constructor does; a family that the map did not name before must be its
-  /// default.
+  /// Replaces the map by one with markers appended, or with some of the existing ones moved.
+  /// Throws InputError as the constructor does; a family that the map did not name before must be
+  /// its default.
   void setMap(MarkerMap map);
 
-  /// Goes on where another localizer of the same camera stands, whose map or settings were others:
-  /// with its pose, and with what it knows of markers that this map has in the same places. To be
-  /// called before the first image.
+  /// Continues from the state of another localizer of the same camera whose map or settings differ:
+  /// takes over its pose, and what it knows of markers that this map has in the same places. Call
+  /// it before the first image.
   void continueFrom(const Localizer& before);
 
-  /// Takes markers that the map does not have, and where they seem to hang: exploring
+  /// Takes markers that the map does not have, with the places where they seem to hang: exploring
   /// (LocalizerConfig::exploring_views) looks for them there, too.
   void seek(std::vector<Marker> markers);
 
-  /// Stamps must increase; frame.image must have the camera's size. Throws InputError otherwise and
-  /// keeps its state.
+  /// Processes a frame. Stamps must increase, and frame.image must have the camera's size;
+  /// otherwise throws InputError and keeps its state.
   FrameResult process(const Frame& frame);
 
   const MarkerMap& map() const { return map_; }
@@ -75,65 +76,65 @@ class Localizer {
 
  private:
   void check(const Frame& frame) const;
-  /// Carries all hypotheses on to the frame: their poses, in so far as they are not lost then.
+  /// Carries all hypotheses on to the frame; gives their poses, of use unless they are then lost.
   std::vector<PoseEstimate> predict(const Frame& frame);
   /// The camera while it takes the frame's image. After predict().
   MountedCamera cameraOf(const Frame& frame) const;
   /// Whether no hypothesis has a pose.
   bool isLost() const;
 
-  /// What the frame gives for the hypotheses, and for others that they lead to.
+  /// The accounts of the frame for all hypotheses, and for others that they lead to.
   std::vector<Account> track(const Frame& frame, const MountedCamera& camera,
                              const std::vector<PoseEstimate>& predicted);
   std::vector<Account> track(const Frame& frame, const MountedCamera& camera,
                              const Hypothesis& before, const PoseEstimate& predicted,
                              bool is_likeliest, std::vector<MarkerObservation>* seen);
-  /// The pose of the markers that are found near their predictions, the blur with
-  /// which they are found best, and other poses that they may stand for.
+  /// The pose from the markers that are found near their predictions, the blur with which they are
+  /// found best, and other poses that they may indicate.
   std::optional<PoseEstimate> followMarkers(const TrackingTools& tools, const Frame& frame,
                                             const MountedCamera& camera,
                                             const PoseEstimate& predicted, bool learns,
                                             FrameResult* result,
                                             std::vector<MarkerObservation>* seen,
                                             std::vector<PoseEstimate>* alternatives);
-  /// What the frame gives for a robot at another pose than in its account.
+  /// The accounts of the frame for a robot at another pose than in `account`.
   std::vector<Account> alternativesAt(const PoseEstimate& pose, const Frame& frame,
                                       const MountedCamera& camera, const Hypothesis& before,
                                       const Account& account,
                                       const std::vector<MarkerObservation>& seen);
-  /// A pose less certain by what the images' lag makes of the robot's motion, if they seem to lag.
+  /// A pose, less certain by the effect of the images' lag on the robot's motion, if they seem
+  /// to lag.
   PoseEstimate withLag(const Frame& frame, const PoseEstimate& predicted, const PoseEstimate& pose,
                        bool learns);
-  /// Whether the accepted markers alone, without the prediction, lead to where it has the robot. A
-  /// prediction that is too sure of itself may hold a pose against all of them.
+  /// Whether the accepted markers alone, without the prediction, lead to the predicted place. An
+  /// overconfident prediction may hold a pose against all of them.
   bool markersAgree(const MountedCamera& camera, const PoseEstimate& predicted,
                     const Pose& solution, const FrameResult& result) const;
-  /// Whether a look all around, now and then where only a marker or two are found and one is missed
-  /// that the frame before showed, finds the robot elsewhere. What it reads is not lost to
-  /// exploring.
+  /// Whether a look all around finds the robot elsewhere. It is done now and then, if only a marker
+  /// or two are found and one is missed that the last frame showed. Exploring keeps what it reads.
   bool isElsewhere(const TrackingTools& tools, const Frame& frame, const MountedCamera& camera,
                    const Hypothesis& hypothesis, const PoseEstimate& tracked, FrameResult* result);
 
-  /// Searches for a robot that is lost, or seems not to be where its account puts it: what that
-  /// gives, for the account and for where the robot is found.
+  /// Searches for a robot that is lost, or seems not to be where its account puts it: the resulting
+  /// accounts, for that account and for the place where the robot is found.
   std::vector<Account> lookFor(const Frame& frame, const MountedCamera& camera, Account account,
                                const std::optional<PoseEstimate>& predicted, bool is_refuted);
-  /// Looks all around; nothing where that tells no pose that the prediction must give way to.
+  /// Looks all around; nothing if that gives no pose that the prediction must yield to.
   std::optional<PoseEstimate> search(const TrackingTools& tools, const Frame& frame,
                                      const MountedCamera& camera,
                                      const std::optional<PoseEstimate>& predicted,
                                      FrameResult* result);
 
-  /// Fills in what the frame's pose says about its detections.
+  /// Completes the detections with what follows from the frame's pose.
   void measure(const MountedCamera& camera, FrameResult* result);
-  /// Learns from the image of a robot whose pose is settled.
+  /// Learns from an image if the robot's pose is settled.
   void learnFrom(const Frame& frame, const MountedCamera& camera, bool was_searched,
                  FrameResult* result);
   void learnBlur(const Frame& frame, const MountedCamera& camera, FrameResult* result);
-  /// Pixels, standard deviation of the blur that decoders are to read without.
+  /// Pixels, standard deviation of the blur that is to be removed for decoders.
   double blurToRead();
   TrackingTools trackingTools(const Hypothesis& hypothesis);
-  /// Whether it is time to see how far a marker hangs from its place; if so, it is then done.
+  /// Whether it is time to measure how far a marker hangs from its place; if so, counts it as done.
   bool isDue(const MarkerDetection& rejected, double stamp);
 
   std::shared_ptr<const CameraModel> camera_;
@@ -144,8 +145,8 @@ class Localizer {
   GlanceReader glance_reader_;
   TagPatterns patterns_;
   Evidence evidence_;
-  /// The likeliest first. There is always one: of a robot that is lost, what was last known of the
-  /// world and of how it stands.
+  /// The likeliest first. There is always one: for a lost robot, it holds what was last known of
+  /// the world and of how the robot stands.
   std::vector<Hypothesis> hypotheses_;
   std::unique_ptr<Patrol> patrol_;
   BlurFilter blur_;
@@ -162,13 +163,13 @@ class Localizer {
   };
   std::optional<GivenPose> given_pose_;
   std::optional<double> last_stamp_;
-  /// Stamp from which a pose that stands on few markers is doubted next.
+  /// Stamp from which a pose that is based on few markers is next doubted.
   double next_doubt_ = -std::numeric_limits<double>::infinity();
-  /// By family and id: when it was last seen how far a marker hangs from its place.
+  /// By family and id: when it was last measured how far a marker hangs from its place.
   std::map<std::pair<std::string, int>, double> measured_;
-  /// Since markers told a pose.
+  /// Since markers last gave a pose.
   int lost_frames_ = 0;
-  /// Whether markers told the pose of the image before.
+  /// Whether markers gave the pose of the last image.
   bool was_tracked_ = false;
 };
 

@@ -31,19 +31,19 @@ struct LocalizerConfig {
   MotionModelConfig motion;
   ShutterConfig shutter;
   /// How many cores a frame may use at once. One leaves the others to the robot's other nodes; more
-  /// make searches and frames with many markers faster.
+  /// speed up searches and frames with many markers.
   int threads = 1;
-  /// How much is looked, in each frame, for markers that the map does not have: as many views'
-  /// worth, of those that together show all of the panorama (see Exploration); all of them while
-  /// searching. 0: the map has all.
+  /// How much of each frame is searched for markers that the map does not have: in units of one of
+  /// the views that together show all of the panorama (see Exploration); all of them while
+  /// searching for the pose. 0: the map is complete.
   int exploring_views = 0;
 };
 
 /// Reads the groups `visibility`, `view`, `detector`, `association`, `recognition`, `estimation`,
 /// `look_around`, `attention`, `evidence`, `relocalization`, `motion` and `floor`, and the keys
 /// `threads`, `pose_model` (floor | free), `estimator` (triangulation | reprojection | photometric)
-/// and those of ShutterConfig. Absent keys keep their defaults; other keys of the top level are not
-/// looked at. Throws InputError.
+/// and those of ShutterConfig. Absent keys keep their defaults; other top-level keys are ignored.
+/// Throws InputError.
 LocalizerConfig readLocalizerConfig(const YamlReader& reader);
 
 }  // namespace omnitag

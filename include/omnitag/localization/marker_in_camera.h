@@ -10,18 +10,18 @@
 
 namespace omnitag {
 
-/// camera_from_marker of a marker of this size (m), as its four corners tell it by themselves: the
-/// camera's optical frame and the marker's (Marker), with the covariance that the corners' noise
-/// and the camera's uncertainty leave. `expected`: where the map and the frame's pose have it,
-/// which then decides between the two poses that a marker may leave; without, the better one. None
-/// where no pose explains the corners.
+/// camera_from_marker of a marker of this size (m) from its four corners alone, between the
+/// camera's optical frame and the marker's (Marker), with the covariance due to the corners' noise
+/// and the camera's uncertainty. `expected`: where the map and the frame's pose have the marker,
+/// which decides if two poses remain possible; without it, the better one. None if no pose explains
+/// the corners.
 std::optional<PoseEstimate> markerInCamera(std::shared_ptr<const CameraModel> camera,
                                            const MarkerDetection& detection, double size,
                                            const std::optional<Eigen::Isometry3d>& expected,
                                            const EstimatorConfig& config);
 
-/// m, of a marker that was detected: its map entry's; where it has none, that of an entry of its
-/// family and id, or else the map's default; 0 where that is not known either.
+/// m, size of a detected marker: that of its map entry; without one, that of an entry with its
+/// family and id, or else the map's default; 0 if that is not known either.
 double sizeOf(const MarkerDetection& detection, const MarkerMap& map);
 
 }  // namespace omnitag

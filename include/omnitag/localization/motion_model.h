@@ -11,7 +11,7 @@
 
 namespace omnitag {
 
-/// Which of the pose's six numbers are wanted.
+/// Which of the pose's six numbers are estimated freely.
 enum class PoseModel {
   kFloor,  ///< x, y and yaw; the floor and the mounting let z, roll and pitch vary a little
   kFree,   ///< all six: ramps, legs, a hand, a drone
@@ -19,12 +19,12 @@ enum class PoseModel {
 
 /// How a robot stands on a floor.
 struct FloorConfig {
-  /// rad and m: standard deviations of roll and pitch each, and of the height of base_link. One
-  /// part of each varies slowly, the mounting's, and one from image to image, the floor's; both
-  /// have this deviation.
+  /// rad and m: standard deviations of roll and pitch each, and of the height of base_link. Each
+  /// has a part that varies slowly, from the mounting, and one that varies from image to image,
+  /// from the floor; both have this deviation.
   double lean_deviation = 0.0087;
   double height_deviation = 0.005;
-  /// s, in which the slow part may become another one.
+  /// s, in which the slow part may change completely.
   double settling_time = 60.0;
 };
 
@@ -35,7 +35,7 @@ struct MotionModelConfig {
   /// m/s^2 and rad/s^2: without odometry, how much the velocity changes.
   double acceleration_deviation = 1.0;
   double angular_acceleration_deviation = 1.5;
-  /// m/s and rad/s: without odometry, what the velocity may be at the start.
+  /// m/s and rad/s: without odometry, the velocity at the start.
   double initial_speed_deviation = 0.5;
   double initial_turn_rate_deviation = 0.5;
   /// With odometry, errors of its motion: rad per rad turned and per metre driven, metres per metre
@@ -44,20 +44,19 @@ struct MotionModelConfig {
   double odometry_rotation_per_metre = 0.05;
   double odometry_translation_per_metre = 0.05;
   double odometry_translation_per_rotation = 0.02;
-  /// m and rad: of a pose that is given without a covariance.
+  /// m and rad: of a pose given without a covariance.
   double initial_position_deviation = 0.1;
   double initial_heading_deviation = radians(5.0);
-  /// m: with PoseModel::kFree, of the height of a pose that is given on the floor. Of its roll and
-  /// pitch it is that of the heading.
+  /// m: with PoseModel::kFree, of the height of a pose that is given on the floor. Its roll and
+  /// pitch have the deviation of the heading.
   double initial_height_deviation = 0.3;
-  /// s, how long a pose is carried on with neither a marker nor odometry.
+  /// s, how long a pose is carried on with neither markers nor odometry.
   double max_dead_reckoning_time = 1.0;
-  /// m and rad: a pose that is less certain than this is given up.
+  /// m and rad: a less certain pose is given up.
   double max_position_deviation = 0.5;
   double max_heading_deviation = radians(20.0);
   /// The same for a pose from outside, until a marker confirms it: a person points at a place to
-  /// half a metre, and the first marker may be some way off. Without odometry the time alone
-  /// counts.
+  /// half a metre, and the first marker may be some way off. Without odometry only the time counts.
   double max_initial_time = 10.0;
   double max_initial_position_deviation = 2.0;
   double max_initial_heading_deviation = radians(60.0);
@@ -68,47 +67,48 @@ struct MotionModelConfig {
 /// Reads the keys of FloorConfig; absent ones keep their defaults. Throws InputError.
 FloorConfig readFloorConfig(const YamlReader& reader);
 
-/// Reads the keys above but for `pose_model` and `floor`; absent ones keep their defaults. Throws
-/// InputError.
+/// Reads the keys above except `pose_model` and `floor`; absent ones keep their defaults.
+/// Throws InputError.
 MotionModelConfig readMotionModelConfig(const YamlReader& reader);
 
-/// Carries the robot's pose from image to image, by odometry where both images have it, otherwise
-/// at constant velocity. A Kalman filter over the pose, the velocity in base_link and, on a floor,
-/// the slow part of height, roll and pitch; the images' share comes as a finished pose.
+/// Carries the robot's pose from image to image, by odometry if both images have it, otherwise at
+/// constant velocity. A Kalman filter over the pose, the velocity in base_link and, on a floor, the
+/// slow part of height, roll and pitch; the images contribute a finished pose.
 ///
-/// On a floor the pose is carried within the plane, and height, roll and pitch are predicted afresh
-/// for each image: as odometry has roll and pitch, plus the slow part, give or take the fast one.
+/// On a floor the pose is carried within the plane, and height, roll and pitch are predicted for
+/// each image independently: odometry's roll and pitch plus the slow part, with the deviation of
+/// the fast one.
 class MotionModel {
  public:
   explicit MotionModel(const MotionModelConfig& config) : config_(config) {}
 
-  /// Takes other deviations and limits, from the next image on; the pose model stays.
+  /// Changes deviations and limits from the next image on; the pose model stays.
   void configure(const MotionModelConfig& config);
 
-  /// Starts from a pose that markers told at a stamp (s), at unknown velocity.
+  /// Starts from a pose that markers gave at a stamp (s), at unknown velocity.
   void reset(const PoseEstimate& map_from_base, double stamp,
              const std::optional<Pose>& odom_from_base);
 
-  /// The same from a pose that comes from outside: a hypothesis until it is corrected.
+  /// The same with a pose from outside: a hypothesis until it is corrected.
   void resetToGiven(const PoseEstimate& map_from_base, double stamp,
                     const std::optional<Pose>& odom_from_base);
 
-  /// Carries the pose on to a later stamp and returns it.
+  /// Carries the pose on to a later stamp.
   PoseEstimate predict(double stamp, const std::optional<Pose>& odom_from_base);
 
-  /// Takes the pose that the image at the last stamp led to, the prediction included in it.
+  /// Takes the pose from the image at the last stamp, which includes the prediction.
   void correct(const PoseEstimate& map_from_base);
 
   /// s from the last correction or start to the last stamp.
   double uncorrectedTime() const { return stamp_ - corrected_stamp_; }
 
-  /// How the base moves by odometry, or, at the last stamp, by the images.
+  /// The base's motion by odometry or, at the last stamp, by the images.
   BaseMotion motionBy(const PoseVector& odometry) const;
   BaseMotion motion() const;
-  /// The same of a base that nothing is known of.
+  /// The same if nothing is known of it.
   BaseMotion unknownMotion() const;
 
-  /// What is known of the pose of an image without a prediction: on a floor how the robot stands,
+  /// What is known of an image's pose without a prediction: on a floor how the robot stands,
   /// otherwise nothing. `odom_from_base`: odometry at the image's stamp.
   PosePrior standing(const std::optional<Pose>& odom_from_base) const;
 
@@ -122,25 +122,25 @@ class MotionModel {
 
   bool isOnFloor() const { return config_.isOnFloor(); }
   void restart(const PoseEstimate& map_from_base);
-  /// Whether the deviations of the pose, as far as it is wanted, are within these (m and rad).
+  /// Whether the deviations of the pose, as far as it is estimated, are within these (m and rad).
   bool isCertain(double max_position, double max_heading) const;
-  /// Of odometry: m and rad, standard deviations of what it tells of a way (m) and a turn (rad).
+  /// m and rad, standard deviations of odometry over a distance (m) and a turn (rad).
   double translationDeviation(double way, double turn) const;
   double rotationDeviation(double way, double turn) const;
   void moveByOdometry(const Pose& motion);
   void moveByVelocity(double interval);
-  /// Changes the pose by a motion and its uncertainty as errors of the pose and others follow.
+  /// Moves the pose by a motion, and propagates the covariance.
   void move(const Pose& motion, const Covariance& transition, const Covariance& noise);
-  /// On a floor: predicts height, roll and pitch of the image after an interval (s).
+  /// On a floor: predicts height, roll and pitch after an interval (s).
   void standAnew(double interval, const std::optional<Pose>& odom_from_base);
-  /// Of the slow part: the configured one as long as nothing is known.
+  /// Covariance of the slow part: the configured one until something is known.
   Eigen::Matrix3d slowCovariance() const;
   Pose leanAt(const std::optional<Pose>& odom_from_base) const;
   PoseEstimate estimate() const;
 
   MotionModelConfig config_;
   Pose pose_;
-  /// In base_link, per second; in a PoseVector's order.
+  /// In base_link, per second; in the order of a PoseVector.
   PoseVector velocity_ = PoseVector::Zero();
   /// m, rad, rad: the slow part of z, roll and pitch.
   Eigen::Vector3d slow_lean_ = Eigen::Vector3d::Zero();
@@ -149,7 +149,7 @@ class MotionModel {
   PoseMatrix shared_ = PoseMatrix::Zero();
   double stamp_ = 0.0;
   double corrected_stamp_ = 0.0;
-  /// When a correction, a start or odometry last told where the robot is.
+  /// When a correction, a start or odometry last showed where the robot is.
   double known_stamp_ = 0.0;
   std::optional<Pose> odom_from_base_;
   /// Whether the pose comes from outside and no marker has confirmed it.

@@ -14,7 +14,7 @@
 
 namespace omnitag {
 
-/// How a pose is computed from the markers that were read.
+/// How a pose is computed from the observed markers.
 enum class EstimatorKind {
   kTriangulation,  ///< the paper's: bearings of the centres, Eqns 1 and 2
   kReprojection,   ///< all corners, in the panoramic image
@@ -27,8 +27,8 @@ struct EstimatorConfig {
   /// Standard deviations (Misfit): a marker that is farther off is rejected.
   double max_misfit = 7.0;
   PhotometricConfig photometric;
-  /// Pixels of the panorama: standard deviation that the lens's blur is taken for until the images
-  /// tell.
+  /// Pixels of the panorama: assumed standard deviation of the lens's blur until the images
+  /// show it.
   double blur = 0.0;
 };
 
@@ -36,35 +36,34 @@ struct EstimatorConfig {
 /// ones keep their defaults. Throws InputError.
 EstimatorConfig readEstimatorConfig(const YamlReader& reader);
 
-/// A pose, and what it makes of each observation.
+/// A pose, and how well each observation agrees with it.
 struct PoseSolution {
   PoseEstimate map_from_base;
   ImagingError imaging_error = ImagingError::Zero();
-  /// Of each observation.
+  /// One for each observation.
   std::vector<Misfit> misfits;
-  /// Whether the pose stands on the observation.
+  /// Whether the pose is based on the observation.
   std::vector<bool> used;
   /// How many times larger than expected the squared residuals are, at least 1.
   double excess = 1.0;
 };
 
-/// How many markers agree with a pose as well as by chance.
+/// How many markers agree with a pose within chance.
 std::size_t sharplyAgreeing(const std::vector<Misfit>& misfits);
 
-/// Whether enough of the markers that are expected, two thirds, leave no doubt that the pose on
-/// which they agree is right. Some may have been moved as one, and then one or the other that was
-/// not may seem in its place by chance.
+/// Whether enough of the expected markers, two thirds, agree to leave no doubt about the pose. Some
+/// may have been moved as one, and one or the other that was not may then seem to be in its place
+/// by chance.
 bool isLargeMajority(std::size_t agreeing, std::size_t expected);
 
-/// Estimates the robot's pose from what was observed and the prior. Observations that disagree with
-/// the others are left out.
+/// Estimates the robot's pose from the observations and the prior. Outliers are left out.
 ///
-/// Triangulation uses the prior for its heading only. Where there are fewer than the three markers
-/// that it needs, and with the other kinds, all corners and the prior with its covariance give the
-/// pose: two bearings, which leave a line of poses, or one, then decide as far as they can, and the
-/// prior the rest. Nothing where the pose stays undetermined or nothing agrees.
+/// Triangulation uses only the prior's heading. With fewer than the three markers that it needs,
+/// and with the other kinds, the pose follows from all corners and the prior with its covariance:
+/// two bearings, which leave a line of poses, or a single one determine what they can, and the
+/// prior the rest. Nothing if the pose stays undetermined or nothing agrees.
 ///
-/// What kPhotometric adds needs the image: refinePhotometrically().
+/// The additional step of kPhotometric needs the image: refinePhotometrically().
 std::optional<PoseSolution> estimatePose(const MarkerMap& map, const MountedCamera& camera,
                                          const std::vector<MarkerObservation>& observations,
                                          const PosePrior& prior, const EstimatorConfig& config);

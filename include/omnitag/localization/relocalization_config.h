@@ -4,7 +4,7 @@
 
 namespace omnitag {
 
-/// When a pose that was found without any prediction is believed.
+/// When to believe a pose that was found without a prediction.
 struct RelocalizationConfig {
   /// Log-likelihood by which the best of several poses that explain the same markers must lead.
   double min_lead = 10.0;
@@ -12,8 +12,7 @@ struct RelocalizationConfig {
   double max_misfit_of_one = 2.4;
   /// Corrected bits of the only marker that a pose explains.
   int max_hamming_of_one = 1;
-  /// m: standard deviation of a pose's position, its height included, that a single marker may
-  /// leave.
+  /// m: largest standard deviation of a pose's position, height included, from a single marker.
   double max_deviation_of_one = 0.2;
 };
 

@@ -16,28 +16,27 @@ namespace omnitag {
 struct ReprojectionConfig {
   /// Pixels of the panorama, standard deviation of a corner's position along each axis.
   double corner_noise = 0.045;
-  /// The same of a small, blurred or shaded marker: what judges by corners must not decide by
-  /// chance.
+  /// The same for a small, blurred or shaded marker: decisions based on corners must not depend
+  /// on chance.
   double poor_corner_noise = 0.15;
-  /// Standard deviations, RMS over a marker's corners, from which it counts less and less: half at
-  /// this many (Cauchy's function).
+  /// Standard deviations, RMS over a marker's corners, at which its weight has fallen to half
+  /// (Cauchy's function).
   double robust_misfit = 4.0;
 };
 
 /// How far the corners of an observation are off their projections from a pose.
 struct Misfit {
-  /// Pixels, RMS over the corners; infinity where the pose hides one.
+  /// Pixels, RMS over the corners; infinity if the pose hides one.
   double residual = 0.0;
-  /// Standard deviations, RMS over the corners' coordinates, by the covariance that poor corners
-  /// have of a marker that hangs as the map says, give or take its deviations. About 1 where all is
-  /// well.
+  /// Standard deviations, RMS over the corners' coordinates, by the covariance of poor corners and
+  /// of the marker's place in the map. About 1 if all is well.
   double deviations = 0.0;
 };
 
 /// A fitted pose and how well each observation agrees with it.
 struct ReprojectionFit {
   PoseEstimate map_from_base;
-  /// What the camera seems to be off by.
+  /// The camera's estimated imaging error.
   ImagingError imaging_error = ImagingError::Zero();
   std::vector<Misfit> misfits;
   /// How many times larger than expected the squared residuals are, at least 1: a map or a camera
@@ -46,32 +45,32 @@ struct ReprojectionFit {
 };
 
 /// Refines a pose so that the mapped corners image where they were measured: least squares over all
-/// corners in the panoramic image (Levenberg-Marquardt), in which markers hang beside their places
-/// as their deviations say, the camera errs as its uncertainty says, and a marker that is farther
-/// off counts less and less. The covariance is that of all these, times the excess.
+/// corners in the panoramic image (Levenberg-Marquardt). Markers may hang beside their places as
+/// their deviations say, the camera may err as its uncertainty says, and a marker that is farther
+/// off counts less and less. The covariance includes all these, times the excess.
 ///
-/// Two markers, one or none are the same code; nothing where what is there leaves the pose
-/// undetermined, or where the pose hides all that was observed.
+/// Two markers, one or none use the same code; nothing if the pose stays undetermined, or hides all
+/// that was observed.
 std::optional<ReprojectionFit> refineByReprojection(
     const MarkerMap& map, const MountedCamera& camera,
     const std::vector<MarkerObservation>& observations, const Pose& initial, const PosePrior& prior,
     const ReprojectionConfig& config);
 
-/// The same from a start that may be far off: robust in a wide sense at first, so that all markers
-/// pull, and narrowing down to the configured one.
+/// The same from a start that may be far off: the robust width is large at first, so that all
+/// markers pull, and narrows down to the configured one.
 std::optional<ReprojectionFit> refineFromAfar(const MarkerMap& map, const MountedCamera& camera,
                                               const std::vector<MarkerObservation>& observations,
                                               const Pose& initial, const PosePrior& prior,
                                               const ReprojectionConfig& config);
 
-/// One for each observation, at a pose and an error of the camera.
+/// One for each observation, at a pose and an imaging error.
 std::vector<Misfit> misfitsAt(const MarkerMap& map, const MountedCamera& camera,
                               const std::vector<MarkerObservation>& observations,
                               const Pose& map_from_base, const ImagingError& error,
                               const ReprojectionConfig& config);
 
 /// What the corners of each observation say about the frame's unknowns, linearised at a pose and an
-/// error of the camera, as exact as poor corners are; nothing for a marker that the pose hides.
+/// imaging error, with the noise of poor corners; nothing for a marker that the pose hides.
 std::vector<std::optional<FrameEquations>> equationsAt(
     const MarkerMap& map, const MountedCamera& camera,
     const std::vector<MarkerObservation>& observations, const Pose& map_from_base,

@@ -9,21 +9,21 @@ namespace omnitag {
 /// A pose that is kept from one run to the next.
 struct SavedPose {
   std::string map_frame;
-  /// s, of the image that told it; for people.
+  /// s, of the image that gave it; for people.
   double stamp = 0.0;
   PoseEstimate map_from_base;
 };
 
-/// The text of a file with it (YAML).
+/// The text of a file with the pose (YAML).
 std::string textOf(const SavedPose& saved);
 
-/// Reads it again. Throws InputError with one line that names the file, the line and the key where
-/// something is missing, unknown or not finite, or where the covariance is none.
+/// Reads such a file. Throws InputError with one line that names the file, the line and the key if
+/// something is missing, unknown or not finite, or if the covariance is not a valid one.
 SavedPose parseSavedPose(const std::string& text, const std::string& origin);
 SavedPose loadSavedPose(const std::string& path);
 
-/// What is known of a robot that nobody watched meanwhile: the saved covariance and as much again
-/// as of a pose that a person gives (standard deviations in m and rad).
+/// What is known of a robot that nobody watched meanwhile: the saved covariance plus that of a pose
+/// that a person gives (standard deviations in m and rad).
 PoseEstimate afterAPause(const PoseEstimate& saved, double position_deviation,
                          double heading_deviation);
 

@@ -8,8 +8,8 @@
 
 namespace omnitag {
 
-/// A landmark of known place and the line of sight on which the robot sees it, both seen from
-/// above.
+/// A landmark at a known place and the line of sight on which the robot sees it, both seen
+/// from above.
 struct LandmarkSight {
   /// m, in the map.
   Eigen::Vector2d landmark;
@@ -26,18 +26,17 @@ struct LandmarkSight {
 };
 
 /// The paper's triangulation (Section 4): the pose whose lines of sight pass nearest to their
-/// landmarks, as the weighted sum of squared perpendicular distances (Eqn 2). For a given heading
+/// landmarks, by the weighted sum of squared perpendicular distances (Eqn 2). For a given heading
 /// the position follows in closed form (Eqn 1); the heading is found by Newton's iteration. The
-/// paper's line is taken with a = sin phi, b = -cos phi and c = -(a X + b Y), phi being the
-/// direction of sight in the map and (X, Y) the landmark, moved back by the viewpoint's place on
-/// the robot.
+/// paper's line has a = sin phi, b = -cos phi and c = -(a X + b Y), phi being the direction of
+/// sight in the map and (X, Y) the landmark, moved back by the viewpoint's place on the robot.
 ///
-/// Starts from `initial_yaw`, which must be within about 45 degrees. Landmarks that a solution has
-/// behind the robot, which a line cannot tell from those before it, make it fail. Nothing as well
-/// with fewer than three sights, or where they leave the pose undetermined.
+/// Starts from `initial_yaw`, which must be within about 45 degrees. Nothing with fewer than three
+/// sights, if they leave the pose undetermined, or if a solution has landmarks behind the robot,
+/// which a line cannot distinguish from landmarks ahead.
 ///
-/// The covariance is that of independent bearing errors, larger where the sights miss their
-/// landmarks by more than that.
+/// The covariance is that of independent errors of the bearings and the landmarks, scaled up if the
+/// sights miss their landmarks by more than that.
 std::optional<PoseEstimate> triangulate(const std::vector<LandmarkSight>& sights,
                                         double initial_yaw);
 

@@ -14,41 +14,41 @@
 
 namespace omnitag {
 
-/// Whether an image shows the world as mirrors do: writing in it runs backwards.
+/// Whether the camera's images are mirrored: writing in them runs backwards.
 bool isMirrored(const CameraModel& camera);
 
-/// What a glance is to find: by default every marker that it can.
+/// What a glance should find; by default every marker that it can.
 struct GlanceAim {
-  /// Where all of a marker must be.
+  /// Where the whole marker must be.
   Annulus where = {};
   Sector toward = {};
-  /// At most this many of those that were read, the largest.
+  /// At most this many readings, those of the largest markers.
   std::size_t at_most = std::numeric_limits<std::size_t>::max();
-  /// Whether the first glance is only for markers that stand out from the light and dark around
-  /// them, which takes a fifth to two fifths less time.
+  /// Whether the first glance is only for markers whose contrast stands out from their
+  /// surroundings, which takes a fifth to two fifths less time.
   bool starts_with_the_obvious = false;
 };
 
-/// What a glance at a panorama read. Each reading has a view of its own.
+/// The result of a glance at a panorama. Each reading has its own view.
 struct Glance {
   std::vector<MarkerReading> readings;
   std::vector<View> views;
   std::vector<cv::Mat> view_images;
 };
 
-/// Reads markers in the panorama as it is, at first reduced, without the views that show everything
-/// undistorted: several times faster than looking all around, and enough for markers that are
-/// neither small nor seen much from the side. Their corners are then found again in a view of each,
-/// since the panorama bends their edges. Not safe to use from two threads at once.
+/// Reads markers in the panorama itself, at first reduced, without undistorted views: several times
+/// faster than looking all around, and enough for markers that are neither small nor seen very
+/// obliquely. Their corners are then located again in a view of each marker, since the panorama
+/// bends their edges. Not safe to use from two threads at once.
 class GlanceReader {
  public:
   /// `config`: the settings of the last glance. The families are those of `detector`. `threads`:
-  /// how many find corners again.
+  /// how many locate corners at the same time.
   GlanceReader(std::shared_ptr<const CameraModel> camera, const TagDetectorConfig& config,
                const TagDetector& detector, int threads = 1);
 
-  /// How many glances there are, each at about twice the resolution of the one before, the last
-  /// at that of the detector's settings.
+  /// The number of glances. Each has about twice the resolution of the one before, and the last has
+  /// that of the detector's settings.
   std::size_t count() const { return detectors_.size(); }
 
   /// `panorama`: CV_8UC1, as large as the camera's image. `glance`: less than count(). `warper`:

@@ -16,7 +16,7 @@ struct MarkerReference {
   std::string text() const { return name.empty() ? std::to_string(id) : name; }
 };
 
-/// What somebody measured between markers, and how exactly.
+/// A measurement between markers, and its accuracy.
 struct MapConstraint {
   enum class Kind {
     kDistance,  ///< between the centres of two markers (m)
@@ -35,8 +35,8 @@ struct MapConstraint {
   std::string text() const;
 };
 
-/// Reads `constraints:` of a map file, none where it has none. The file's markers are not looked
-/// at: a constraint may name those that are to be found. Throws InputError.
+/// Reads `constraints:` of a map file; empty if there are none. The file's markers are not checked:
+/// a constraint may name a marker that is still to be found. Throws InputError.
 std::vector<MapConstraint> readConstraints(const YamlReader& map);
 std::vector<MapConstraint> loadConstraints(const std::string& path);
 

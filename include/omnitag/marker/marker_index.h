@@ -9,28 +9,29 @@
 
 namespace omnitag {
 
-/// Where the markers of a map, each with a strip of the white around it that makes it readable, are
-/// above its origin.
+/// Heights of a map's markers above its origin, each with a strip of the white border that makes
+/// it readable.
 struct MarkerHeights {
   Bounds upright;
-  /// Of those on the floor or under the ceiling, which can be right below or above a camera, where
-  /// upright ones cannot be read.
+  /// For markers on the floor or under the ceiling, which can be right below or above a camera,
+  /// where upright ones cannot be read.
   Bounds lying;
-  /// m, the edge of the smallest upright one; 0 where there are none.
+  /// m, the edge of the smallest upright marker; 0 if there is none.
   double smallest_upright = 0.0;
 };
 
 MarkerHeights heightsOf(const MarkerMap& map);
 
-/// What is often asked of a map, told without a look at each of its thousands of markers.
+/// Answers frequent queries of a map without visiting each of its thousands of markers.
 class MarkerIndex {
  public:
   explicit MarkerIndex(const MarkerMap& map);
 
-  /// Entries whose centres are no farther than `range` (m) from a point of the map, in their order.
+  /// Entries whose centres are at most `range` (m) away from a point of the map, in the
+  /// map's order.
   std::vector<std::size_t> within(double range, const Eigen::Vector3d& point) const;
 
-  /// As heightsOf() tells them.
+  /// The same as heightsOf().
   const MarkerHeights& heights() const { return heights_; }
 
  private:

@@ -9,23 +9,23 @@
 namespace omnitag {
 
 /// The four corners that the AprilTag library reports, in its order. In the marker's frame, times
-/// half its size: (-1, -1), (1, -1), (1, 1), (-1, 1); that is counter-clockwise from the lower left
-/// as a person sees them who looks at the marker upright.
+/// half its size: (-1, -1), (1, -1), (1, 1), (-1, 1); that is, counter-clockwise from the lower
+/// left for a person who looks at the upright marker.
 template <typename Point>
 using Corners = std::array<Point, 4>;
 
-/// A marker that hangs in the world. Its frame: origin at its centre, x to the right and y up as a
-/// person sees it who looks at it upright, z out of its face toward that person.
+/// A marker in the world. Its frame: origin at its centre, x to the right and y up for a person who
+/// looks at the upright marker, z out of its face toward that person.
 struct Marker {
   std::string family;
   int id = 0;
-  /// Unique in the map where given.
+  /// Unique in the map if given.
   std::string name;
   /// m, edge of the square between the corners that the library reports.
   double size = 0.0;
   Eigen::Isometry3d map_from_marker = Eigen::Isometry3d::Identity();
-  /// m and rad, standard deviations by which it may hang elsewhere than the map says, along and
-  /// about each axis; 0: exactly there.
+  /// m and rad, standard deviations of its misplacement along and about each axis; 0 if it is
+  /// exactly in its place.
   double deviation = 0.0;
   double orientation_deviation = 0.0;
 
@@ -36,19 +36,19 @@ struct Marker {
   Corners<Eigen::Vector3d> corners() const;
 };
 
-/// Where the markers hang. An entry is named by its index; the same id may stand on several.
+/// The places of the markers. An entry is identified by its index; several may have the same id.
 struct MarkerMap {
   std::string frame_id = "map";
   std::vector<Marker> markers;
-  /// Of markers that do not say otherwise: empty and 0 where there are none.
+  /// For markers without their own; empty and 0 if there are none.
   std::string default_family = {};
   double default_size = 0.0;
-  /// Of markers that do not say otherwise: see Marker.
+  /// For markers without their own; see Marker.
   double default_deviation = 0.0;
   double default_orientation_deviation = 0.0;
 };
 
-/// The entries that a marker of this family and id may be; none where the map has no such marker.
+/// The entries of this family and id; empty if the map has no such marker.
 std::vector<std::size_t> entriesOf(const MarkerMap& map, const std::string& family, int id);
 
 /// Orientation of a marker on a vertical surface: `yaw` is the heading of its outward normal in the

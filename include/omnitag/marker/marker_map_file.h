@@ -7,11 +7,11 @@
 namespace omnitag {
 
 /// Reads a marker map (YAML, the format is described in the README). Throws InputError with one
-/// line that names the file, the line and the key where something is missing, unknown, out of its
-/// range or contradicts itself, where a name stands twice, or where there is no marker at all.
+/// line that names the file, the line and the key if something is missing, unknown, out of its
+/// range or contradictory, if a name occurs twice, or if there is no marker.
 MarkerMap loadMarkerMap(const std::string& path);
 
-/// The same from text; `origin` stands for the file name in errors.
+/// The same from text; `origin` takes the place of the file name in errors.
 MarkerMap parseMarkerMap(const std::string& text, const std::string& origin);
 
 }  // namespace omnitag

@@ -14,43 +14,44 @@
 
 namespace omnitag {
 
-/// A marker that was read, in pixels of the panoramic image.
+/// A marker that was decoded, in pixels of the panorama.
 struct MarkerReading {
   std::string family;
   int id = 0;
-  /// Bits that had to be corrected.
+  /// Number of bits that were corrected.
   int hamming = 0;
   Corners<Eigen::Vector2d> corners;
   Eigen::Vector2d center;
-  /// Index of the view in which it was read.
+  /// Index of the view in which it was decoded.
   std::size_t view = 0;
-  /// Grey levels by which its modules are on their side of black and white, on average.
+  /// Grey levels, mean distance of its modules from the threshold between black and white.
   double margin = 0.0;
 };
 
 /// Mean length of a quadrilateral's edges.
 double meanEdge(const Corners<Eigen::Vector2d>& corners);
 
-/// A tag that a view shows, in the panorama, without the view's index; nothing where a corner is
-/// off the world that the panorama shows.
+/// A tag found in a view, in pixels of the panorama, without the view's index; nothing if the
+/// panorama does not show the world at one of its corners.
 std::optional<MarkerReading> inPanorama(const TagDetection& tag, const View& view,
                                         const ViewWarper& warper);
 
-/// Reads markers in views and takes what it read back to the panorama. Not safe to use from two
+/// Reads markers in views and takes the readings back to the panorama. Not safe to use from two
 /// threads at once.
 class MarkerReader {
  public:
-  /// `working_distance`: m, as in ViewWarper. `threads`: how many read several views. Throws
-  /// InputError for a family that the AprilTag library does not have.
+  /// `working_distance`: m, as in ViewWarper. `threads`: how many share the reading of several
+  /// views. Throws InputError for an unknown family.
   MarkerReader(std::shared_ptr<const CameraModel> camera, double working_distance,
                const TagDetectorConfig& config, const std::set<std::string>& families,
                int threads = 1);
 
-  /// The markers of one view's image. One that the view cuts, or that reaches off the world that
-  /// the panorama shows, is left out.
+  /// The markers in one view's image. A marker is left out if the view cuts it, or if it reaches
+  /// beyond what the panorama shows of the world.
   std::vector<MarkerReading> read(const cv::Mat& view_image, const View& view) const;
 
-  /// Those of several views, one after the other. `view_images`: the views', CV_8UC1.
+  /// The markers of several views, one view after the other. `view_images`: the views'
+  /// images, CV_8UC1.
   std::vector<MarkerReading> read(const std::vector<cv::Mat>& view_images,
                                   const std::vector<View>& views) const;
 
@@ -66,12 +67,12 @@ class MarkerReader {
   std::vector<TagDetector> detectors_;
 };
 
-/// Whether two readings are of one marker that two views show: the same family and id, nearly at
-/// the same place of the panorama.
+/// Whether two readings are of one marker that two views show: the same family and id, at nearly
+/// the same place in the panorama.
 bool areOfOneMarker(const MarkerReading& a, const MarkerReading& b);
 
-/// Readings of overlapping views without repetitions: of the same marker read twice, the one that
-/// is nearer to the middle of its view stays.
+/// Readings of overlapping views without repetitions: if a marker was read twice, the reading
+/// nearer to the middle of its view is kept.
 std::vector<MarkerReading> withoutRepetitions(const std::vector<MarkerReading>& readings,
                                               const std::vector<View>& views,
                                               const ViewWarper& warper);

@@ -6,11 +6,11 @@
 namespace omnitag {
 
 /// An image (CV_8UC1) that was blurred by this many pixels (standard deviation), as sharp as noise
-/// allows; the image itself where it was hardly blurred. What decoders look for are modules of some
-/// pixels, which two steps of Van Cittert's iteration bring back.
+/// allows; the image itself if it was hardly blurred. Decoders need modules of a few pixels, which
+/// two steps of Van Cittert's iteration restore.
 cv::Mat sharpened(const cv::Mat& image, double blur);
 
-/// An image as decoders read it: sharpened where it is blurred, once they ask for it.
+/// An image as decoders read it: sharpened if it is blurred, on first use.
 class ReadableImage {
  public:
   ReadableImage() = default;

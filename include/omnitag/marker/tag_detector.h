@@ -25,7 +25,7 @@ struct TagDetectorConfig {
   double decode_sharpening = 0.25;
   int min_cluster_pixels = 5;
   int max_nmaxima = 10;
-  /// rad, quads with a corner sharper than this are not looked at.
+  /// rad, quads with a corner sharper than this are ignored.
   double critical_angle = 0.1745;
   double max_line_fit_mse = 10.0;
   /// Grey levels between the white and the black of a marker. The library's own default, 5, finds
@@ -35,7 +35,7 @@ struct TagDetectorConfig {
   /// Wrong bits that are corrected, 3 at most. Families with very many ids get fewer, so that the
   /// library's decoding table stays under 64 MB.
   int max_hamming = 2;
-  /// Detections whose bits stand out less from their threshold (grey levels) are not reported.
+  /// Grey levels; detections whose bits differ less from their threshold are not reported.
   double min_decision_margin = 10.0;
 };
 
@@ -58,23 +58,23 @@ struct TagDetection {
 /// Where the diagonals of a quadrilateral meet.
 Eigen::Vector2d centerOf(const Corners<Eigen::Vector2d>& corners);
 
-/// Finds AprilTags in grey images. Not safe to use from two threads at once: give each thread its
-/// own.
+/// Finds AprilTags and ArUco markers in grey images. Not safe to use from two threads at once: give
+/// each thread its own.
 class TagDetector {
  public:
-  /// Throws InputError for a family that the library does not have.
+  /// Throws InputError for an unknown family.
   TagDetector(const TagDetectorConfig& config, const std::set<std::string>& families);
-  /// With another one's families, whose decoding tables (many megabytes) the two share.
-  /// `max_hamming` stays the other one's.
+  /// With the families of another detector, whose decoding tables (many megabytes) the two share.
+  /// `max_hamming` remains the other detector's.
   TagDetector(const TagDetectorConfig& config, const TagDetector& other);
   ~TagDetector();
   TagDetector(TagDetector&& other) noexcept;
   TagDetector& operator=(TagDetector&& other) noexcept;
 
-  /// The tags in an image (CV_8UC1, at most 32767 pixels a side), ordered by id. In an image of
-  /// less than 8 pixels a side, times `quad_decimate`, there is none. Rows may be padded.
-  /// `min_contrast`: grey levels between white and black, where that is more than the settings ask
-  /// for. Throws std::invalid_argument for other images.
+  /// The tags in an image (CV_8UC1, at most 32767 pixels a side), ordered by id. There are none in
+  /// an image of less than 8 pixels a side, times `quad_decimate`. Rows may be padded.
+  /// `min_contrast`: grey levels between white and black, if more than the settings require. Throws
+  /// std::invalid_argument for other images.
   std::vector<TagDetection> detect(const cv::Mat& image, int min_contrast = 0) const;
 
  private:

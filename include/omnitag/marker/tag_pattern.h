@@ -17,19 +17,19 @@ struct apriltag_family;
 
 namespace omnitag {
 
-/// The black and white modules of a tag with all that the family's layout fixes around them, as the
-/// AprilTag library draws it, for averages over any part of it.
+/// The black and white modules of a tag, with everything that the family's layout fixes around
+/// them, as the AprilTag library draws it. Any part of it can be averaged.
 ///
-/// Positions are in modules from the upper left corner of the drawing, x to the right and y down as
-/// a person sees them who looks at the upright tag.
+/// Positions are in modules from the upper left corner of the drawing, x to the right and y down
+/// for a person who looks at the upright tag.
 class TagPattern {
  public:
-  /// Throws InputError for a family that the library does not have or an id that it has not.
+  /// Throws InputError for an unknown family, or an id that the family does not have.
   TagPattern(const std::string& family, int id);
   TagPattern(const apriltag_family& family, int id);
 
-  /// Modules across the whole drawing, and between the corners that the library reports, which lie
-  /// in the middle of it.
+  /// Modules across the whole drawing, and between the corners that the library reports, which are
+  /// centred in it.
   int width() const { return width_; }
   int widthBetweenCorners() const { return width_between_corners_; }
 
@@ -43,12 +43,12 @@ class TagPattern {
   /// within the drawing.
   White average(const Eigen::Vector2d& position, const Eigen::Vector2d& size) const;
 
-  /// What a pixel sees: a parallelogram by its sides (modules), blurred by a Gaussian of this many
-  /// pixels squared, and swept along a way (modules). Where it is sharp, the parallelogram is cut
-  /// into four, each of which is averaged over as if its sides ran along the modules. Where it is
-  /// blurred, all of it is a Gaussian: one along the modules at each of some places of a line,
-  /// which carries the correlation. The sweep is made in steps of half a side, if these are not too
-  /// many.
+  /// What a pixel sees: a parallelogram given by its sides (modules), blurred by a Gaussian of this
+  /// variance (pixels squared), and swept along a displacement (modules). If it is sharp, the
+  /// parallelogram is cut into four, each of which is averaged as if its sides ran along the
+  /// modules. If it is blurred, all of it is a Gaussian, composed of Gaussians along the modules'
+  /// axes at a few places on a line, which carry the correlation. The sweep is made in steps of
+  /// half a side, if these are not too many.
   class Window {
    public:
     Window() = default;
@@ -58,13 +58,13 @@ class TagPattern {
     /// How far it reaches from its middle along the modules' axes.
     const Eigen::Vector2d& reach() const { return reach_; }
 
-    /// How far from its middle nearly all of it lies, all where it is sharp. Beyond the drawing,
-    /// the drawing's edge is taken to go on.
+    /// How far nearly all of it reaches from its middle; all of it if it is sharp. Beyond the
+    /// drawing, the drawing's edge is continued.
     const Eigen::Vector2d& core() const { return core_; }
 
     bool isBlurred() const { return is_blurred_; }
 
-    /// Of a rectangle along the modules' axes that stands for all of it, less exactly.
+    /// The size of a rectangle along the modules' axes that approximates all of it.
     const Eigen::Vector2d& size() const { return size_; }
 
    private:
@@ -78,7 +78,7 @@ class TagPattern {
       places_[place_count_++] = {from_middle, share};
     }
 
-    /// Calls back with the middle of each, also at each step of the sweep, and its share.
+    /// Calls `visit` with the middle of each place, at each step of the sweep, and its share.
     template <typename Visit>
     void visit(const Eigen::Vector2d& position, const Visit& visit) const {
       const double per_step = 1.0 / steps_;
@@ -95,7 +95,7 @@ class TagPattern {
     Eigen::Vector2d size_ = Eigen::Vector2d::Zero();
     std::array<Place, 5> places_{};
     std::size_t place_count_ = 0;
-    /// At each place: of rectangles half of their sides, of Gaussians the standard deviations.
+    /// At each place: half the sides of rectangles, the standard deviations of Gaussians.
     Eigen::Vector2d extent_ = Eigen::Vector2d::Zero();
     Eigen::Vector2d step_ = Eigen::Vector2d::Zero();
     int steps_ = 1;
@@ -107,9 +107,9 @@ class TagPattern {
 
   bool isWhite(int column, int row) const;
 
-  /// Whether all that is less than `reach` (modules along either axis) away from a position, or
-  /// what the drawing has of it, is of one colour. Modules beyond the next are not looked at: false
-  /// where the reach is more than 1. The position may be off the drawing by the reach at most.
+  /// Whether everything within `reach` (modules along either axis) of a position, as far as the
+  /// drawing has it, is of one colour. Only adjacent modules are checked: false if the reach is
+  /// more than 1. The position may be off the drawing by the reach at most.
   bool isEvenAround(const Eigen::Vector2d& position, const Eigen::Vector2d& reach) const {
     if (reach.maxCoeff() > 1.0) return false;
     // From one module above and to the left of the first, so that none is negative.
@@ -125,17 +125,17 @@ class TagPattern {
     return (columns * rows & unlike) == 0U;
   }
 
-  /// How many modules tell the tags of a family apart; the layout fixes the others.
+  /// The number of modules that distinguish the tags of a family; the layout fixes the others.
   int dataModules() const { return data_modules_; }
 
-  /// A data module, by its number in the order of the family's bits, and its share in something.
+  /// A data module, by its number in the order of the family's bits, and its share in a window.
   struct DataShare {
     int module;
     double share;
   };
 
-  /// Appends the shares that data modules have in what a window sees, each once; a module that has
-  /// none may be missing. Of a sharp window, in the rectangle of its size().
+  /// Appends the shares of the data modules in what a window sees, each module once; modules
+  /// without a share may be missing. For a sharp window, the shares in the rectangle of its size().
   void appendDataShares(const Eigen::Vector2d& position, const Window& window,
                         std::vector<DataShare>* shares) const;
 
@@ -151,13 +151,13 @@ class TagPattern {
     double by_x;
     double by_y;
   };
-  /// A coordinate as the module that it lies in and how far in.
+  /// A coordinate as the module that contains it, and the distance from the module's beginning.
   struct Place {
     int module;
     double within;
   };
-  /// What a Gaussian sees along one axis: shares of `count` modules from the first on, which add up
-  /// to 1, and their derivatives by its middle.
+  /// What a Gaussian sees along one axis: the shares of `count` modules from `first` on, which add
+  /// up to 1, and their derivatives by its middle.
   struct Profile {
     static constexpr int kMost = 32;
     int first = 0;
@@ -187,8 +187,8 @@ class TagPattern {
   std::vector<char> is_white_;
   /// White modules above and to the left of each corner of the grid.
   std::vector<double> sums_;
-  /// Of each module and of those around the drawing, which are as the nearest ones: a bit for each
-  /// of three times three neighbours, row by row, that is of another colour.
+  /// For each module, and for those around the drawing, which equal the nearest ones: a bit for
+  /// each of the 3 x 3 neighbours, row by row, that has another colour.
   std::vector<std::uint16_t> unlike_neighbours_;
   /// Number of each data module, row by row; -1 for the others.
   std::vector<int> data_module_;
@@ -202,7 +202,7 @@ class TagPatterns {
   /// Throws InputError as TagPattern does.
   explicit TagPatterns(const MarkerMap& map) { add(map); }
 
-  /// Draws those that are not there yet. Throws InputError as TagPattern does.
+  /// Draws the patterns that are missing. Throws InputError as TagPattern does.
   void add(const MarkerMap& map);
 
   const TagPattern& of(const Marker& marker) const;

@@ -9,17 +9,19 @@
 
 namespace omnitag {
 
-/// Finds the markers of a frame that agree about its unknowns, where others may hang elsewhere than
-/// the map says: of the sets that grow from each marker by the one that agrees best, as long as
-/// none disagrees, the largest. Of two that are as large, the one that the prior agrees with.
+/// Finds the markers of a frame that agree about its unknowns when others may hang elsewhere than
+/// the map says. From each marker a set grows by the marker that agrees best, as long as none
+/// disagrees. The largest set wins; of equally large ones, the one that agrees best in itself and
+/// with the prior.
 ///
-/// `markers`: linearised at `pose` and `error`, with what they err by; nothing for one that is not
-/// seen, which agrees. `excess`: how many times larger than that squared errors are.
+/// `markers`: linearised at `pose` and `error`, with the covariance of their errors; nothing for a
+/// marker that is not seen, which counts as agreeing. `excess`: how many times larger than expected
+/// squared errors are.
 std::vector<bool> consensusOf(const std::vector<std::optional<FrameEquations>>& markers,
                               const PosePrior& prior, const Pose& pose, const ImagingError& error,
                               double excess);
 
-/// The pose that some of them tell, with the prior.
+/// The pose from some of the markers and the prior.
 std::optional<PoseEstimate> poseOf(const std::vector<std::optional<FrameEquations>>& markers,
                                    const std::vector<bool>& which, const PosePrior& prior,
                                    const Pose& pose, const ImagingError& error);

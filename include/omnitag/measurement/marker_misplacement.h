@@ -6,7 +6,7 @@
 
 namespace omnitag {
 
-/// By how far a marker seems to hang elsewhere than the map says, standard deviations along (m) and
+/// By how much a marker may hang elsewhere than the map says: standard deviations along (m) and
 /// about (rad) each axis.
 struct Misplacement {
   double position = 0.0;
@@ -15,14 +15,14 @@ struct Misplacement {
   bool isNone() const { return position == 0.0 && orientation == 0.0; }
 };
 
-/// Since the map may be wrong, and since a camera displaces each marker by a little of its own
-/// beside what its smooth modes can tell. `alignment_deviation`: pixels, what displaces it even
-/// where the camera is exact.
+/// The map may be wrong, and a camera displaces each marker a little in addition to what its smooth
+/// modes can describe. `alignment_deviation`: pixels, by which a marker is displaced even if the
+/// camera is exact.
 Misplacement misplacementOf(const Marker& marker, const CameraModel& camera,
                             double pixels_per_metre, double alignment_deviation);
 
-/// A marker that hangs elsewhere than the map says is seen as from another pose. The covariance of
-/// that change of the pose (a PoseVector).
+/// A marker that hangs elsewhere than the map says looks as if seen from another pose. The
+/// covariance of that change of the pose (a PoseVector).
 PoseMatrix seenFrom(const Pose& map_from_base, const Marker& marker,
                     const Misplacement& misplacement);
 

@@ -6,12 +6,12 @@
 
 namespace omnitag {
 
-/// What is unknown of an ImageBlur, in its order: variance, rim_variance, turn_square.
+/// The unknowns of an ImageBlur, in its order: variance, rim_variance, turn_square.
 using BlurVector = Eigen::Vector3d;
 using BlurMatrix = Eigen::Matrix3d;
 
-/// What an image's pixels say about its blur, linearised at the blur that they were predicted with:
-/// normal equations of least squares. The light on each marker is free.
+/// Normal equations of least squares for an image's blur, linearised at the blur that its pixels
+/// were predicted with. The light on each marker is free.
 struct BlurEquations {
   BlurMatrix information = BlurMatrix::Zero();
   /// The information times the change that the pixels ask for.
@@ -23,32 +23,32 @@ struct BlurEquations {
   }
 };
 
-/// Learns the blur from image to image: the lens's, which hardly changes, and the turn during the
-/// exposure, which differs from image to image.
+/// Learns the blur from image to image: the lens's part, which hardly changes, and the turn during
+/// the exposure, which differs from image to image.
 class BlurFilter {
  public:
-  /// Pixels squared, of the lens, to begin with.
+  /// `variance`: first guess of the lens's blur, in pixels squared.
   explicit BlurFilter(double variance) { blur_.variance = variance; }
 
-  /// What the next image is expected to have.
+  /// The blur expected of the next image.
   const ImageBlur& blur() const { return blur_; }
 
-  /// What an image has that was predicted with this blur.
+  /// The blur of an image that was predicted with blur `predicted`.
   ImageBlur after(const BlurEquations& image, const ImageBlur& predicted) const;
 
-  /// Takes it.
+  /// Learns from an image; the arguments are those of after().
   void take(const BlurEquations& image, const ImageBlur& predicted);
 
  private:
   BlurVector changeBy(const BlurEquations& image, const ImageBlur& predicted) const;
 
   ImageBlur blur_;
-  /// Of the lens's part.
+  /// Of variance and rim_variance.
   Eigen::Matrix2d information_ = Eigen::Matrix2d::Identity();
 };
 
-/// Whether two blurs make so little difference that what one of them gives holds for the other.
-/// `rim`: pixels, the radius of what the image shows.
+/// Whether two blurs differ so little that results for one hold for the other. `rim`: radius of the
+/// visible part of the image, in pixels.
 bool areAlike(const ImageBlur& a, const ImageBlur& b, double rim);
 
 }  // namespace omnitag

@@ -4,23 +4,25 @@
 
 namespace omnitag {
 
-/// How much the markers of an image disagree about its pose: chi-square by what their pixels, the
-/// map and the camera say, and its degrees of freedom. None where one marker tells the pose alone.
+/// How much the markers of an image disagree about its pose, given the errors of their pixels, the
+/// map and the camera: chi-square and its degrees of freedom. Both are 0 if a single marker
+/// determines the pose.
 struct Disagreement {
   double chi_square = 0.0;
   double freedom = 0.0;
 };
 
-/// What images have in common of it: blur, a tone curve or a map that is off make all of them
-/// disagree by more than chance does, and what one image shows of that is too little to tell.
+/// The disagreement that lasts from image to image: blur, a tone curve or errors of the map make
+/// all images disagree by more than chance does, and a single image shows too little of that to
+/// estimate it.
 class LastingDisagreement {
  public:
-  /// How many times larger than expected squared errors are, at least 1.
+  /// The factor by which squared errors exceed what is expected, at least 1.
   double excess() const { return std::max(1.0, sum_.chi_square / sum_.freedom); }
 
   void add(const Disagreement& image) {
-    // Some ten images are remembered, and of one with a marker that is hidden or moved, which only
-    // that image shows, no more than this many times what is known.
+    // About ten images are remembered. An image in which a marker is hidden or moved disagrees for
+    // that image only; it counts at most this many times the known excess.
     constexpr double kRemembered = 0.9;
     constexpr double kMost = 8.0;
     const double chi_square = std::min(image.chi_square, kMost * excess() * image.freedom);
@@ -29,7 +31,7 @@ class LastingDisagreement {
   }
 
  private:
-  /// To begin with, what an image of three markers says that are as expected.
+  /// To begin with: an image of three markers that are as expected.
   Disagreement sum_{18.0, 18.0};
 };
 

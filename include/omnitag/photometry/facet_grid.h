@@ -12,20 +12,20 @@
 
 namespace omnitag {
 
-/// How a part of a marker's drawing images: from pixel to pixel and from pose to pose that hardly
-/// changes within.
+/// How a part of a marker's drawing images. Within the part this hardly changes from pixel to pixel
+/// or from pose to pose.
 struct Facet {
   bool is_visible = false;
-  /// Derivatives of the position on the drawing (modules) by the pixel, and by what is unknown in a
-  /// frame where the pixel stays.
+  /// Derivatives of the position on the drawing (modules) by the pixel, and by a frame's unknowns
+  /// at a fixed pixel.
   Eigen::Matrix2d by_pixel = Eigen::Matrix2d::Zero();
   FrameJacobian by_frame = FrameJacobian::Zero();
-  /// What a pixel sees of the drawing: a parallelogram whose sides are the columns of `by_pixel`,
-  /// made longer by the lens's blur and swept along by the motion during the exposure.
+  /// The part of the drawing that a pixel sees: a parallelogram whose sides are the columns of
+  /// `by_pixel`, extended by the lens's blur and swept by the motion during the exposure.
   TagPattern::Window window;
 };
 
-/// Pixels, the last ones included; none where the last ones are before the first.
+/// A box of pixels, bounds included; empty if `right` < `left` or `bottom` < `top`.
 struct PixelBox {
   int left = 0;
   int top = 0;
@@ -33,25 +33,25 @@ struct PixelBox {
   int bottom = -1;
 };
 
-/// A marker's drawing cut into as many facets along either side, as they image from a pose.
+/// A marker's drawing as seen from a pose, cut into a square grid of facets.
 class FacetGrid {
  public:
   FacetGrid(const Marker& marker, const TagPattern& pattern, const MountedCamera& camera,
             const Pose& map_from_base, int facets_along);
 
-  /// The facet of a position (modules); of one off the drawing, one of those nearest.
+  /// The facet at a position (modules); for a position off the drawing, the nearest one.
   const Facet& at(const Eigen::Vector2d& position) const {
     return facets_[gridIndex(indexAlong(position.x()), indexAlong(position.y()), facets_along_)];
   }
 
-  /// All of them, row by row, and the number of the one that at() gives.
+  /// All facets, row by row, and the index of one that at() returned.
   const std::vector<Facet>& facets() const { return facets_; }
   int numberOf(const Facet& facet) const { return static_cast<int>(&facet - facets_.data()); }
 
-  /// Pixels of the image that show all that is visible of the drawing.
+  /// The pixels that show the visible part of the drawing.
   const PixelBox& box() const { return box_; }
 
-  /// How many pixels the visible facets cover.
+  /// Area of the visible facets in pixels.
   double area() const;
 
  private:

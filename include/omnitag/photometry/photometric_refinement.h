@@ -18,15 +18,15 @@ namespace omnitag {
 
 /// How a pose is aligned with the grey levels of the panorama.
 struct PhotometricConfig {
-  /// Grey levels, the least that noise is taken for: grey levels are rounded, and no pattern is
-  /// printed and lit as evenly as in the model.
+  /// Lower bound of the noise in grey levels: grey levels are rounded, and no pattern is printed
+  /// and lit as evenly as in the model.
   double min_noise = 1.0;
-  /// Pixels of the panorama: standard deviation of what all of a marker's pixels err by together,
-  /// since neither the camera model nor the pattern's is perfect.
+  /// Pixels of the panorama: standard deviation of the error that all of a marker's pixels have in
+  /// common, since neither the camera model nor the pattern's is perfect.
   double alignment_deviation = 0.0015;
-  /// Pixels at edges of modules that are used, at most, of all markers together: until the pose is
-  /// nearly right, and for the last step from there. More of the latter make the pose more exact.
-  /// Of each marker up to 75 are used all the same.
+  /// Upper limits on the pixels at edges of modules, of all markers together: until the pose is
+  /// nearly right, and for the last step from there. More pixels in the last step make the pose
+  /// more exact. Regardless of these limits, up to 75 pixels of each marker are used.
   int max_pixels = 600;
   int max_final_pixels = 12000;
 };
@@ -34,46 +34,47 @@ struct PhotometricConfig {
 /// A pose that was aligned with the panorama.
 struct PhotometricFit {
   PoseEstimate map_from_base;
-  /// What the camera seems to be off by.
+  /// Estimated error of the camera.
   ImagingError imaging_error = ImagingError::Zero();
-  /// What the pixels say of the blur that the camera was taken to have.
+  /// Equations for the blur, at the blur that the camera was assumed to have.
   BlurEquations blur;
-  /// Standard deviations as the residuals tell them: grey levels on even ground, and pixels by
-  /// which edges seem displaced by chance from pixel to pixel.
+  /// Standard deviations estimated from the residuals: grey levels on even ground, and the random
+  /// displacement of edges from pixel to pixel, in pixels.
   double noise = 0.0;
   double edge_noise = 0.0;
-  /// How much the markers disagree by these, the map and the camera; how many times more than
-  /// images before, where that is not by chance; and how many times larger than expected squared
-  /// errors hence are. The last two are at least 1.
+  /// How much the markers disagree, given the errors of their pixels, the map and the camera; the
+  /// factor by which that exceeds earlier images, if not by chance; and the factor by which squared
+  /// errors therefore exceed what is expected. The last two are at least 1.
   Disagreement disagreement;
   double surprise = 1.0;
   double excess = 1.0;
-  /// What each marker says at this pose and error, with what it errs by; nothing for one that is
-  /// not seen.
+  /// Equations of each marker at this pose and error, with their errors; nothing for a marker that
+  /// is not seen.
   std::vector<std::optional<FrameEquations>> markers;
-  /// For each marker how much it counts: less than 1 where it disagrees with the others.
+  /// Weight of each marker: less than 1 if it disagrees with the others.
   std::vector<double> weights;
 };
 
-/// How badly a pose explains the pixels: twice the negative log-likelihood, up to a constant, at
-/// the noise that `fit` found. Tells which of several optima is the likelier.
+/// Twice the negative log-likelihood of the pixels at a pose, up to a constant, at the noise that
+/// `fit` found. Of several optima the one with the smallest misfit is the likeliest.
 double photometricMisfit(const cv::Mat& panorama, const MarkerMap& map, const MountedCamera& camera,
                          const TagPatterns& patterns, const std::vector<std::size_t>& entries,
                          const Pose& map_from_base, const PhotometricFit& fit,
                          const PhotometricConfig& config);
 
-/// Refines a pose, good to about half a pixel, so that the patterns of the markers at `entries`
-/// explain the panorama's grey levels: every pixel of a marker is predicted as black + white *
-/// contrast, white being the pattern's average over what the pixel sees of it. Black and the
+/// Refines a pose, known to about half a pixel, so that the patterns of the markers at `entries`
+/// explain the panorama's grey levels. Every pixel of a marker is predicted as black + white *
+/// contrast, where white is the pattern's average over what the pixel sees of it. Black and the
 /// contrast, a polynomial of the second degree over the marker, are free for each marker. Least
-/// squares over pixels at edges (Gauss-Newton), with pixels that something covers weighed down;
-/// the priors of the pose, of the camera's error and of the markers' places take part.
+/// squares over pixels at edges (Gauss-Newton), with covered pixels weighed down, and with the
+/// priors of the pose, of the camera's error and of the markers' places.
 ///
-/// The covariance is that of an estimate so weighted whose pixels err as their residuals show
-/// (Huber's and White's sandwich), enlarged by the deviations of the configuration; markers that
-/// disagree with the others by more than that count less and raise it. Nothing where the alignment
-/// does not converge or leaves the pose undetermined. `panorama`: CV_8UC1. `threads`: how many
-/// markers are worked on at once; the result is the same. `lasting_excess`: LastingDisagreement's.
+/// The covariance is the sandwich estimator (Huber, White): that of the weighted estimate if
+/// its pixels err as their residuals show, enlarged by the deviations of the configuration.
+/// Markers that disagree with the others by more than that count less and enlarge it. Nothing
+/// if the alignment does not converge or leaves the pose undetermined. `panorama`: CV_8UC1.
+/// `threads`: how many markers are processed at once; does not affect the result.
+/// `lasting_excess`: from LastingDisagreement.
 std::optional<PhotometricFit> refinePhotometrically(const cv::Mat& panorama, const MarkerMap& map,
                                                     const MountedCamera& camera,
                                                     const TagPatterns& patterns,

@@ -14,12 +14,12 @@ namespace omnitag {
 
 /// How markers are recognized where they are predicted.
 struct RecognitionConfig {
-  /// Lengths of a module, as wide as the lens's blur makes it: a marker that may be farther from
-  /// its predicted place is looked for with the decoder.
+  /// In widths of a module, including the lens's blur: markers that may be farther from their
+  /// predicted place are searched for with the decoder.
   double max_margin = 9.0;
-  /// How often, at most, something else may be taken for the marker that is predicted there.
+  /// Upper limit of the probability that something else is taken for the predicted marker.
   double false_accept_rate = 1e-5;
-  /// Grey levels between black and white, the least that counts.
+  /// Least difference between black and white, in grey levels.
   double min_contrast = 8.0;
 };
 
@@ -28,37 +28,37 @@ RecognitionConfig readRecognitionConfig(const YamlReader& reader);
 
 /// A marker that was found where it was predicted.
 struct Recognition {
-  /// Pixels of the panorama. All of them are displaced alike where little displacement was to be
-  /// expected.
+  /// Pixels of the panorama. All have the same displacement from the prediction if little
+  /// displacement was expected.
   Corners<Eigen::Vector2d> corners;
   Eigen::Vector2d center = Eigen::Vector2d::Zero();
-  /// Whether they were displaced each for itself.
+  /// Whether the corners were displaced individually.
   bool is_stretched = false;
-  /// Correlation of what its data modules should look like with the panorama, and what it has to
-  /// be at least to be no other pattern, whatever the noise.
+  /// Correlation of the panorama with the expected data modules, and the least correlation that
+  /// rules out another pattern at any noise.
   double correlation = 0.0;
   double threshold = 1.0;
-  /// Whether it is the marker: by that, or since the panorama is that much likelier to show it than
-  /// another pattern, at the noise that either leaves.
+  /// Whether it is the marker: because of the correlation, or because the panorama is likelier by a
+  /// sufficient factor to show it than another pattern, each at the noise that it leaves.
   bool is_accepted = false;
 };
 
-/// The correlation that a random pattern, which varies in `dimensions` independent ways, reaches
-/// with a given one in no more than `rate` of all cases: the share that the cap of half-angle
-/// acos(t) has of the sphere in n dimensions is at most (1 - t^2)^((n - 1) / 2) / 2.
+/// The correlation with a given pattern that a random pattern, which varies in `dimensions`
+/// independent ways, reaches in at most `rate` of all cases: the cap of half-angle acos(t) has at
+/// most the share (1 - t^2)^((n - 1) / 2) / 2 of the sphere in n dimensions.
 double correlationThreshold(double dimensions, double rate);
 
-/// Pixels that a marker may be from its predicted place, at most, to be recognized.
+/// Largest distance from its predicted place, in pixels, at which a marker is recognized.
 double largestMargin(const PredictedMarker& predicted, const TagPattern& pattern,
                      const MountedCamera& camera, const RecognitionConfig& config);
 
-/// Whether a marker is where it is predicted, without decoding: its pattern is laid where it should
-/// image, moved until it fits the panorama best (CV_8UC1), and compared in the modules that tell
-/// the tags of its family apart. Needs far fewer pixels than decoding does.
+/// Tests, without decoding, whether a marker is where it is predicted: its pattern is projected
+/// there, moved to where it fits the panorama (CV_8UC1) best, and compared in the modules that
+/// distinguish the tags of its family. Needs far fewer pixels than decoding.
 ///
-/// The threshold takes into account how many of these modules the pixels can tell apart, and how
-/// many places were tried. Nothing where the prediction is too vague, or too little of the marker
-/// is in the image or too pale.
+/// The threshold takes into account how many of these modules the pixels resolve, and how many
+/// places were tried. Nothing if the prediction is too vague, or if too little of the marker is in
+/// the image or its contrast is too low.
 std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& marker,
                                      const TagPattern& pattern, const MountedCamera& camera,
                                      const Pose& map_from_base, const PredictedMarker& predicted,

@@ -6,7 +6,7 @@
 
 namespace omnitag {
 
-/// s, of a clock that nobody sets, and that goes on while the machine is suspended.
+/// s, by a clock that is never set and that also runs while the machine is suspended.
 inline double steadyTime() {
   timespec now{};
   clock_gettime(CLOCK_BOOTTIME, &now);
@@ -19,7 +19,8 @@ struct ClockReading {
   double steady = 0.0;
 };
 
-/// Reads a clock, again if the thread was interrupted meanwhile, a few times at most.
+/// Reads a clock together with steadyTime(). If the thread was interrupted in between, tries again,
+/// a few times at most.
 template <typename Clock>
 ClockReading readClocks(const Clock& clock) {
   constexpr double kSameMoment = 1e-3;  // s
@@ -39,11 +40,11 @@ ClockReading readClocks(const Clock& clock) {
   return best;
 }
 
-/// Notices when a clock is set, as by NTP, against one that nobody sets.
+/// Notices when a clock is set, e.g. by NTP, against one that is never set.
 class ClockWatch {
  public:
-  /// s by which the clock was set since the call before, negative for back; 0 where it was not.
-  /// Takes both clocks' readings of the same moment, in s.
+  /// s by which the clock was set since the previous call, negative if set back; 0 if it was not
+  /// set. Takes readings of both clocks at the same moment, in s.
   double step(double clock, double steady) {
     const double offset = clock - steady;
     const double change = last_offset_ ? offset - *last_offset_ : 0.0;
@@ -52,7 +53,7 @@ class ClockWatch {
   }
 
  private:
-  /// s: less than what makes an image late, more than what two readings may be apart.
+  /// s: less than makes an image late, more than two readings may be apart.
   static constexpr double kLeastStep = 0.01;
 
   std::optional<double> last_offset_;

@@ -20,10 +20,10 @@
 
 namespace omnitag {
 
-/// s, beyond which ros::Time has no stamps and throws.
+/// s, the end of the stamps of ros::Time, which throws beyond it.
 constexpr double kTimesEnd = 4294967295.0;
 
-/// The name of a frame as tf2 compares it.
+/// A frame's name as tf2 compares it.
 std::string withoutSlash(const std::string& frame);
 
 geometry_msgs::Point toMessage(const Eigen::Vector3d& point);
@@ -33,33 +33,34 @@ geometry_msgs::Pose toMessage(const Pose& pose);
 geometry_msgs::Pose poseOf(const Marker& marker);
 geometry_msgs::Transform toMessage(const Eigen::Isometry3d& target_from_source);
 
-/// The covariance is of (x, y, z) and of rotations about the target frame's x, y and z.
+/// The covariance is of (x, y, z) and of rotations about the x, y and z axes of the target frame.
 geometry_msgs::PoseWithCovariance toMessage(const PoseEstimate& estimate);
 
-/// The floor's share of a 6 x 6 covariance; nothing where it is not finite or not positive
+/// The part of (x, y, yaw) in a 6 x 6 covariance; nothing if that is not finite or not positive
 /// definite, i.e. was not filled in.
 std::optional<Eigen::Matrix3d> planarCovariance(const geometry_msgs::PoseWithCovariance& pose);
 
 Eigen::Isometry3d fromMessage(const geometry_msgs::Transform& target_from_source);
 
-/// From one frame to another at a time; nothing where tf does not know that.
+/// target_from_source at a time; nothing if tf does not know it.
 std::optional<Eigen::Isometry3d> findTransform(const tf2::BufferCore& transforms,
                                                const std::string& target, const std::string& source,
                                                const ros::Time& time);
 
-/// Throws InputError for coordinates that are not finite or a quaternion that is not of length 1
+/// Throws InputError for coordinates that are not finite or a quaternion whose length is not 1
 /// within 1 %.
 Eigen::Isometry3d fromMessage(const geometry_msgs::Pose& pose);
 
-/// Where nothing is known: NaN, and -1 as the first variance.
+/// An unknown pose: NaN, and -1 as the first variance.
 geometry_msgs::PoseWithCovariance noPose();
 
-/// The header is the image's. Without poses: addMarkerPoses().
+/// `header`: the image's. The poses are noPose() until addMarkerPoses() fills them in.
 MarkerDetectionArray toMessage(const std_msgs::Header& header,
                                const std::vector<MarkerDetection>& detections,
                                const MarkerMap& map);
 
-/// `header`: with the map's frame. Without the counts of images, which the result does not know.
+/// `header`: with the map's frame. Without the image's age and the counts of images, which the
+/// result does not know.
 LocalizationStatus toMessage(const std_msgs::Header& header, const FrameResult& result);
 
 }  // namespace omnitag

@@ -13,20 +13,20 @@
 namespace omnitag {
 
 /// Paints what the localizer saw in an image (the paper's Fig. 11): the panorama in the middle with
-/// lines to the predicted markers, and round it the views in their directions, each with the ids
+/// lines to the predicted markers, and around it the views in their directions, each with the ids
 /// that were looked for and whether they were read. Green was read and used, orange was rejected,
-/// grey was not read.
+/// yellow was predicted, grey was not read.
 class DebugImagePainter {
  public:
   DebugImagePainter(std::shared_ptr<const CameraModel> camera, MarkerMap map);
 
   void setMap(const MarkerMap& map) { map_ = map; }
 
-  /// `panorama`: CV_8UC1, the image that `result` is of. Gives CV_8UC3 (BGR), always of one size.
+  /// `panorama`: CV_8UC1, the image of `result`. The painting is CV_8UC3 (BGR), always of one size.
   cv::Mat paint(const cv::Mat& panorama, const FrameResult& result) const;
 
  private:
-  /// A mapped marker in a view, and what became of it there: predicted, read and used, or both.
+  /// A map entry in a view: predicted, read and used, or both.
   struct Sighting {
     std::size_t map_entry;
     const PredictedMarker* predicted;
@@ -48,7 +48,7 @@ class DebugImagePainter {
   std::shared_ptr<const CameraModel> camera_;
   MarkerMap map_;
   ViewWarper warper_;
-  /// Pixels of the canvas per pixel of the panorama, and where the panorama begins.
+  /// Pixels of the canvas per pixel of the panorama, and where the panorama begins on the canvas.
   double scale_;
   cv::Point2d origin_;
 };

@@ -20,23 +20,23 @@ class TransformError : public InputError {
   using InputError::InputError;
 };
 
-/// A frame of the core together with the messages that it was made from.
+/// A frame of the core together with the messages that it is made from.
 struct AssembledFrame {
   std_msgs::Header header;
   /// Shares its pixels with `image`.
   Frame frame;
   cv_bridge::CvImageConstPtr image;
-  /// Odometry in space; frame.odom_from_base is its share on the floor. None without odometry.
+  /// Odometry; frame.odom_from_base is the same as a Pose. None without odometry.
   std::optional<Eigen::Isometry3d> odom_from_base;
-  /// Why there is no odometry although the robot should have it; empty otherwise.
+  /// Why odometry is missing although the robot should have it; empty otherwise.
   std::string odometry_problem;
 };
 
-/// Puts a frame together from an image and the transforms at its stamp, for the nodelet as for
-/// localize_bag.
+/// Assembles a frame from an image and the transforms at its stamp, for the nodelet and for the
+/// tools that read bags.
 class FrameAssembler {
  public:
-  /// Images must be as large as the camera file says.
+  /// Images must be of `image_size`. `camera_origin`: names the camera in errors.
   FrameAssembler(std::string camera_origin, const ImageSize& image_size, FrameNames frames,
                  const ShutterConfig& shutter = {});
 
@@ -45,13 +45,13 @@ class FrameAssembler {
   /// Throws InputError for an image of another size or without a stamp or frame_id.
   void check(const cv_bridge::CvImage& image) const;
 
-  /// Whether tf has all that `assemble` looks up for such an image: odometry until the last row is
-  /// exposed.
+  /// Whether tf has everything that assemble() looks up for such an image: odometry until the last
+  /// row is exposed.
   bool hasTransforms(const std_msgs::Header& header, const tf2::BufferCore& transforms) const;
 
-  /// Throws what `check` throws, and TransformError where the camera's mounting is not known at the
-  /// stamp. A frame without its odometry is still a frame. Where odometry ends before the last row
-  /// is exposed, the base is taken to go on as it did before.
+  /// Throws what check() throws, and TransformError if the mounting is not known at the stamp. A
+  /// frame without its odometry is still a frame. If odometry ends before the last row is exposed,
+  /// the base is assumed to move on as before.
   AssembledFrame assemble(const cv_bridge::CvImageConstPtr& image,
                           const tf2::BufferCore& transforms) const;
 
@@ -61,7 +61,7 @@ class FrameAssembler {
     double begin;
     double end;
   };
-  /// In which the rows are exposed, made long enough for odometry to tell a velocity.
+  /// When the rows are exposed, long enough to determine a velocity from odometry.
   Interval exposedInterval() const;
   std::optional<PoseVector> velocity(const ros::Time& stamp,
                                      const tf2::BufferCore& transforms) const;

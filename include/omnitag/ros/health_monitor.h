@@ -20,34 +20,35 @@
 
 namespace omnitag {
 
-/// Says what the localizer is waiting for and how well it does: once a second in /diagnostics, and
-/// in the log, where a lasting problem gets a line from time to time instead of silence.
+/// Reports what the localizer is waiting for and how well it works: once a second in /diagnostics,
+/// and in the log, where a lasting problem gets a line from time to time instead of silence.
 ///
-/// Goes by the wall clock, so that it speaks before the first /clock too. Safe to use from several
-/// threads.
+/// Uses the wall clock, so that it also reports before the first /clock. Safe to use from
+/// several threads.
 class HealthMonitor {
  public:
   /// `input` must outlive the monitor.
   HealthMonitor(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
                 const ImageInput& input, MarkerMap map);
 
-  /// Mapping has added markers behind those that the map had, or moved some of its own.
+  /// The map is another one, or mapping has added markers at its end or moved such markers.
   void mapChanged(const MarkerMap& map, const std::vector<ProvisionalMarker>& provisional);
 
-  /// The localizer has started afresh: forgets what earlier images told of the map.
+  /// The localizer has started afresh or has another map: forgets what earlier images showed of
+  /// displaced markers.
   void startedAnew();
 
-  /// The message was no image of this camera.
+  /// The message was not an image of this camera.
   void imageRefused(const std::string& why);
-  /// The image was not newer than the one before it.
+  /// The image was not newer than the previous one.
   void imageLate();
-  /// The image was lost for want of the camera's mounting.
+  /// The image was lost because the mounting was not known.
   void transformMissing(const std::string& why);
-  /// tf was read and sent; `failure`: why it could not be, empty where it could.
+  /// tf was read and sent. `failure`: why that was not possible; empty if it was.
   void transformsServed(const std::string& failure);
-  /// `conflict`: why no transform is sent, from ParentWatch; empty: all is well.
+  /// `conflict`: why no transform is sent, from ParentWatch; empty if all is well.
   void parentChecked(const std::string& conflict);
-  /// The image was localized; `odometry_problem` is empty where odometry is there or not asked for.
+  /// The image was localized. `odometry_problem`: empty if odometry is there or not asked for.
   void localized(const LocalizationStatus& status, const FrameResult& result,
                  const std::string& odometry_problem);
 
@@ -55,23 +56,24 @@ class HealthMonitor {
   using Clock = std::chrono::steady_clock;
   using Report = diagnostic_updater::DiagnosticStatusWrapper;
 
-  /// Something that can be wrong, and when the log last said so; no time while all is well.
+  /// Something that can go wrong. `problem` is empty while all is well; `last_line`: when the log
+  /// last mentioned a problem.
   struct Subject {
     std::string problem;
     std::optional<Clock::time_point> last_line;
   };
 
   void imageCame();
-  /// Whether by ROS's clock no image is missing: a bag is paused.
+  /// Whether ROS's clock has hardly moved since the last image, as while a bag is paused.
   bool isPaused() const;
   void reportImages(Report& report);
   void reportTransforms(Report& report);
   void reportLocalization(Report& report);
   void reportMap(Report& report);
-  /// In words, which markers hang elsewhere: as groups that were moved as one, and alone.
+  /// Which markers hang elsewhere, in words: as groups that were moved as one, or alone.
   std::string describe(const std::vector<GroupDisplacement>& groups,
                        const std::vector<DisplacedMarker>& displaced) const;
-  /// Complains of a problem; an empty one is none.
+  /// Complains about a problem; an empty one settles the subject.
   void update(Subject* subject, const std::string& problem, const std::string& all_is_well,
               ros::console::Level level = ros::console::levels::Warn);
   void complain(Subject* subject, const std::string& problem,
@@ -83,7 +85,7 @@ class HealthMonitor {
 
   std::mutex mutex_;
   MarkerMap map_;
-  /// Markers that mapping has found: those that are used, and those that are not yet.
+  /// Markers that mapping has found: used, and not used yet.
   std::size_t mapped_ = 0;
   std::size_t waiting_ = 0;
   Subject images_;
@@ -107,7 +109,7 @@ class HealthMonitor {
   std::optional<LocalizationStatus> last_status_;
   std::optional<PoseEstimate> last_pose_;
 
-  // Last, so that no report is asked for while what it tells of is being destroyed.
+  // Last, so that no report runs while the members it reads are being destroyed.
   diagnostic_updater::Updater updater_;
   ros::WallTimer timer_;
 };

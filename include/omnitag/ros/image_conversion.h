@@ -6,15 +6,15 @@
 
 namespace omnitag {
 
-/// The image in 8 bit grey (CV_8UC1), with its header. Takes 8 and 16 bit grey, colour, Bayer and
-/// YUV 4:2:2 in the encodings of sensor_msgs/image_encodings.h; of 16 bits the upper 8 are kept.
-/// Grey images of 8 bit are not copied but kept alive, rows padded at their end included. Throws
-/// InputError where the message's sizes contradict each other or the encoding cannot be shown in
-/// grey.
+/// The image in 8 bit grey (CV_8UC1), with its header. Accepts 8 and 16 bit grey, colour, Bayer and
+/// YUV 4:2:2 in the encodings of sensor_msgs/image_encodings.h; of 16 bits the upper 8 are kept. An
+/// image in 8 bit grey is not copied but kept alive, including any padding at the end of its rows.
+/// Throws InputError if the message's sizes contradict each other or the encoding cannot be shown
+/// in grey.
 cv_bridge::CvImageConstPtr grayImage(const sensor_msgs::ImageConstPtr& message);
 
 /// The same for a file in one of OpenCV's formats (JPEG, PNG, ...), as image_transport's
-/// `compressed` sends it. Throws InputError where it cannot be decoded.
+/// `compressed` sends it. Throws InputError if it cannot be decoded.
 cv_bridge::CvImageConstPtr grayImage(const sensor_msgs::CompressedImageConstPtr& message);
 
 }  // namespace omnitag

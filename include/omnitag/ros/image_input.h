@@ -16,40 +16,40 @@
 
 namespace omnitag {
 
-/// An image that came in, not decoded yet.
+/// An image as it arrived, not decoded yet.
 struct ReceivedImage {
   std_msgs::Header header;
-  /// Throws InputError where the message is no image.
+  /// Throws InputError if the message is not an image.
   std::function<cv_bridge::CvImageConstPtr()> decode;
 };
 
-/// Subscribes to images and hands them on one by one, to one thread. Of those that wait, the oldest
-/// give way to newer ones, and are counted: what this process received and dropped is known
-/// exactly, but for images that come while the thread stays away for more than a second. What the
-/// network or the sender dropped is not, since neither stamps nor sequence numbers tell.
+/// Subscribes to images and hands them on one by one, to one thread. While images wait, the oldest
+/// give way to newer ones and are counted. How many images this process received and dropped is
+/// known exactly, unless the thread stays away for more than a second. How many the network or the
+/// sender dropped is not, since neither stamps nor sequence numbers show it.
 ///
-/// Messages come on a queue of its own, which that thread serves itself: a nodelet manager would
-/// wake two threads of its own for each message before this one.
+/// Messages arrive on a queue of its own, which that thread serves itself: a nodelet manager would
+/// wake two of its threads for each message first.
 class ImageInput {
  public:
-  /// Subscribes to `image` by image_transport. `compressed` is decoded here, so that it needs no
-  /// plugin. Throws InputError for a transport that cannot be loaded.
+  /// Subscribes to `image` through image_transport. `compressed` is decoded here, so that it needs
+  /// no plugin. Throws InputError for a transport that cannot be loaded.
   ImageInput(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
              const std::string& transport, int queue_size);
   ~ImageInput() { close(); }
   ImageInput(const ImageInput&) = delete;
   ImageInput& operator=(const ImageInput&) = delete;
 
-  /// The next image, if there is one: where none waits, serves the queue as serve() does.
+  /// The next image, if there is one. If none waits, serves the queue as serve() does.
   std::optional<ReceivedImage> next(double duration);
-  /// Takes what has come on the queue; waits for it where nothing has, but no longer than this (s)
-  /// nor than to close().
+  /// Takes what has arrived on the queue. If nothing has, waits for at most `duration` (s), or
+  /// until close().
   void serve(double duration);
-  /// Nothing comes any more.
+  /// Nothing arrives afterwards.
   void close();
   bool isClosed() const { return is_closed_; }
 
-  /// These are safe to call from any thread, also while the input is being closed.
+  /// The following are safe to call from any thread, also while the input is being closed.
   const std::string& topic() const { return topic_; }
   std::uint32_t publishers() const;
   std::uint64_t received() const { return received_; }
@@ -63,7 +63,7 @@ class ImageInput {
   ros::CallbackQueue queue_;
   ros::NodeHandle node_;
   image_transport::ImageTransport image_transport_;
-  /// Guards the subscribers, of which one is used.
+  /// Guards the subscribers, only one of which is used.
   mutable std::mutex subscriber_mutex_;
   image_transport::Subscriber subscriber_;
   ros::Subscriber compressed_subscriber_;

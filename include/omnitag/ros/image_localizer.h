@@ -20,61 +20,60 @@
 
 namespace omnitag {
 
-/// What an image's result is to hold beside its pose; see Frame.
+/// What the result of an image should hold in addition to its pose; see Frame.
 struct WantedExtras {
   bool views = false;
   bool measured = false;
 };
 
-/// An image and what it gave.
+/// An image and its result.
 struct LocalizedImage {
   AssembledFrame input;
   FrameResult result;
-  /// s by which stamps went back before this image, so that the localizer started afresh; 0: they
+  /// s by which stamps went back before this image, so that the localizer started afresh; 0 if they
   /// did not.
   double went_back = 0.0;
-  /// s by which the clock was set before this image, negative for back; the pose was kept.
+  /// s by which the clock was set before this image, negative if set back; the pose was kept.
   double clock_step = 0.0;
-  /// Whether the map has changed with this image: markers were added, or moved that mapping had
-  /// added.
+  /// Whether this image changed the map: mapping added markers, or moved some that it had added.
   bool map_changed = false;
 };
 
-/// Localizes in a stream of images, whether they come from a topic or a bag: the same images and
-/// transforms give the same poses. Not safe to use from two threads at once.
+/// Localizes in a stream of images from a topic or a bag: the same images and transforms give the
+/// same poses. Not safe to use from two threads at once.
 class ImageLocalizer {
  public:
-  /// Loads the map. Throws InputError where that or a parameter is wrong.
+  /// Loads the map. Throws InputError if the map or a parameter is wrong.
   ImageLocalizer(const LocalizerParameters& parameters, const DescribedCamera& camera);
 
-  /// Throws what the constructor throws of the map, before the camera is known.
+  /// Before the camera is known: throws what the constructor throws about the map file. Does not
+  /// check `ignore_markers`.
   static void checkMap(const LocalizerParameters& parameters);
 
-  /// Nothing for an image that is not newer than the one before; it is counted as late. Throws what
-  /// FrameAssembler throws, and keeps its state then.
+  /// Nothing for an image that is not newer than the previous one; it is counted as late. If
+  /// FrameAssembler throws, its exception passes through and the state is kept.
   ///
-  /// Where stamps alone step back by more than `restart_time_jump`, as when a bag loops, the
-  /// localizer starts afresh: with the initial pose of the parameters, or searching. What it has
-  /// mapped stays.
+  /// If stamps alone step back by more than `restart_time_jump`, as when a bag loops, the localizer
+  /// starts afresh: with the initial pose of the parameters, or searching. Markers that it has
+  /// mapped stay.
   std::optional<LocalizedImage> localize(const cv_bridge::CvImageConstPtr& image,
                                          const tf2::BufferCore& transforms,
                                          const WantedExtras& wanted = {});
 
-  /// The clock that stamps the images, as far as is known, was set by this (s): the pose is kept
-  /// where the stamps follow it.
+  /// The clock that, as far as is known, stamps the images was set by this many s. The pose is kept
+  /// if the stamps follow.
   void clockStepped(double seconds) { timeline_.clockStepped(seconds); }
 
-  /// Does something to the localizer before the next image is localized, after it has started
-  /// afresh where that image makes it: sets a pose, or forgets it. What was asked for before gives
-  /// way.
+  /// Sets a request to the localizer, e.g. to set or forget its pose, in place of an earlier
+  /// request that has not run. It runs before the next image is localized, but after a fresh start
+  /// that this image may cause.
   void beforeNextImage(std::function<void(Localizer*)> request) { request_ = std::move(request); }
 
-  /// Goes on with another localizer, made of another map or of other settings. Not while an image
-  /// is worked on.
+  /// Continues with another localizer, made of another map or other settings. Not to be called
+  /// while an image is processed.
   void exchange(Successor successor);
 
-  /// The map file's markers but for those that are ignored and, behind them, what mapping has
-  /// added.
+  /// The map file's markers except ignored ones, followed by those that mapping has added.
   const MarkerMap& map() const { return mapper_ ? mapper_->map() : map_; }
   const std::vector<Marker>& ignoredMarkers() const { return ignored_markers_; }
   bool isMapping() const { return mapper_.has_value(); }

@@ -15,13 +15,13 @@
 
 namespace omnitag {
 
-/// What may be tuned while driving: the settings themselves, and whether images are worked on.
+/// What may be tuned while driving: the settings, and whether images are processed.
 struct Tunables {
   bool enabled = true;
   LocalizerConfig config;
 };
 
-/// One of them, with what people and the protocol of dynamic_reconfigure are to know of it.
+/// One tunable, with what people and the protocol of dynamic_reconfigure need to know of it.
 struct Knob {
   std::string name;
   /// bool, int, double or str.
@@ -29,36 +29,36 @@ struct Knob {
   std::string description;
   double min = 0.0;
   double max = 1.0;
-  /// Of a str: its values.
+  /// The values of a str.
   std::vector<std::string> values = {};
   /// A bool is 0 or 1, a str the index of its value.
   std::function<double(const Tunables&)> get;
   std::function<void(Tunables*, double)> set;
 };
 
-/// All that may be tuned.
+/// All tunables.
 std::vector<Knob> knobs();
 
 dynamic_reconfigure::ConfigDescription describe(const std::vector<Knob>& knobs);
 dynamic_reconfigure::Config toMessage(const std::vector<Knob>& knobs, const Tunables& tunables);
-/// The tunables with what a message says of them, within its limits. Throws InputError for a name
-/// or a value that there is not.
+/// The tunables as a message changes them, within their limits. Throws InputError for an unknown
+/// name or value.
 Tunables withChanges(const std::vector<Knob>& knobs, const Tunables& tunables,
                      const dynamic_reconfigure::Config& message);
 
-/// Speaks dynamic_reconfigure's protocol (rqt_reconfigure, dynparam) under `~reconfigure`, without
-/// its generated code, since that would have the settings and their defaults a second time.
+/// Speaks dynamic_reconfigure's protocol (rqt_reconfigure, dynparam) under `~reconfigure`. It does
+/// without the generated code, which would define the settings and their defaults a second time.
 class LiveTuning {
  public:
-  /// `settings` must outlive it. `enable`: lets images be worked on, or not.
+  /// `settings` must outlive it. `enable`: switches the processing of images on or off.
   LiveTuning(const ros::NodeHandle& private_node, std::string name, const LocalizerConfig& config,
              LocalizerSettings* settings, std::function<void(bool)> enable);
 
-  /// Waits for a callback that is running; none comes afterwards.
+  /// Waits for a running callback; none starts afterwards.
   void shutdown();
 
  private:
-  /// Changes what a message asks for, or says why not.
+  /// Makes the change that a message asks for, or logs why not.
   void attempt(const dynamic_reconfigure::Config& message);
   void change(const dynamic_reconfigure::Config& message);
 

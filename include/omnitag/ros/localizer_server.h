@@ -35,15 +35,15 @@
 
 namespace omnitag {
 
-/// The localizer on topics, tf and services; nodelet and node are this class, started by
-/// LocalizerStarter.
+/// The localizer on topics, tf and services. Nodelet and node are both this class, started
+/// by LocalizerStarter.
 ///
-/// Callbacks only store what they bring. One thread takes the images and does all the work, so that
-/// the newest image waits for nothing else.
+/// Callbacks only store what they bring or prepare a Successor. One thread takes the images and
+/// does all the work, so that the newest image waits for nothing else.
 class LocalizerServer {
  public:
-  /// `parameters`: those of `private_node`. Throws InputError with one line where one of them or
-  /// the map is wrong.
+  /// `parameters`: those of `private_node`. Throws InputError with one line if one of them or the
+  /// map is wrong.
   LocalizerServer(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
                   const LocalizerParameters& parameters, const DescribedCamera& camera);
   ~LocalizerServer();
@@ -52,17 +52,18 @@ class LocalizerServer {
 
  private:
   void run();
-  /// What is to be done whether images come or not: the clock, tf, and what is repeated on it.
+  /// What must be done whether images come or not: the clock, tf, repeating map -> odom.
   void keepUp();
   void watchClock();
-  /// Whether tf has a place for what is sent; tells where not, and then stops repeating.
+  /// Whether a transform may be sent. If its frame has another parent in tf, reports that and
+  /// stops repeating.
   bool checkParent();
-  /// Lets a localizer with another map or other settings take over, where there is one.
+  /// Lets a localizer with another map or other settings take over, if there is one.
   void takeSuccessor();
   void onImage(const ReceivedImage& received);
   void waitForTransforms(const std_msgs::Header& header);
   void logClockStep(double step) const;
-  /// Forgets what was shown and told before stamps went back by this (s).
+  /// Forgets what was shown and reported before stamps went back by this (s).
   void startAnew(double went_back);
   void publish(const LocalizedImage& localized);
   void sendTransform(const std::optional<geometry_msgs::TransformStamped>& transform,
@@ -73,21 +74,22 @@ class LocalizerServer {
   void onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message);
   /// Throws InputError.
   void takePose(const geometry_msgs::PoseWithCovarianceStamped& message);
-  /// map_from_frame of a message's frame, the latest in tf. Throws InputError.
+  /// map_from_frame, the latest in tf. Throws InputError.
   Eigen::Isometry3d mapFrom(const std::string& frame) const;
-  /// Odometry when the robot was where a message says; the newest where tf does not reach there.
+  /// Odometry at a message's stamp; the newest if tf does not reach that, none if tf has none.
   std::optional<Pose> odometryAt(const ros::Time& stamp) const;
   void forgetPose();
   void onSaveMap(std_srvs::Trigger::Response* response);
-  /// Says what was done. Throws InputError.
+  /// What was done, in words. Throws InputError.
   std::string saveMap();
-  /// Adds what mapping has found to a map file.
+  /// Adds the markers that mapping has found to a map file.
   std::string saveMapped(const std::string& path);
-  /// Takes the pose that the robot had when it was last seen, unless another was given.
+  /// Starts with the pose at which the robot was last seen, unless another was given.
   void takeSavedPose();
-  /// Shows another map than the one before.
+  /// Shows a map that replaces the previous one.
   void showMap();
-  /// Shows what mapping has found; `is_changed`: markers that the localizer uses, too.
+  /// Shows what mapping has found. `is_changed`: whether markers that the localizer uses
+  /// have changed.
   void publishMap(bool is_changed);
   void keepPose(const LocalizedImage& localized);
   using Request = std::function<void(ImageLocalizer*)>;
@@ -123,8 +125,8 @@ class LocalizerServer {
   ros::ServiceServer global_localization_server_;
   ros::ServiceServer save_map_server_;
 
-  /// map -> odom as the last image gave it, while it holds, when that was and when it was last
-  /// sent, by this machine's clock.
+  /// map -> odom of the last image while it holds; when it was made and when it was last sent, by
+  /// this machine's clock.
   struct Correction {
     geometry_msgs::TransformStamped transform;
     ros::Time made;
@@ -132,7 +134,7 @@ class LocalizerServer {
   };
   std::optional<Correction> correction_;
 
-  /// What was asked for and is to be done before the next image.
+  /// Requests that run before the next image.
   std::mutex request_mutex_;
   std::vector<Request> requests_;
   std::shared_ptr<Successor> successor_;
@@ -142,7 +144,7 @@ class LocalizerServer {
   PoseKeeper pose_keeper_;
   std::optional<MapServices> map_services_;
   std::unique_ptr<LiveTuning> tuning_;
-  /// Whether images are worked on.
+  /// Whether images are processed.
   std::atomic<bool> is_enabled_{true};
   std::unique_ptr<MarkerDragging> marker_dragging_;
 

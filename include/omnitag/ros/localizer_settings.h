@@ -13,10 +13,10 @@
 
 namespace omnitag {
 
-/// A localizer that is to take over between two images, and what it was made of.
+/// A localizer that is to take over between two images, and what it was made from.
 struct Successor {
   std::unique_ptr<Localizer> localizer;
-  /// What is ignored is not in it.
+  /// Without the ignored markers.
   MarkerMap map;
   std::vector<Marker> ignored_markers;
   std::vector<MarkerSelection> ignored;
@@ -24,28 +24,26 @@ struct Successor {
   bool has_other_map = false;
 };
 
-/// The localizer's map and settings as they change while it runs. A change makes a new localizer,
-/// beside the one that works, which is then handed over; where that is not possible, InputError is
-/// thrown and nothing changes. Every change says in words what it did. Safe to use from several
-/// threads.
+/// The localizer's map and settings, which may change while it runs. A change makes a new localizer
+/// beside the running one and hands it over; if that fails, InputError is thrown and nothing
+/// changes. Changes of the map return in words what they did. Safe to use from several threads.
 class LocalizerSettings {
  public:
-  /// `take`: gets each successor; of those that were not used yet, only the last is needed.
+  /// `take`: gets each successor; of several that have not been used yet, only the last is needed.
   using Take = std::function<void(std::shared_ptr<Successor>)>;
   LocalizerSettings(const LocalizerParameters& parameters,
                     std::shared_ptr<const CameraModel> camera, Take take);
 
-  /// Changes the map, and says what it did.
+  /// Changes the map and says in words what it did.
   using Edit = std::function<std::string(MapEditor*)>;
   std::string editMap(const Edit& edit);
 
-  /// What is ignored from now on; names must be in the map.
+  /// Sets what is ignored from now on; names must be in the map.
   std::string ignore(const std::vector<std::string>& markers);
 
-  /// Changes settings.
   void tune(const std::function<void(LocalizerConfig*)>& change);
 
-  /// With what is ignored.
+  /// With the ignored markers.
   MarkerMap map() const;
   std::string mapFile() const;
   std::size_t unsavedChanges() const;
@@ -62,8 +60,8 @@ class LocalizerSettings {
   LocalizerConfig config_;
 };
 
-/// What is meant by texts, of which names must be in the map, and one marker must be left besides.
-/// Throws InputError.
+/// The markers that the texts select. Names must be in the map, and at least one marker must be
+/// left. Throws InputError.
 std::vector<MarkerSelection> ignoredMarkers(const std::vector<std::string>& texts,
                                             const MarkerMap& map);
 

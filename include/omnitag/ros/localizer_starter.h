@@ -16,13 +16,14 @@
 
 namespace omnitag {
 
-/// Starts the localizer as soon as its camera is known: at once where there is a camera file, else
-/// when `camera_info`, beside the images, describes one; of a camera that is scaled to its images
-/// when the first of them has come. While it waits it says so, in the log and
-/// in /diagnostics. A wrong parameter or map is refused at once in both cases.
+/// Starts the localizer as soon as its camera is known: at once with a camera file, or with the
+/// first image if the camera is scaled to its images; without a file, when `camera_info` beside the
+/// images describes a camera. While it waits it says so, in the log and in /diagnostics. A wrong
+/// parameter or map is refused at once in all cases, but a wrong `ignore_markers` only once the
+/// camera is known.
 class LocalizerStarter {
  public:
-  /// Throws InputError with one line where a parameter or a file is wrong.
+  /// Throws InputError with one line if a parameter or a file is wrong.
   LocalizerStarter(const ros::NodeHandle& node, const ros::NodeHandle& private_node);
   ~LocalizerStarter();
   LocalizerStarter(const LocalizerStarter&) = delete;
@@ -34,7 +35,7 @@ class LocalizerStarter {
   void beginWaiting(const std::string& problem);
   void onInfo(const sensor_msgs::CameraInfo& info);
   void onImageTimer();
-  /// With what the lock guards.
+  /// To be called with the mutex locked.
   void start(const DescribedCamera& camera);
   void onTimer();
   bool isWaiting();
@@ -47,7 +48,7 @@ class LocalizerStarter {
   LocalizerParameters parameters_;
   /// Of camera_info, or of the images.
   std::string topic_;
-  /// What told the camera, in words.
+  /// How the camera became known, in words.
   std::string described_;
 
   /// For a camera_info that describes a camera, or for an image.
@@ -56,7 +57,7 @@ class LocalizerStarter {
   std::string problem_;
   ros::WallTime last_line_;
   std::mutex mutex_;
-  /// The camera that is to be scaled, and the images that tell to what size.
+  /// The camera to be scaled, and the images that determine its size.
   std::optional<DescribedCamera> camera_;
   std::unique_ptr<ImageInput> images_;
   std::unique_ptr<LocalizerServer> server_;

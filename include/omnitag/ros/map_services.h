@@ -14,12 +14,12 @@ namespace omnitag {
 /// remove_marker and ignore_markers. Each answers in words, also in the log.
 class MapServices {
  public:
-  /// `settings` must outlive it. `may_change_frame`: whether map_frame names the map's frame
+  /// `settings` must outlive it. `may_change_frame`: whether map_frame names the map's frame,
   /// whatever the file says.
   MapServices(const ros::NodeHandle& node, std::string name, bool may_change_frame,
               LocalizerSettings* settings);
 
-  /// Waits for a callback that is running; none comes afterwards.
+  /// Waits for a running callback; none starts afterwards.
   void shutdown();
 
  private:

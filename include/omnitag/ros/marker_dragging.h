@@ -11,13 +11,13 @@
 
 namespace omnitag {
 
-/// Lets people drag the map's markers into place in RViz (its display InteractiveMarkers, topic
-/// `edit_map/update`): by arrows along and rings about the marker's axes. A marker is moved when
-/// the mouse lets go of it; its menu saves the map.
+/// Lets people drag the map's markers into place in RViz (display InteractiveMarkers, topic
+/// `edit_map/update`), by arrows along the marker's axes and rings about them. A marker moves when
+/// the mouse is released; its menu saves the map.
 class MarkerDragging {
  public:
-  /// `topic`: of RViz's display, without `/update`. `settings` must outlive it. `save`: says what
-  /// it did; may throw InputError.
+  /// `topic`: of RViz's display, without `/update`. `settings` must outlive it. `save`: saves the
+  /// map and says what it did; may throw InputError.
   MarkerDragging(const std::string& topic, std::string name, std::string map_frame,
                  LocalizerSettings* settings, std::function<std::string()> save);
 

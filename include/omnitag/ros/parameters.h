@@ -10,7 +10,7 @@
 
 namespace omnitag {
 
-/// The frames of REP 105 between which the localizer stands.
+/// The frames of REP 105 that the localizer connects.
 struct FrameNames {
   /// Empty: the one that the marker map names.
   std::string map;
@@ -26,33 +26,34 @@ struct LocalizerParameters {
   std::string camera_file;
   std::string map_file;
   FrameNames frames;
-  /// Names, ids or FAMILY:ID of markers that are left out (MarkerSelection).
+  /// Markers to leave out, as names, ids or FAMILY:ID (MarkerSelection).
   std::vector<std::string> ignore_markers;
   /// Whether people can move the map's markers in RViz.
   bool drag_markers = false;
 
-  /// base_link in the map at the start; none: search.
+  /// The base frame in the map at the start; none: search.
   std::optional<Pose> initial_pose;
 
   /// Where the pose is kept for the next start; empty: nowhere.
   std::string pose_file;
-  /// s of wall time between two times that it is saved; 0: it is neither saved nor read.
+  /// s of wall time between two saves; 0: the pose is neither saved nor read.
   double save_pose_period = 0.0;
 
-  /// image_transport's name of the form in which the images come.
+  /// Name of the transport in which the images come, as image_transport calls it.
   std::string image_transport = "raw";
-  /// Images that wait while one is worked on; the oldest gives way.
+  /// Images that wait while one is processed; the oldest gives way.
   int queue_size = 1;
 
-  /// Whether the robot's transform goes to tf. Not where another node fuses the poses and sends it.
+  /// Whether the robot's transform goes to tf. Not if another node fuses the poses and sends one.
   bool publish_tf = true;
-  /// Whether the markers' places in the map go to tf.
+  /// Whether the markers' poses in the map go to tf.
   bool publish_marker_tf = false;
   /// s of wall time to wait for the transforms at an image's stamp.
   double transform_timeout = 0.1;
-  /// s by which map -> odom is stamped later than the image, so that it is valid until the next.
+  /// s by which map -> odom is stamped later than the image, so that it is valid until the
+  /// next one.
   double transform_tolerance = 0.1;
-  /// s of ROS's clock between repetitions of map -> odom where images give none.
+  /// s of ROS's clock between repetitions of map -> odom while images give none.
   double transform_period = 0.05;
   /// s by which stamps may step back before time counts as set back and the localizer starts
   /// afresh; images that are late by less are dropped.
@@ -66,16 +67,16 @@ struct LocalizerParameters {
 
   LocalizerConfig localizer;
 
-  /// Whether the map is extended by what the map does not have, and how.
+  /// Whether the map is extended by markers that it lacks, and how.
   bool mapping = false;
   MarkerMapperConfig mapper;
 };
 
 /// Reads every parameter from a mapping; absent ones keep their defaults. Throws InputError with
-/// one line that names the key where one is missing, unknown, no number, or out of its range.
+/// one line that names the key if one is missing, unknown, not a number, or out of its range.
 LocalizerParameters readParameters(const YamlReader& reader);
 
-/// The same, from the parameter server: all parameters below `name_space`, e.g. "/localizer". There
+/// The same from the parameter server: all parameters below `name_space`, e.g. "/localizer". There
 /// must be a map_file.
 LocalizerParameters readParameters(const std::string& name_space);
 

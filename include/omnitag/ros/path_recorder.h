@@ -7,7 +7,7 @@
 
 namespace omnitag {
 
-/// Where the robot has been: poses at least a step apart, the oldest of which are forgotten.
+/// Where the robot has been: poses at least a step apart. The oldest are forgotten.
 class PathRecorder {
  public:
   /// `min_step`: m; `max_poses`: at least 1.

@@ -10,21 +10,21 @@
 
 namespace omnitag {
 
-/// Saves the robot's pose now and then, and at the end, for the next start. Safe to use from
-/// several threads; the file is written in that of ROS's timers.
+/// Saves the robot's pose for the next start, periodically and at the end. Safe to use from several
+/// threads; the file is written by ROS's timers and by the destructor.
 class PoseKeeper {
  public:
-  /// Nothing is done where `period` (s, wall time) is 0.
+  /// Does nothing if `period` (s, wall time) is 0.
   PoseKeeper(const ros::NodeHandle& node, std::string name, std::string path, double period);
   ~PoseKeeper();
   PoseKeeper(const PoseKeeper&) = delete;
   PoseKeeper& operator=(const PoseKeeper&) = delete;
 
-  /// What was saved in this map's frame; none, with a line in the log, where there is no such file
-  /// or it is wrong.
+  /// The saved pose, if it is in this map's frame. None, with a line in the log, if there is no
+  /// such file or it is wrong.
   std::optional<SavedPose> lastPose(const std::string& map_frame) const;
 
-  /// Of an image that told where the robot is.
+  /// The pose of an image whose markers showed where the robot is.
   void keep(const SavedPose& pose);
 
  private:

@@ -18,24 +18,23 @@ namespace omnitag {
 struct ResultMessages {
   std::optional<geometry_msgs::PoseStamped> pose;
   std::optional<geometry_msgs::PoseWithCovarianceStamped> pose_with_covariance;
-  /// Of the image alone; none where it shows no marker.
+  /// From the image alone; none if that was not wanted or the image shows no marker.
   std::optional<geometry_msgs::PoseWithCovarianceStamped> pose_measured;
   std::optional<geometry_msgs::TransformStamped> transform;
   MarkerDetectionArray detections;
   LocalizationStatus status;
 };
 
-/// Everything is stamped with the image, but for map -> odom: a correction that holds until the
-/// next one, it is stamped `transform_tolerance` later so that tf can be used meanwhile, as amcl
-/// does.
+/// Everything has the stamp of the image except map -> odom. That is a correction that holds until
+/// the next one, so it is stamped `transform_tolerance` later to be usable meanwhile, as amcl does.
 ///
-/// The transform is map -> odom where an odometry frame is set, else map -> base. There is none
-/// without a pose, and none without odometry where there should be one.
+/// The transform is map -> odom if an odometry frame is set, else map -> base. There is none
+/// without a pose, or if odometry is set but missing.
 ResultMessages toMessages(const LocalizedImage& localized, const MarkerMap& map,
                           const FrameNames& frames, double transform_tolerance);
 
 /// Adds to each detection its pose in the camera's frame (markerInCamera()), which takes some
-/// tenths of a millisecond for each.
+/// tenths of a millisecond each.
 void addMarkerPoses(const LocalizedImage& localized, const MarkerMap& map,
                     const std::shared_ptr<const CameraModel>& camera, const EstimatorConfig& config,
                     MarkerDetectionArray* detections);

@@ -9,40 +9,42 @@ namespace omnitag {
 /// Where the stamp of an image belongs on the timeline.
 struct StampPlace {
   enum class Kind {
-    kLater,         ///< after the image before
-    kLate,          ///< not after the image before, as one that was overtaken on its way
-    kClockStepped,  ///< after the image before, though the clock that stamps them was set meanwhile
-    kWentBack,      ///< the stamps alone began again, as those of a bag that loops
+    kLater,         ///< after the previous image
+    kLate,          ///< not after the previous image, e.g. overtaken on its way
+    kClockStepped,  ///< after the previous image, though the stamping clock was set in between
+    kWentBack,      ///< the stamps alone started again, as in a bag that loops
   };
   Kind kind = Kind::kLater;
   /// s, on the timeline.
   double time = 0.0;
-  /// s: by how much the clock was set (kClockStepped), or the stamp lies behind the one before
-  /// (kLate, kWentBack); negative where time goes back.
+  /// s: by how much the clock was set (kClockStepped), or by how much the stamp lies behind the
+  /// previous one (kLate, kWentBack); negative if time goes back.
   double step = 0.0;
 };
 
-/// Puts the stamps of images on a line of time that only runs forward, whatever the clocks do.
+/// Puts the stamps of images on a timeline that runs forward whatever the clocks do, until the
+/// stamps alone go back.
 class StampTimeline {
  public:
-  /// s by which stamps alone may step back and count as late; by more, they went back.
+  /// `restart_time_jump`: s by which stamps alone may step back and count as late; beyond, they
+  /// went back.
   explicit StampTimeline(double restart_time_jump) : restart_time_jump_(restart_time_jump) {}
 
-  /// The clock was set by this many seconds; the next stamps may show it, or not, where another
-  /// clock stamps the images.
+  /// The clock was set by this many seconds. The next stamps may show it, or not if another clock
+  /// stamps the images.
   void clockStepped(double seconds);
 
   /// Where an image that comes now would belong.
   StampPlace place(const ros::Time& stamp) const;
 
-  /// Takes the image that belongs there; not for one that is late.
+  /// Takes the image that belongs there; not to be called for a late one.
   void take(const ros::Time& stamp, const StampPlace& place);
 
  private:
   double restart_time_jump_;
   std::optional<ros::Time> last_stamp_;
   double last_time_ = 0.0;
-  /// s by which the clock was set, which no stamp has shown yet, and how long ago on the timeline.
+  /// s by which the clock was set without a stamp showing it yet, and how long ago on the timeline.
   double pending_step_ = 0.0;
   double pending_for_ = 0.0;
 };

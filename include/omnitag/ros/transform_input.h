@@ -15,23 +15,22 @@
 namespace omnitag {
 
 /// The transforms of /tf and /tf_static. They wait until the thread that takes the images asks for
-/// them: on a robot, they come far more often than images, and each would wake a thread.
+/// them: on a robot they come far more often than images, and each would wake a thread.
 class TransformInput {
  public:
-  /// Subscribes; nothing is taken before serve(). `frames`: with the map's frame filled in.
+  /// Subscribes, but takes nothing before serve(). `frames`: with the map's frame filled in.
   TransformInput(const ros::NodeHandle& node, const FrameNames& frames);
   ~TransformInput() { close(); }
   TransformInput(const TransformInput&) = delete;
   TransformInput& operator=(const TransformInput&) = delete;
 
-  /// Takes what has come; waits for it where nothing has, but no longer than this (s) nor than to
-  /// close().
+  /// Takes what has arrived. If nothing has, waits for at most `duration` (s), or until close().
   void serve(double duration);
-  /// What has been taken. May be read by any thread.
+  /// What has been taken; may be read by any thread.
   const tf2::BufferCore& buffer() const { return buffer_; }
   /// ParentWatch::conflict() of what has been taken.
   std::optional<std::string> parentConflict() const { return parents_.conflict(steadyTime()); }
-  /// Nothing comes any more.
+  /// Nothing arrives afterwards.
   void close() { queue_.disable(); }
 
  private:
@@ -48,7 +47,7 @@ class TransformInput {
   ros::Subscriber subscriber_;
   ros::Subscriber static_subscriber_;
   ros::Time last_served_;
-  /// By steadyTime(): until when what was sent before the clock was set back may still come.
+  /// By steadyTime(): until when transforms from before the clock was set back may still arrive.
   double stale_until_ = 0.0;
 };
 

@@ -9,14 +9,14 @@
 
 namespace omnitag {
 
-/// How views are laid around what is looked for.
+/// How views are placed around targets.
 struct ViewPlannerConfig {
-  /// Pixels of a view per pixel of the panorama along the tangent, where the panorama resolves
-  /// best. Below 1 a view loses what the panorama holds; much above it only costs time.
+  /// Pixels of a view per pixel of the panorama along the tangent, where the panorama's resolution
+  /// is highest. Below 1 a view loses detail of the panorama; a value much above 1 only costs time.
   double oversampling = 1.5;
-  /// Pixels, width and height of a view at most; larger ones are made coarser.
+  /// Pixels, greatest width and height of a view; larger ones are made coarser.
   int max_size = 480;
-  /// rad, views are not merged to more than this to both sides of their middle.
+  /// rad, greatest half width of a merged view.
   double max_merged_half_width = radians(30.0);
 };
 
@@ -29,8 +29,8 @@ ViewPlannerConfig readViewPlannerConfig(const YamlReader& reader);
 View planView(const ViewTarget& target, const ContourTable& table, double pixels_per_unit,
               bool axis_up, const ViewPlannerConfig& config);
 
-/// Views that together cover all targets, overlapping ones merged where that leaves fewer pixels to
-/// look at; a target near the axis has a view of its own. A target that reaches farther than the
+/// Views that together cover all targets, overlapping ones merged if that leaves no more pixels to
+/// read; a target near the axis has a view of its own. A target that reaches farther than the
 /// table's contours is cut there.
 std::vector<View> planViews(const std::vector<ViewTarget>& targets, const ContourTable& table,
                             double pixels_per_unit, bool axis_up, const ViewPlannerConfig& config);

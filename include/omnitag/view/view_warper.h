@@ -11,30 +11,30 @@
 
 namespace omnitag {
 
-/// m, of the lines whose contours are kept where nothing asks for others. Those of horizontal lines
-/// hardly change beyond; nearer ones only bend a view a little, since positions go back to the
-/// panorama through the same table.
+/// m, default distance of the lines whose contours are tabulated. Contours of horizontal lines
+/// hardly change beyond it. Nearer lines are only a little bent in a view, and positions go back to
+/// the panorama through the same table.
 inline constexpr double kWorkingDistance = 3.0;
 
 /// Takes views out of the panorama and positions in them back to it, both through the same look-up
 /// table: a position read in a view goes back to exactly where its pixels came from, whatever the
-/// table's error. Views that face something near the axis take the exact projection instead.
+/// table's error. Views of a target near the axis use the exact projection instead.
 class ViewWarper {
  public:
   /// `working_distance`: m, distance of the horizontal lines whose contours the table holds.
   ViewWarper(std::shared_ptr<const CameraModel> camera, double working_distance);
 
-  /// The view's image (CV_8UC1), interpolated bilinearly; black where the panorama shows nothing of
+  /// The view's image (CV_8UC1), interpolated bilinearly; black where the panorama does not show
   /// the world. `panorama`: CV_8UC1, as large as the camera's image.
   cv::Mat warp(const cv::Mat& panorama, const View& view) const;
 
-  /// The panorama's pixel that a position of the view was taken from; nothing where it shows
-  /// nothing of the world.
+  /// The panorama's pixel that a position of the view was taken from; nothing if it does not show
+  /// the world.
   std::optional<Eigen::Vector2d> panoramaFromView(const View& view,
                                                   const Eigen::Vector2d& position) const;
 
-  /// The position in the view that a pixel of the panorama goes to, which may lie outside of the
-  /// view; nothing where the table does not reach.
+  /// The position in the view that a pixel of the panorama goes to, which may lie outside the view;
+  /// nothing if the table does not reach that far.
   std::optional<Eigen::Vector2d> viewFromPanorama(const View& view,
                                                   const Eigen::Vector2d& pixel) const;
 

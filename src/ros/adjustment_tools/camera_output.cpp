@@ -16,7 +16,7 @@
 namespace omnitag {
 namespace {
 
-/// One parameter; angles in degrees, for people.
+/// One parameter; angles in degrees.
 std::string lineOf(const CalibratedParameter& parameter) {
   const CalibrationParameter& guess = parameter.guess;
   const bool is_angle = guess.unit == "rad";

@@ -21,7 +21,7 @@
 
 namespace omnitag {
 
-/// Where a drive is recorded, and how it is read.
+/// Where a drive is recorded, and how to read it.
 struct DriveOptions {
   /// Read in this order.
   std::vector<std::string> bags;
@@ -31,47 +31,46 @@ struct DriveOptions {
   std::optional<Eigen::Isometry3d> mounting;
   /// Families of the markers that are looked for.
   std::set<std::string> families;
-  /// How many images are looked at, spread over all bags.
+  /// How many images are read, spread over all bags.
   std::size_t images = 0;
 };
 
-/// The bags of a drive, whose images can be looked at as often as the camera gets better.
+/// The bags of a drive, whose images can be read again as the camera gets better.
 class Drive {
  public:
   /// `stamp`: the image's, in s.
   using Refinement = std::function<std::vector<MarkerReading>(const cv::Mat& image, double stamp,
                                                               std::vector<MarkerReading> readings)>;
 
-  /// Throws InputError where a bag cannot be read.
+  /// Throws InputError if a bag cannot be read.
   explicit Drive(DriveOptions options);
 
-  /// What is read all around in some of its images, evenly spread. `origin` describes the camera in
-  /// errors, `what` the images in the progress; `refine` betters what was read in an image. Images
-  /// that cannot be used are warned about; throws InputError where none can, and where stamps of a
-  /// bag do not increase.
+  /// The readings all around in some of the images, evenly spread. `origin` names the camera in
+  /// errors, `what` the images in the progress; `refine` improves the readings of an image. Images
+  /// that cannot be used cause warnings, as do stamps that do not increase. Throws InputError if no
+  /// image of a bag can be used.
   std::vector<FrameReadings> read(const std::shared_ptr<const CameraModel>& camera,
                                   const std::string& origin, const std::string& what,
                                   const Refinement& refine = {});
 
   /// An image (CV_8UC1) that was read last, by its index.
   cv::Mat imageOf(std::size_t frame) const;
-  /// How many of the images that were read last have odometry.
+  /// How many of the images read last have odometry.
   std::size_t withOdometry() const { return with_odometry_; }
-  /// Of the images, and what they are mounted on.
+  /// The frame of the images, and the frame that they are mounted on.
   const std::string& cameraFrame() const { return camera_frame_; }
   const std::string& baseFrame() const { return options_.parameters.frames.base; }
   const LocalizerParameters& parameters() const { return options_.parameters; }
-  /// The camera of a file, or that of the first bag's camera_info where `file` is empty; as
-  /// BagInput has it.
+  /// The camera of a file, or of the first bag's camera_info if `file` is empty; see BagInput.
   DescribedCamera cameraOf(const std::string& file) const {
     return inputs_.front()->cameraOf(file);
   }
 
-  /// Of the parameters' odometry frame; lives no longer than the drive. Throws InputError where a
-  /// bag has none.
+  /// In the odometry frame of the parameters; lives no longer than the drive. Throws InputError if
+  /// a bag has no odometry.
   OdometryAt odometry() const;
-  /// The robot as another localizer had it in its frame, at those of these times at which tf says
-  /// so. Throws InputError where no bag has it.
+  /// The robot's poses by another localizer, in its frame, paired with these at the times at which
+  /// tf has them. Throws InputError if a bag has none.
   std::vector<PosePair> posesIn(const std::string& frame, const std::vector<double>& stamps,
                                 const std::vector<Pose>& map_from_base) const;
 

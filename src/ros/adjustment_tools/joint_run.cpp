@@ -14,7 +14,7 @@
 namespace omnitag {
 namespace {
 
-/// A line for every step of a calibration.
+/// Prints a line for every step of a calibration.
 class StepLog {
  public:
   void operator()(const std::string& step, int /*iteration*/) {
@@ -27,7 +27,7 @@ class StepLog {
   std::string last_;
 };
 
-/// How markers are placed with a camera that is only roughly known.
+/// How to place markers with a camera that is only roughly known.
 MapBuilderConfig roughly(MapBuilderConfig config) {
   config.corner_noise = 3.0;
   config.looks_for_contradictions = false;
@@ -46,16 +46,16 @@ class JointRun {
   }
 
   JointResult run() {
-    // A camera that is wrong bends the edges of markers in the views that they are read in.
+    // A wrong camera bends the edges of markers in the views that they are read in.
     findRoughly();
     find("images again, with the camera found", {});
-    // Known so well, all pixels of a marker tell where its corners are.
+    // With the camera known this well, all pixels of a marker determine its corners.
     const TagPatterns patterns(map_);
     const MountedCamera found(result_.model(request_.guess), result_.camera.base_from_camera);
     const std::optional<TimeCalibration> time = result_.time;
     const MarkerMap map = map_;
-    // What is off by as much as decoded corners are is then an outlier: a shadow, something in the
-    // way.
+    // A corner that is off by as much as decoded ones is then an outlier: a shadow, something in
+    // the way.
     constexpr double kAlignedWidth = 0.05;  // pixels
     config_.robust_width = kAlignedWidth;
     find("images once more, by all pixels", [&](const cv::Mat& image, double stamp,
@@ -96,8 +96,8 @@ class JointRun {
     });
   }
 
-  /// Markers that were read and are not in the map get a first place. Without a map, one of them
-  /// says where it is.
+  /// Gives markers that were read but are not in the map a first place. Without a map, one of them
+  /// is the reference.
   void placeUnknown(const std::shared_ptr<const CameraModel>& camera,
                     const std::vector<FrameReadings>& frames, const MapBuilderConfig& growth,
                     const MarkerMap& seed) {
@@ -119,7 +119,7 @@ class JointRun {
     }
   }
 
-  /// Those that were not found with the guess, by the camera and the markers found.
+  /// Places markers that were not found with the guess, by the camera and the markers found.
   void placeMissing(std::vector<FrameReadings> frames) {
     if (!(request_.growth.size > 0.0)) return;
     for (FrameReadings& frame : frames) frame.base_from_camera = result_.camera.base_from_camera;
@@ -150,7 +150,7 @@ class JointRun {
     takeMap();
   }
 
-  /// Where the markers were found is where they are looked for next; what was known of them stays.
+  /// The next step looks for the markers where they were found; their priors stay.
   void takeMap() { map_.markers = result_.camera.markers_found; }
 
   void fillMap() {

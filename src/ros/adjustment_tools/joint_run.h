@@ -14,32 +14,32 @@
 
 namespace omnitag {
 
-/// What of a drive is known beforehand, and what is wanted of it.
+/// What is known of a drive beforehand, and what is wanted of it.
 struct JointRequest {
   CameraTemplate guess;
-  /// Whose markers are as soft as their deviations say; of no markers where nothing is known.
+  /// Its markers are as soft as their deviations say; without markers if nothing is known.
   MarkerMap seed;
-  /// How unknown markers are placed at first, and what was measured between markers.
+  /// How unknown markers are first placed, and what was measured between markers.
   MapBuilderConfig growth;
   CalibrationConfig calibration;
-  /// Whether the times of the images' rows are estimated, by odometry.
+  /// Whether to estimate the times of the images' rows, by odometry.
   bool estimates_times = false;
 };
 
-/// What a drive tells.
+/// The result of a drive.
 struct JointResult {
   CalibrationResult camera;
   std::optional<TimeCalibration> time;
-  /// The seed's markers in their order, then the others.
+  /// The seed's markers in their order, followed by the others.
   BuiltMap map;
 
-  /// The camera as it is written, `guess` being what it was looked for from.
+  /// The calibrated camera. `guess`: the camera that the search started from.
   std::shared_ptr<const CameraModel> model(const CameraTemplate& guess) const;
 };
 
-/// Camera, mounting, map and times out of one drive. The bags are read three times: with the guess,
-/// with the camera found, and by all pixels of the markers. Says on standard error what it does.
-/// Throws InputError as calibrateCamera() and buildMap() do.
+/// Camera, mounting, map and times from one drive. Reads the bags three times: with the guess, with
+/// the camera found, and by all pixels of the markers. Reports its steps on standard error. Throws
+/// InputError as calibrateCamera() and buildMap() do.
 JointResult runJointly(const JointRequest& request, Drive* drive);
 
 }  // namespace omnitag

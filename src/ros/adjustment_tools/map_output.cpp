@@ -19,14 +19,14 @@
 namespace omnitag {
 namespace {
 
-/// m and rad: standard deviations in the direction in which they are largest.
+/// m and rad: standard deviations, each in the direction in which it is largest.
 std::pair<double, double> deviationsOf(const BuiltMarker& marker) {
   MarkerEstimate estimate;
   estimate.covariance = marker.covariance;
   return {estimate.positionDeviation(), estimate.orientationDeviation()};
 }
 
-/// Whether the drive tells more of a marker than was known.
+/// Whether the drive shows more of a marker than was known.
 bool isFound(const BuiltMarker& marker) {
   return !marker.is_exact && !marker.covariance.isZero(0.0);
 }

@@ -8,17 +8,16 @@
 
 namespace omnitag {
 
-/// Puts the map, and the robot's way, into the other frame, and adds to its remarks how well that
-/// fits. Throws InputError where it does not.
+/// Puts the map and the robot's path into the other frame, and adds to the remarks how well that
+/// fits. Throws InputError if it does not fit.
 void align(const AlignmentRequest& request, const Drive& drive, BuiltMap* map);
 
-/// What the map holds, for people: each marker's place and how well it is known, the worst
-/// readings, remarks.
+/// Prints the map: each marker's place and how well it is known, the worst readings, remarks.
 void printMap(const BuiltMap& map);
 
-/// The text of the map's file: that of the seed, whose entries keep their places where they are
-/// exact and get better ones where they are not, with the new markers at the end; a new one where
-/// there is no seed (empty), or where the map is in another frame than it.
+/// The text of the map file. It is the seed's with the new markers at the end, in which exact
+/// entries keep their places and others get better ones. Without a seed (empty path), or if the map
+/// is in another frame than the seed, it is a new one.
 std::string mapText(const std::string& seed_path, const std::string& frame, const BuiltMap& map);
 
 }  // namespace omnitag

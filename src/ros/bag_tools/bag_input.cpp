@@ -45,7 +45,7 @@ void open(const std::string& path, rosbag::Bag* bag) {
 
 using Bags = std::vector<std::unique_ptr<rosbag::Bag>>;
 
-/// Their messages in the order of recording.
+/// Adds the bags' messages to a view, in the order of recording.
 template <typename... Query>
 void addTo(rosbag::View* view, const Bags& bags, const Query&... query) {
   for (const auto& bag : bags) view->addQuery(*bag, query...);
@@ -62,7 +62,7 @@ std::map<std::string, std::string> topicsOf(const Bags& bags) {
   return topics;
 }
 
-/// What the localizer has painted.
+/// Whether the localizer painted the images.
 bool isDebugImage(const std::string& topic) {
   return endsWith(topic, "/debug_image") || endsWith(topic, "/debug_image" + kCompressed);
 }
@@ -85,7 +85,7 @@ std::string chooseImageTopic(const std::string& path, const Bags& bags, const st
     throw InputError(path + ": has no images (sensor_msgs/Image or CompressedImage)");
   }
   if (wanted.empty()) {
-    // The same images may be there both raw and compressed.
+    // The same images may exist both raw and compressed.
     const bool is_one = candidates.size() == 1 ||
                         (candidates.size() == 2 && candidates[1] == candidates[0] + kCompressed);
     if (is_one) return candidates.front();
@@ -103,7 +103,7 @@ std::string chooseImageTopic(const std::string& path, const Bags& bags, const st
                    boost::algorithm::join(candidates, ", ") + ", found '" + wanted + "'");
 }
 
-/// Of an image message.
+/// The header of an image message.
 std_msgs::Header headerOf(const rosbag::MessageInstance& message) {
   if (const auto raw = message.instantiate<sensor_msgs::Image>()) return raw->header;
   if (const auto compressed = message.instantiate<sensor_msgs::CompressedImage>()) {
@@ -192,7 +192,7 @@ void BagInput::loadTransforms(const std::string& without_child) {
 }
 
 std::optional<std::string> BagInput::parentConflict(const FrameNames& frames) const {
-  // However far the bag's transforms are apart, they are all of one time.
+  // However far apart in time the bag's transforms are, all count.
   constexpr double kNow = 0.0;
   ParentWatch parents(frames);
   forEachTransform([&](const geometry_msgs::TransformStamped& transform, bool is_static) {
@@ -207,7 +207,7 @@ void BagInput::replaceMounting(const std::string& base_frame,
   transform.header.frame_id = base_frame;
   transform.child_frame_id = cameraFrame();
   transform.transform = toMessage(base_from_camera);
-  // tf2 would go on with what the bag's /tf says of the frame.
+  // Without the frame's own transforms, since tf2 would continue to use those of /tf.
   loadTransforms(withoutSlash(transform.child_frame_id));
   if (!transforms_->setTransform(transform, "option", true)) {
     throw InputError(path_ + ": cannot replace the mounting of '" + transform.child_frame_id +
@@ -215,7 +215,7 @@ void BagInput::replaceMounting(const std::string& base_frame,
   }
 }
 
-// Of the headers alone: an image that cannot be decoded is told of when it is its turn.
+// From the headers alone: an image that cannot be decoded is reported when it is its turn.
 std::string BagInput::cameraFrame() const {
   rosbag::View view;
   addTo(&view, bags_, rosbag::TopicQuery(image_topic_));

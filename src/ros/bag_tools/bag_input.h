@@ -26,24 +26,24 @@ struct RecordedSpan {
   double until = std::numeric_limits<double>::infinity();
 };
 
-/// A recording that is read, in one bag or in several: its images and its transforms.
+/// A recording in one bag or several: its images and its transforms.
 class BagInput {
  public:
   using MessageUser = std::function<void(const rosbag::MessageInstance&)>;
 
-  /// `paths`: bags that are read one after another; what one has of transforms counts for all.
-  /// `image_topic`: with or without /compressed; empty for the only one. Throws InputError where a
-  /// bag cannot be read or the topic is not there or not clear.
+  /// `paths`: bags, read one after another; the transforms of each count for all. `image_topic`:
+  /// with or without /compressed; empty for the only one. Throws InputError if a bag cannot be
+  /// read, or if the topic is missing or ambiguous.
   BagInput(const std::vector<std::string>& paths, const std::string& image_topic,
            const RecordedSpan& span = {});
   BagInput(const std::string& path, const std::string& image_topic)
       : BagInput(std::vector<std::string>{path}, image_topic) {}
 
   const std::string& imageTopic() const { return image_topic_; }
-  /// How many images the span has.
+  /// The number of images in the span.
   std::size_t imageCount() const;
-  /// Hands on the images of the span, bag by bag in the order of recording. Their messages live no
-  /// longer than this.
+  /// Passes on the images of the span, bag by bag in the order of recording. Their messages live no
+  /// longer than this object.
   void forEachImage(const MessageUser& use) const;
   /// The same for all messages.
   void forEachMessage(const MessageUser& use) const;
@@ -52,40 +52,41 @@ class BagInput {
   /// When the span begins.
   ros::Time begin() const { return begin_; }
 
-  /// All transforms of /tf and /tf_static, also from beyond the span.
+  /// All transforms of /tf and /tf_static, including those outside the span.
   const tf2::BufferCore& transforms() const { return *transforms_; }
 
-  /// Why the bag has no place for a transform from the map, from ParentWatch; nothing where it
-  /// has. `frames`: with the map's frame filled in.
+  /// Why no transform from the map can be sent in this recording, from ParentWatch; nothing if it
+  /// can. `frames`: with the map's frame filled in.
   std::optional<std::string> parentConflict(const FrameNames& frames) const;
 
-  /// Has the images' frame stand on `base_frame` as said here, whatever the bag's transforms say.
+  /// Mounts the frame of the images on `base_frame` as given here, whatever the bag's
+  /// transforms say.
   void replaceMounting(const std::string& base_frame, const Eigen::Isometry3d& base_from_camera);
 
-  /// The camera that the bag's first camera_info, beside the image topic, describes. Throws
-  /// InputError where there is none, or it describes no camera.
+  /// The camera that the first camera_info beside the image topic describes. Throws InputError if
+  /// there is none, or it describes no camera.
   DescribedCamera describedCamera() const;
 
-  /// The camera of a file, or the bag's camera_info where `file` is empty; scaled to the bag's
-  /// images where the file says so.
+  /// The camera of a file, or of camera_info if `file` is empty; scaled to the bag's images if the
+  /// file says so.
   DescribedCamera cameraOf(const std::string& file) const;
 
-  /// An image message in grey. Throws InputError where it cannot be read.
+  /// An image message in grey. Throws InputError if it cannot be read.
   static cv_bridge::CvImageConstPtr grayImageOf(const rosbag::MessageInstance& message);
 
  private:
   void setSpan(const RecordedSpan& span);
-  /// Of the first image; nothing where there is none that can be read.
+  /// Of the first image; nothing if there is none or it cannot be read.
   std::optional<ImageSize> imageSize() const;
-  /// The first that an image names. Throws InputError where none does.
+  /// The first frame that an image names. Throws InputError if none does.
   std::string cameraFrame() const;
-  /// Hands on each transform of the bag, and whether it is static.
+  /// Passes on each transform of the bags, and whether it is static.
   void forEachTransform(
       const std::function<void(const geometry_msgs::TransformStamped&, bool)>& take) const;
-  /// All but those to one frame, if it is named.
+  /// All transforms except those of one child frame, if it is named.
   void loadTransforms(const std::string& without_child);
 
-  /// For messages: the bags' paths.
+  /// The bags' paths, for errors.
   std::string path_;
   std::vector<std::unique_ptr<rosbag::Bag>> bags_;
   /// The span in recording time.

@@ -8,26 +8,25 @@
 
 namespace omnitag {
 
-/// What an option was given: its name, and a path or nothing.
+/// An option's name, and the path that was given; empty for none.
 using PathOption = std::pair<std::string, std::string>;
 
-/// A tool's option of one text, which goes to `*value`. `name` stands for it in the help.
+/// A tool's option of one text, which is stored in `*value`. `name`: of the text in the help.
 boost::program_options::typed_value<std::string>* textOption(std::string* value, const char* name);
 
-/// The same of one that may be repeated.
+/// The same for an option that may be repeated.
 boost::program_options::typed_value<std::vector<std::string>>* textsOption(
     std::vector<std::string>* values, const char* name);
 
-/// Reads a command line of long options and of what may stand by itself. False where help was asked
-/// for, which is then printed: `usage` and the options. Throws InputError for an option that is
-/// missing, unknown or has a bad value.
+/// Reads a command line of long options and of positional arguments. False if help was asked for,
+/// which is then printed: `usage` and the options. Throws InputError for an option that is missing,
+/// unknown or has a bad value.
 bool parseCommandLine(
     int argc, char** argv, const std::string& usage,
     const boost::program_options::options_description& description,
     const boost::program_options::positional_options_description& positional = {});
 
-/// Results are written over what was there, but never over an input or another result: throws
-/// InputError.
+/// Results may overwrite existing files, but never an input or another result: throws InputError.
 void checkOutputs(const std::vector<std::string>& inputs, const std::vector<PathOption>& outputs);
 
 }  // namespace omnitag

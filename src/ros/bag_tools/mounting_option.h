@@ -5,12 +5,11 @@
 
 namespace omnitag {
 
-/// A mounting as an option: X,Y,Z,ROLL,PITCH,YAW in metres and radians, the camera's optical
-/// frame in the robot's (base_from_camera), with tf's angles. Throws InputError, which names the
-/// option.
+/// A mounting as an option: X,Y,Z,ROLL,PITCH,YAW in metres and radians, the camera's optical frame
+/// in the robot's (base_from_camera), with tf's angles. Throws InputError that names the option.
 Eigen::Isometry3d parseMounting(const std::string& option, const std::string& text);
 
-/// The same the other way round, to a micrometre and a microradian.
+/// The text of a mounting for that option, to a micrometre and a microradian.
 std::string mountingText(const Eigen::Isometry3d& base_from_camera);
 
 /// The mounting as tf2_ros's static_transform_publisher takes it: x y z yaw pitch roll.

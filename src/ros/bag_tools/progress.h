@@ -6,8 +6,8 @@
 
 namespace omnitag {
 
-/// Shows on standard error how far a run has come: in one line of a terminal, or in a line for
-/// every tenth part elsewhere.
+/// Shows on standard error how far a run has come: on a terminal in one line, elsewhere in a line
+/// for every tenth of the run.
 class Progress {
  public:
   /// `what`: what is counted, e.g. "images".

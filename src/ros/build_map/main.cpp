@@ -113,7 +113,7 @@ void run(const BuildOptions& options) {
   }
   align(options.alignment, drive, &built);
 
-  // All is made before anything is written.
+  // Makes every result before writing any.
   const std::string frame =
       options.alignment.frame.empty() ? seed.frame_id : options.alignment.frame;
   const std::string text =

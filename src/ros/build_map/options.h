@@ -9,13 +9,13 @@
 
 namespace omnitag {
 
-/// The command line of build_map. Empty texts stand for options that were not given.
+/// The command line of build_map. Texts of options that were not given are empty.
 struct BuildOptions {
   std::vector<std::string> bags;
   std::string camera;
   std::string seed;
   std::string output;
-  /// To find the camera, too, and write it there.
+  /// If given, the camera is calibrated too and written there.
   std::string output_camera;
   std::string drawing;
   std::string trajectory;
@@ -27,11 +27,11 @@ struct BuildOptions {
   bool estimates_sizes = false;
   std::string odom_frame = "odom";
   int max_images = 600;
-  /// Into which frame the map is put; none: it stays in its own.
+  /// The frame into which to put the map; none: it stays in its own.
   AlignmentRequest alignment;
 };
 
-/// Nothing where help was asked for, which is then printed. Throws InputError for an option that is
+/// Nothing if help was asked for, which is then printed. Throws InputError for an option that is
 /// missing, unknown or has a bad value, and for a result that would overwrite an input.
 std::optional<BuildOptions> parseBuildOptions(int argc, char** argv);
 

@@ -104,7 +104,7 @@ std::optional<CalibrationOptions> parseCalibrationOptions(int argc, char** argv)
   }
   std::vector<std::string> inputs = {options.camera, options.map};
   inputs.insert(inputs.end(), options.bags.begin(), options.bags.end());
-  // What else is in --output-params stays: it may be the file of --params.
+  // --output-params may be the file of --params, since its other contents stay.
   checkOutputs(inputs, {{"--output", options.output},
                         {"--output-map", options.output_map},
                         {"--picture", options.picture},

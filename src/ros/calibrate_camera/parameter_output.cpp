@@ -40,7 +40,7 @@ std::string timeReport(const TimeCalibration& time, int rows) {
 ParameterOutput::ParameterOutput(std::string path) : path_(std::move(path)) {
   if (!std::filesystem::exists(path_)) return;
   text_ = readTextFile(path_);
-  // To refuse it now rather than once the whole bag has been looked at.
+  // To refuse the file now rather than after reading the whole bag.
   withNumber(withNumber(text_, kOffset, "0.0"), kReadout, "0.0");
 }
 
@@ -79,7 +79,7 @@ std::string ParameterOutput::withNumber(const std::string& text, const std::stri
   } catch (const YAML::Exception& error) {
     throw InputError(path_ + ": cannot put " + key + " into it: " + error.what());
   }
-  // The rest must be what it was, whatever the file looks like.
+  // The rest must not change, whatever the file looks like.
   const bool is_there = after.IsMap() && after[key] && after[key].Scalar() == number;
   if (after.IsMap()) after.remove(key);
   if (before.IsMap()) before.remove(key);

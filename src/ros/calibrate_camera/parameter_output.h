@@ -6,18 +6,18 @@
 
 namespace omnitag {
 
-/// What the tool says of the times: each with its deviation, or why it was held.
+/// The report on the times: each with its deviation, or why it was held.
 std::string timeReport(const TimeCalibration& time, int rows);
 
-/// A parameter file to write times into; there may be one already.
+/// A parameter file to write times to; it may exist already.
 class ParameterOutput {
  public:
-  /// Throws InputError, which names the file, where what is there is none that localize_bag would
-  /// take, or where the times' keys cannot be put into it without changing the rest.
+  /// Throws InputError that names the file if it exists and localize_bag would refuse it, or if the
+  /// keys of the times cannot be put into it without changing the rest.
   explicit ParameterOutput(std::string path);
 
-  /// Writes the times that the drive tells; other keys and all comments stay. Returns the keys
-  /// that were written; empty, and nothing is written, where the drive tells none.
+  /// Writes the times that the drive determines; other keys and all comments stay. Returns the keys
+  /// that were written. If the drive determines none, returns nothing and writes nothing.
   std::string write(const TimeCalibration& time) const;
 
  private:

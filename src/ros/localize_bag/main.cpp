@@ -21,10 +21,10 @@
 namespace omnitag {
 namespace {
 
-/// Lines about single images that could not be used; the rest is counted.
+/// Warnings about single images that could not be used; the rest is only counted.
 constexpr std::size_t kMaxWarnings = 5;
 
-/// What the last lines of a run say.
+/// What the final lines of a run report.
 struct Summary {
   std::size_t frames = 0;
   std::size_t frames_with_pose = 0;
@@ -76,7 +76,7 @@ std::string stampText(const ros::Time& stamp) {
   return std::to_string(stamp.sec) + "." + std::to_string(stamp.nsec + 1000000000U).substr(1);
 }
 
-/// Where it is asked for: the map file's text with the markers that mapping has added.
+/// If asked for, writes the map file's text with the markers that mapping has added.
 void saveMap(const BagOptions& options, const ImageLocalizer& localizer) {
   if (options.mapped.empty()) return;
   const std::vector<ProvisionalMarker> provisional = localizer.provisional();
@@ -86,13 +86,13 @@ void saveMap(const BagOptions& options, const ImageLocalizer& localizer) {
   replaceFile(options.mapped, withEntries(readTextFile(options.map), entries, options.map));
 }
 
-/// Where the bag's own transform is not right.
+/// Replaces the bag's own transform if the options give another.
 void mountCamera(const BagOptions& options, const LocalizerParameters& parameters,
                  BagInput* input) {
   if (options.mounting) input->replaceMounting(parameters.frames.base, *options.mounting);
 }
 
-/// Says why where the bag's tf has none.
+/// Whether the bag's tf has a place for the robot's transform; if not, says why.
 bool hasPlaceForTransform(const BagOptions& options, const BagInput& input,
                           const FrameNames& frames) {
   const std::optional<std::string> conflict = input.parentConflict(frames);
@@ -100,7 +100,7 @@ bool hasPlaceForTransform(const BagOptions& options, const BagInput& input,
   return !conflict;
 }
 
-/// Where one is asked for.
+/// Opens the result bag if one is asked for.
 void openOutput(const BagOptions& options, const LocalizerParameters& parameters,
                 const BagInput& input, const ImageLocalizer& localizer,
                 std::optional<ResultBag>* output) {
@@ -110,7 +110,7 @@ void openOutput(const BagOptions& options, const LocalizerParameters& parameters
   output->emplace(options.output, parameters, localizer, sends_tf);
 }
 
-/// Throws InputError where a part is asked for that has no images.
+/// Throws InputError if a part without images is asked for.
 void checkSpan(const BagOptions& options, const BagInput& input) {
   const bool is_part = options.span.from > 0.0 || std::isfinite(options.span.until);
   if (!is_part || input.imageCount() > 0) return;

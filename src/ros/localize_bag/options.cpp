@@ -21,7 +21,7 @@ const char* const kUsage =
     "every time. Transforms come from the bag's /tf and /tf_static. Several bags are taken in the\n"
     "order in which they are given; transforms of one count for all. Needs no roscore.\n";
 
-/// Of an option in seconds.
+/// The value of an option in seconds. Throws InputError unless it is finite and at least 0.
 double checkedSeconds(const char* option, double seconds) {
   if (std::isfinite(seconds) && seconds >= 0.0) return seconds;
   throw InputError(std::string(option) + ": expected seconds from 0 on, found " +

@@ -10,7 +10,7 @@
 
 namespace omnitag {
 
-/// The command line of localize_bag. Empty texts stand for options that were not given.
+/// The command line of localize_bag. Texts of options that were not given are empty.
 struct BagOptions {
   std::string camera;
   std::string map;
@@ -30,11 +30,11 @@ struct BagOptions {
   std::string mapped;
 };
 
-/// Nothing where help was asked for, which is then printed. Throws InputError for an option that is
+/// Nothing if help was asked for, which is then printed. Throws InputError for an option that is
 /// missing, unknown or has a bad value, and for a result that would overwrite an input.
 std::optional<BagOptions> parseOptions(int argc, char** argv);
 
-/// The localizer's parameters: those of the file `--params`, the other options on top.
+/// The localizer's parameters: the file `--params`, overridden by the other options.
 LocalizerParameters parametersOf(const BagOptions& options);
 
 }  // namespace omnitag

@@ -27,7 +27,7 @@ bool isOwn(const std::string& topic) {
   return kOwn.count(topic) > 0;
 }
 
-/// The header of a connection that whoever plays the bag latches.
+/// The header of a connection that a player of the bag latches.
 template <typename Message>
 boost::shared_ptr<ros::M_string> latched(const Message& message) {
   namespace traits = ros::message_traits;

@@ -15,19 +15,19 @@
 namespace omnitag {
 
 /// A copy of the input together with what the localizer publishes on a robot, the debug image in
-/// the form of image_transport's `compressed`; /diagnostics, which tell of a running node, stay as
+/// the form of image_transport's `compressed`. /diagnostics, which describe a running node, stay as
 /// they are. Messages and transforms of the input that the localizer publishes itself are left out.
 class ResultBag {
  public:
-  /// `sends_transform`: whether tf has a place for the robot's. Throws InputError where the bag
-  /// cannot be written.
+  /// `sends_transform`: whether to write the robot's transform. Throws InputError if the bag cannot
+  /// be written.
   ResultBag(const std::string& path, const LocalizerParameters& parameters,
             const ImageLocalizer& localizer, bool sends_transform);
 
-  /// A message of the input, to stand at `time`.
+  /// Copies a message of the input, to be recorded at `time`.
   void copy(const rosbag::MessageInstance& message, const ros::Time& time);
 
-  /// What an image gave; `time`: when it was recorded.
+  /// Adds the result of an image. `time`: when the image was recorded.
   void add(const ros::Time& time, const LocalizedImage& localized, const ImageLocalizer& localizer);
 
   void close() { bag_.close(); }

@@ -13,7 +13,7 @@ std::string number(double value) { return std::isfinite(value) ? format("%.9f", 
 
 std::string stampOf(const ros::Time& stamp) { return format("%u.%09u", stamp.sec, stamp.nsec); }
 
-/// A field of a CSV file, in quotes where it needs them.
+/// A field of a CSV file, in quotes if it needs them.
 std::string field(const std::string& text) {
   if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
   std::string quoted = "\"";

@@ -13,17 +13,16 @@ namespace omnitag {
 /// The trajectory (TUM), the poses (CSV) and the detections (CSV) of a run.
 class ResultFiles {
  public:
-  /// An empty path stands for a file that is not wanted. Throws InputError where one cannot be
-  /// written.
+  /// An empty path: the file is not wanted. Throws InputError if one cannot be written.
   ResultFiles(const std::string& trajectory, const std::string& poses,
               const std::string& detections);
 
   void add(const ros::Time& stamp, const FrameResult& result, const MarkerMap& map);
 
-  /// A frame that could not be processed has a line among the poses, without a pose.
+  /// Adds a line without a pose to the poses, for a frame that could not be processed.
   void addUnusable(const ros::Time& stamp);
 
-  /// Throws InputError where not everything could be written.
+  /// Throws InputError if not everything could be written.
   void close();
 
  private:
