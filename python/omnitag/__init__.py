@@ -1,5 +1,5 @@
 """Python side of omnitag: files, evaluation and printing.
 
-The generated message modules share this package's name; nothing is imported here, so that either
-part works without the other.
+The generated message modules share this package's name. Nothing is imported here, so that each part
+works without the other.
 """

@@ -1,4 +1,4 @@
-"""What every command line tool does alike: errors of one line, and progress."""
+"""What all command line tools share: one-line errors and a progress bar."""
 
 import os
 import sys
@@ -7,14 +7,14 @@ from typing import Callable, Optional, TextIO
 
 
 class InputError(Exception):
-    """Something is wrong with what the user gave: a file, a line, a key, an argument.
+    """Something that the user gave is wrong: a file, a line, a key or an argument.
 
     The message names the place, what was expected and what was found.
     """
 
 
 def run(main: Callable[[], Optional[int]]) -> int:
-    """Call `main` and give the exit status: its own, or 1 after one line on standard error.
+    """Call `main` and return its exit status, or 1 after an error of one line on standard error.
 
     argparse ends the program itself, with status 2, when the arguments are wrong.
     """
@@ -25,7 +25,7 @@ def run(main: Callable[[], Optional[int]]) -> int:
     except InputError as error:
         message = str(error)
     except BrokenPipeError:
-        # The reader (`| head`) has left. The interpreter would complain when it flushes at exit.
+        # The reader (`| head`) has ended. The interpreter would complain when it flushes at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     except OSError as error:
@@ -39,7 +39,7 @@ def run(main: Callable[[], Optional[int]]) -> int:
 
 
 class Progress:
-    """A progress bar on standard error; where that is no terminal, its final line alone.
+    """A progress bar on standard error; only its final line if that is not a terminal.
 
     Use as a context manager and call `advance` once per step.
     """
@@ -61,14 +61,14 @@ class Progress:
     def __exit__(self, exception_type: Optional[type], *_: object) -> None:
         if self._stream.isatty():
             self._stream.write("\r\033[K")
-        # An error is to be the only line.
+        # An error must be the only line.
         if exception_type is None:
             self._stream.write("{}: {} of {} in {:.1f} s\n".format(
                 self._title, self._done, self._total, time.monotonic() - self._start))
         self._stream.flush()
 
     def advance(self, steps: int = 1) -> None:
-        """Count `steps` more as done and redraw, at most every REDRAW_SECONDS."""
+        """Count `steps` more as done; redraw at most every REDRAW_SECONDS."""
         self._done += steps
         now = time.monotonic()
         if not self._stream.isatty() or now - self._last_drawn < self.REDRAW_SECONDS:

@@ -1,4 +1,4 @@
-"""The table of markers seen: one line for each marker and frame, as localize_bag writes it."""
+"""The table of detections that localize_bag writes: one line for each marker and frame."""
 
 import csv
 import math
@@ -18,13 +18,13 @@ COLUMNS = ("stamp", "id", "family", "name", "map_entry", "accepted", "reason", "
 
 @dataclass(frozen=True)
 class Detection:
-    """A marker that was looked for in one frame; NaN where the table has an empty field."""
+    """A marker that was looked for in one frame; NaN stands for an empty field of the table."""
 
     stamp: int  # ns
     id: int
     family: str
     name: str
-    map_entry: int  # its place in the marker map, from 0
+    map_entry: int  # its index in the marker map, from 0
     accepted: bool
     reason: str  # why rejected
     bearing: float  # rad about base_link's z, counter-clockwise from its x
@@ -34,7 +34,7 @@ class Detection:
 
 
 def read_detections(path: str, marker_map: MarkerMap) -> List[Detection]:
-    """Read a table of detections made with that map; raises InputError naming file and line."""
+    """Read a table of detections that was made with this map; raises InputError naming file and line."""
     try:
         with open(path, encoding="utf-8", newline="") as file:
             rows = csv.reader(file, strict=True)
@@ -64,7 +64,7 @@ def read_detections(path: str, marker_map: MarkerMap) -> List[Detection]:
 
 
 def format_detection(detection: Detection) -> List[str]:
-    """The fields of one line, in the order of COLUMNS, but for the stamp, which comes first."""
+    """The fields of one line in the order of COLUMNS, without the stamp, which comes first."""
     numbers = (detection.bearing, detection.range, detection.residual, *detection.corners.ravel())
     return [str(detection.id), detection.family, detection.name, str(detection.map_entry),
             str(int(detection.accepted)), detection.reason,
@@ -94,7 +94,7 @@ class _Row:
             raise self.error(column, "an integer")
 
     def real(self, column: str) -> float:
-        """The number of a column, NaN where the field is empty."""
+        """The number of a column; NaN if the field is empty."""
         if not self._fields[column]:
             return math.nan
         try:
@@ -124,7 +124,7 @@ def _detection(row: _Row) -> Detection:
 
 
 def _check_entry(detection: Detection, marker_map: MarkerMap, row: _Row) -> None:
-    """Detections of another map would give a picture that lies."""
+    """Refuse detections that were made with another map: the picture would be wrong."""
     if not detection.accepted:
         return
     markers = marker_map.markers

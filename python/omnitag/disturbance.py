@@ -1,4 +1,4 @@
-"""Maps and cameras that are off: files whose numbers are not quite the true ones."""
+"""Maps and camera files with errors: their numbers are slightly off the true ones."""
 
 import re
 from dataclasses import replace
@@ -15,35 +15,35 @@ LENS_KEYS = ("fx", "fy", "cx", "cy", "distortion")
 
 
 class MapDeviations(NamedTuple):
-    """By how much markers hang elsewhere, about each axis; standard deviations."""
+    """How far markers are displaced, per axis; standard deviations."""
 
     position: float = 0.0  # m
     orientation: float = 0.0  # rad
 
 
 class CameraErrors(NamedTuple):
-    """By how much a camera is off: standard deviations, or the errors themselves."""
+    """How far a camera file is off: standard deviations, or the errors themselves."""
 
     principal_point: float = 0.0  # px, of cx and of cy
-    scale: float = 0.0  # share, of fx and fy alike
+    scale: float = 0.0  # share, the same of fx and fy
     apex: float = 0.0  # m, of the mirror's apex distance
 
     def drawn(self, generator: np.random.Generator) -> Tuple[float, float, float, float]:
-        """Errors of cx, cy, scale and apex distance with these deviations."""
+        """Random errors of cx, cy, scale and apex distance with these standard deviations."""
         factors = (self.principal_point, self.principal_point, self.scale, self.apex)
         cx, cy, scale, apex = np.array(factors) * generator.standard_normal(4)
         return cx, cy, scale, apex
 
     def exactly(self) -> Tuple[float, float, float, float]:
-        """The same, of cx and of cy alike, as they are."""
+        """These numbers as errors of cx, cy, scale and apex distance."""
         return self.principal_point, self.principal_point, self.scale, self.apex
 
 
 def displaced(marker_map: MarkerMap, deviations: MapDeviations, seed: int,
               said: Optional[MapDeviations] = None) -> MarkerMap:
-    """The map with each marker elsewhere; what one draws depends on the seed and its place.
+    """The map with each marker displaced, which depends only on the seed and the marker's index.
 
-    It says that its markers deviate by as much as `said`, if anything.
+    The map states the deviations `said`, or none.
     """
     markers = []
     for index, marker in enumerate(marker_map.markers):
@@ -58,9 +58,9 @@ def displaced(marker_map: MarkerMap, deviations: MapDeviations, seed: int,
 
 def camera_text(path: str, errors: Tuple[float, float, float, float],
                 said: Optional[CameraErrors]) -> str:
-    """The text of a camera file with these errors; its `uncertainty` is `said`, if anything.
+    """The text of a camera file with these errors; its `uncertainty` is `said`, or absent.
 
-    Raises InputError where the file lacks what is to be off.
+    Raises InputError if the file lacks a number that is to be changed.
     """
     root = read_yaml(path).mapping(CAMERA_KEYS)
     cx, cy, scale, apex = errors
@@ -82,13 +82,13 @@ def camera_text(path: str, errors: Tuple[float, float, float, float],
 
 def _changed(entry: Mapping,
              changes: Dict[str, Tuple[float, float]]) -> List[Tuple[Tuple[int, int], str]]:
-    """Places in the text and what is to stand there: factor times the number plus a term."""
+    """Places in the text and their new numbers: factor times the number, plus a term."""
     return [(entry[key].span(), repr(round(float(factor * entry[key].real() + term), 12)))
             for key, (factor, term) in changes.items() if factor != 1.0 or term != 0.0]
 
 
 def _uncertainty(root: Mapping, said: CameraErrors) -> str:
-    """In pixels, at the rim: a mirror that is further off has a smaller image, too."""
+    """In pixels at the rim. An error of the apex distance also scales the image."""
     size = root["image"].mapping(("width", "height"))
     rim = 0.5 * min(size["width"].integer(), size["height"].integer())
     share = said.scale

@@ -1,4 +1,4 @@
-"""Absolute trajectory error, without any alignment: both trajectories are in the map's frame."""
+"""Absolute trajectory error, without alignment: both trajectories are in the map's frame."""
 
 from dataclasses import dataclass
 from typing import Dict, List, Optional, Tuple, Union
@@ -14,27 +14,27 @@ PAPER_POSITION_RMSE = 0.54  # the paper's units
 PAPER_MEAN_RANGE = 70.0  # the paper's units
 PAPER_PERCENT_OF_RANGE = 0.8  # as printed there
 
-# Of an estimate that does not keep to the floor.
+# Only for an estimate that is not restricted to the floor.
 STANDING_FIGURES = ("height_rmse", "height_max", "roll_rmse_deg", "roll_max_deg",
                     "pitch_rmse_deg", "pitch_max_deg")
 
 
 @dataclass(frozen=True)
 class Evaluation:
-    """Errors of the estimates that have a reference frame, in order of time."""
+    """Errors of the estimates that match a frame of the reference, in order of time."""
 
     reference: Trajectory  # all of it
     stamps: np.ndarray  # (n,) int64 ns, of the matched estimates
-    reference_indices: np.ndarray  # (n,) the reference frame of each
+    reference_indices: np.ndarray  # (n,) the frame of the reference that each matches
     positions: np.ndarray  # (n, 2) m, estimated
     headings: np.ndarray  # (n,) rad, estimated
     position_errors: np.ndarray  # (n, 2) m, estimate minus reference, in the map
     heading_errors: np.ndarray  # (n,) rad, estimate minus reference, in [-pi, pi]
-    # The errors of z (m), roll and pitch (rad) by name, (n,) each; none where the estimate keeps to
-    # the floor.
+    # The errors of z (m), roll and pitch (rad) by name, (n,) each; empty if the estimate is
+    # restricted to the floor.
     standing_errors: Dict[str, np.ndarray]
     unmatched_estimates: int
-    mean_range: Optional[float]  # m, None where no marker is known to be used
+    mean_range: Optional[float]  # m; None if it is not known that a marker was used
 
     @property
     def distances(self) -> np.ndarray:
@@ -48,11 +48,11 @@ class Evaluation:
 
     @property
     def matched_share(self) -> float:
-        """Of the reference frames, 0 to 1: those with an estimate."""
+        """The share of the reference's frames that have an estimate, 0 to 1."""
         return len(self.stamps) / len(self.reference)
 
     def error_figures(self) -> Dict[str, float]:
-        """The errors' figures by name, lengths in m; those of STANDING_FIGURES where known."""
+        """Figures of the errors by name, lengths in m; includes STANDING_FIGURES if they are known."""
         distances = self.distances
         figures = {
             "position_rmse": _root_mean_square(distances),
@@ -67,7 +67,7 @@ class Evaluation:
         return figures
 
     def figures(self) -> Dict[str, Union[int, float, None]]:
-        """All figures by name; lengths in m, None where unknown."""
+        """All figures by name; lengths in m, None if unknown."""
         errors = self.error_figures()
         return {
             **errors,
@@ -86,7 +86,7 @@ def evaluate(estimate: Trajectory, reference: Trajectory, tolerance: float,
              detections: Optional[List[Detection]] = None) -> Evaluation:
     """Compare poses whose stamps differ by at most `tolerance` seconds.
 
-    Raises InputError where nothing can be compared.
+    Raises InputError if nothing can be compared.
     """
     estimates, references = match_stamps(estimate.stamps, reference.stamps,
                                          int(round(tolerance * 1e9)))
@@ -137,7 +137,7 @@ def match_stamps(first: np.ndarray, second: np.ndarray,
 def mean_range(detections: List[Detection]) -> Optional[float]:
     """Mean horizontal distance in m from the camera to the markers used, over all frames.
 
-    None where no marker was used.
+    None if no marker was used.
     """
     ranges = [detection.range for detection in detections if detection.accepted]
     return float(np.mean(ranges)) if ranges else None

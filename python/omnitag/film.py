@@ -1,4 +1,4 @@
-"""A film of a drive: what the robot saw, and where in the map it was, image by image."""
+"""A film of a drive: what the robot saw, and where it was in the map, image by image."""
 
 from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 
@@ -9,7 +9,7 @@ from omnitag.command_line import InputError
 from omnitag.marker_map import MarkerMap
 from omnitag.trajectory import Trajectory
 
-# Blue, green, red; the ground and the green are the debug image's.
+# Blue, green, red; the background and the green are those of the debug image.
 GROUND = (40, 34, 32)
 GREY = (130, 120, 110)
 WHITE = (235, 235, 235)
@@ -18,7 +18,7 @@ BLUE = (255, 170, 90)
 YELLOW = (51, 217, 255)
 ORANGE = (26, 115, 255)
 
-MARGIN = 0.5  # m of the map about all that is drawn
+MARGIN = 0.5  # m, around everything that is drawn
 GREY_LEVELS = 20  # of the film's palette
 
 
@@ -28,11 +28,11 @@ class FilmFrame(NamedTuple):
     stamp: int  # ns
     debug_image: np.ndarray  # BGR
     pose: Optional[Tuple[float, float, float]]  # x, y (m) and yaw (rad) in the map
-    used: List[int]  # entries of the map on which the pose stands
+    used: List[int]  # map entries that the pose is based on
 
 
 def read_result_bag(path: str) -> List[FilmFrame]:
-    """What localize_bag --output has written, in the order of time."""
+    """Read what localize_bag --output has written, in order of time."""
     import rosbag
 
     images: Dict[int, np.ndarray] = {}
@@ -63,11 +63,11 @@ def read_result_bag(path: str) -> List[FilmFrame]:
 
 
 class TopView:
-    """The map from above: markers, the route so far, and lines of sight."""
+    """The map from above, with markers, the route so far and lines of sight."""
 
     def __init__(self, marker_map: MarkerMap, frames: Sequence[FilmFrame],
                  reference: Optional[Trajectory], size: Tuple[int, int]) -> None:
-        """`size`: width and height in pixels."""
+        """`size` is width and height in pixels."""
         self._markers = marker_map.markers
         self._reference = reference
         places = [marker.position[:2] for marker in self._markers]
@@ -79,7 +79,7 @@ class TopView:
         self._size = size
 
     def draw(self, frames: Sequence[FilmFrame]) -> np.ndarray:
-        """The view at the last of these frames."""
+        """Draw the view at the last of these frames."""
         width, height = self._size
         canvas = np.full((height, width, 3), GROUND, np.uint8)
         if self._reference is not None:
@@ -118,7 +118,7 @@ class TopView:
 
 def film_pictures(frames: Sequence[FilmFrame], marker_map: MarkerMap,
                   reference: Optional[Trajectory], height: int) -> List[np.ndarray]:
-    """BGR pictures of the film, each of that height: the debug image, and the map beside it."""
+    """BGR pictures of the film, of that height: the debug image, with the map next to it."""
     pictures = []
     view: Optional[TopView] = None
     for i, frame in enumerate(frames):
@@ -135,7 +135,7 @@ def write_gif(path: str, pictures: Sequence[np.ndarray], rate: float) -> None:
     from PIL import Image
 
     images = [Image.fromarray(cv2.cvtColor(picture, cv2.COLOR_BGR2RGB)) for picture in pictures]
-    # One palette for all, and no dithering: what stands still costs nothing.
+    # One palette for all pictures and no dithering: what does not change takes no space.
     palette = Image.new("P", (1, 1))
     palette.putpalette(_palette().tobytes())
     indexed = [image.quantize(palette=palette, dither=0) for image in images]
@@ -144,9 +144,9 @@ def write_gif(path: str, pictures: Sequence[np.ndarray], rate: float) -> None:
 
 
 def _palette() -> np.ndarray:
-    """Red, green, blue: greys, and what is drawn in colour: an adaptive palette would lose it."""
+    """Greys and the drawn colours, as red, green, blue; an adaptive palette would lose the colours."""
     greys = np.repeat(np.linspace(0.0, 255.0, GREY_LEVELS)[:, None], 3, axis=1)
-    # Smoothed edges are between a colour and the ground.
+    # Smoothed edges are mixtures of a colour and the background.
     edges = [share * np.array(colour) + (1.0 - share) * np.array(GROUND)
              for colour in (GREEN, BLUE, YELLOW, ORANGE) for share in (1.0, 0.65, 0.3)]
     colours = np.vstack([greys, [GROUND], edges])[:, ::-1]

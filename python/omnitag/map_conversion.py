@@ -1,4 +1,4 @@
-"""Marker maps between this package's format and those of others."""
+"""Conversion of marker maps between this package's format and those of other packages."""
 
 import os
 from typing import NamedTuple, Optional, Tuple
@@ -17,7 +17,7 @@ FORMATS = (OWN, *WRITERS)
 
 
 class Conversion(NamedTuple):
-    """A map's text in a format, and what a person should know of it; lines."""
+    """A map's text in a format, with remarks for the user, one per line."""
 
     text: str
     format: str
@@ -26,9 +26,9 @@ class Conversion(NamedTuple):
 
 
 def convert(source: str, wanted: Optional[str], given: Given) -> Conversion:
-    """The file of a map in another format: `wanted`, or this package's.
+    """Convert the map `source` to the format `wanted`; None means this package's.
 
-    Raises InputError where it is no map, or one that the format cannot hold.
+    Raises InputError if it is not a map, or one that the format cannot hold.
     """
     path, part = _place_of(source)
     own, read = _read(path, part, given)
@@ -43,7 +43,7 @@ def convert(source: str, wanted: Optional[str], given: Given) -> Conversion:
 
 
 def _place_of(source: str) -> Tuple[str, Optional[str]]:
-    """A file, and the part of it that is named behind a '#'."""
+    """A file, and the part of it that is named after a '#'."""
     path, mark, part = source.rpartition("#")
     return (path, part) if mark and not os.path.exists(source) else (source, None)
 
@@ -54,7 +54,7 @@ def path_of(source: str) -> str:
 
 
 def _read(path: str, part: Optional[str], given: Given) -> Tuple[bool, ReadMap]:
-    """Whether it is a map of this package, and the map."""
+    """Whether the file has this package's format, and its map."""
     text = read_text(path)
     if fiducial_slam.recognizes(text):
         _refuse_part(path, part)

@@ -1,4 +1,4 @@
-"""How far a marker map is off the true one."""
+"""How far a marker map is off the true map."""
 
 from typing import Dict, List, NamedTuple, Set, Tuple
 
@@ -10,7 +10,7 @@ Key = Tuple[str, int]
 
 
 class MarkerError(NamedTuple):
-    """One marker's."""
+    """The error of one marker."""
 
     label: str
     distance: float  # m, between the centres
@@ -19,9 +19,9 @@ class MarkerError(NamedTuple):
 
 def compare(estimate: MarkerMap, reference: MarkerMap, without: Set[Key],
             align: bool) -> List[MarkerError]:
-    """The errors of all markers that both maps have once, but for those of `without`.
+    """The errors of all markers that both maps have exactly once, except those in `without`.
 
-    With `align` the estimate is first moved on the floor to where its positions fit best.
+    With `align`, the estimate is first moved in the plane so that its positions fit best.
     """
     estimates = _by_key(estimate)
     references = _by_key(reference)
@@ -38,7 +38,7 @@ def compare(estimate: MarkerMap, reference: MarkerMap, without: Set[Key],
         moved = reference_from_estimate @ estimates[key].map_from_marker
         true = references[key].map_from_marker
         turn = moved[:3, :3].T @ true[:3, :3]
-        # Well conditioned for small angles, which a cosine is not.
+        # Unlike a cosine, this is well conditioned for small angles.
         sine = 0.5 * np.linalg.norm([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0],
                                      turn[1, 0] - turn[0, 1]])
         angle = np.arctan2(sine, 0.5 * (np.trace(turn) - 1.0))
@@ -49,7 +49,7 @@ def compare(estimate: MarkerMap, reference: MarkerMap, without: Set[Key],
 
 
 def table(errors: List[MarkerError]) -> str:
-    """For people: each marker's errors in mm and degrees, then their maximum and RMS."""
+    """A table to read: each marker's errors in mm and degrees, then their maximum and RMS."""
     lines = ["{:<24}{:>10}{:>10}".format("marker", "mm", "degrees")]
     row = "{:<24}{:>10.2f}{:>10.3f}"
     lines += [row.format(e.label, 1e3 * e.distance, np.degrees(e.angle)) for e in errors]
@@ -74,7 +74,7 @@ def _by_key(marker_map: MarkerMap) -> Dict[Key, Marker]:
 
 
 def _planar_fit(points: np.ndarray, targets: np.ndarray) -> np.ndarray:
-    """(4, 4): the turn about z and the shift in x and y that take points nearest to targets."""
+    """(4, 4): the turn about z and the shift in x and y that fit points to targets best."""
     point_mean, target_mean = points.mean(axis=0), targets.mean(axis=0)
     a, b = points - point_mean, targets - target_mean
     angle = np.arctan2(np.sum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]),

@@ -1,4 +1,4 @@
-"""One marker map out of two that share markers."""
+"""Merging of two marker maps that share markers."""
 
 import itertools
 from dataclasses import replace
@@ -10,28 +10,28 @@ from omnitag.command_line import InputError
 from omnitag.marker_map import Marker, MarkerMap
 from omnitag.rotation import rotation_from_vector, vector_from_rotation
 
-# What a map has that does not say; the localizer takes the same.
+# Of a map that does not state them; the localizer assumes the same.
 DEVIATION = 0.005  # m
 ORIENTATION_DEVIATION = np.radians(1.0)
 
 EXACT = 1e-6
-"""m and rad: nothing is known better."""
+"""m and rad: no deviation is assumed to be smaller."""
 
 SAME_PLACE = 27.9
-"""Chi-square with six degrees of freedom that one of ten thousand is beyond."""
+"""Chi-square with six degrees of freedom that chance exceeds once in ten thousand."""
 
 Key = Tuple[str, int]
 
 
 class Merged(NamedTuple):
-    """A map, and what a person should know of it; lines."""
+    """A map, with remarks for the user, one per line."""
 
     marker_map: MarkerMap
     remarks: Tuple[str, ...]
 
 
 class _Fit(NamedTuple):
-    """How the frame of one map lies in that of the other: turned about z, and shifted."""
+    """The frame of one map in that of the other: turned about z and shifted."""
 
     shift: np.ndarray  # (3,), m
     yaw: float  # rad
@@ -48,20 +48,20 @@ class _Fit(NamedTuple):
 
 
 class _Pair(NamedTuple):
-    """A marker as both maps have it, and what they may differ by: standard deviations per axis."""
+    """A marker in both maps."""
 
     a: Marker
     b: Marker
 
     @property
     def weights(self) -> np.ndarray:
-        """(6,): of the position's and the orientation's differences."""
+        """(6,): inverse variances of the differences in position and orientation."""
         position = sum(_deviations(marker)[0] ** 2 for marker in self)
         orientation = sum(_deviations(marker)[1] ** 2 for marker in self)
         return np.repeat([1.0 / position, 1.0 / orientation], 3)
 
     def difference(self, fit: _Fit) -> np.ndarray:
-        """(6,): by how much `a` is off `b`: m, and rad about the axes of a's map."""
+        """(6,): `a` minus `b`: m, and rad about the axes of a's map."""
         moved = fit.moved(self.b).map_from_marker
         turn = self.a.map_from_marker[:3, :3] @ moved[:3, :3].T
         return np.concatenate((self.a.position - moved[:3, 3], vector_from_rotation(turn)))
@@ -71,11 +71,11 @@ class _Pair(NamedTuple):
 
 
 def merge(into: MarkerMap, other: MarkerMap) -> Merged:
-    """`into` with the markers of `other`, which are moved into its frame by those in both.
+    """`into` with the markers of `other`, moved into its frame by the markers in both.
 
-    Both maps have z along gravity. Markers in both become their weighted mean; where the maps
-    contradict each other, `into` counts. A marker that `other` adds deviates by what the fit
-    leaves, too. Raises InputError where nothing ties the maps together.
+    Both maps have z along gravity. Markers in both become their weighted mean; if the maps contradict
+    each other, `into` counts. The deviations of markers that `other` adds include the uncertainty of
+    the fit. Raises InputError if the maps share no marker.
     """
     pairs = _pairs_of(into, other)
     if not pairs:
@@ -122,7 +122,7 @@ def _deviations(marker: Marker) -> Tuple[float, float]:
 
 
 def _pairs_of(into: MarkerMap, other: MarkerMap) -> List[_Pair]:
-    """Ids that either map has at several places tie nothing."""
+    """Markers that both maps have exactly once; ids at several places of a map are not used."""
     first, second = _unique(into), _unique(other)
     pairs = [_Pair(first[key], second[key]) for key in first if key in second]
     for a, b in pairs:
@@ -140,7 +140,7 @@ def _unique(marker_map: MarkerMap) -> Dict[Key, Marker]:
 
 
 def _best_fit(pairs: Sequence[_Pair]) -> Tuple[_Fit, List[bool]]:
-    """The fit that most agree on, refined by those, and who they are."""
+    """The fit that most pairs agree on, refined by these pairs, and which pairs they are."""
     def cost(fit: _Fit) -> float:
         return sum(min(pair.chi_square(fit), SAME_PLACE) for pair in pairs)
 
@@ -159,7 +159,7 @@ def _best_fit(pairs: Sequence[_Pair]) -> Tuple[_Fit, List[bool]]:
 
 
 def _candidates(pairs: Sequence[_Pair]) -> List[_Fit]:
-    """By each marker's orientation, and by where each two of them are."""
+    """Fits by the orientation of each marker, and by the positions of every two."""
     candidates = []
     for a, b in pairs:
         turn = a.map_from_marker[:3, :3] @ b.map_from_marker[:3, :3].T
@@ -178,7 +178,7 @@ def _through(a: np.ndarray, b: np.ndarray, yaw: float) -> _Fit:
 
 
 def _jacobian(position: np.ndarray) -> np.ndarray:
-    """(6, 4): by shift and yaw, of a pose whose position has been turned into the frame."""
+    """(6, 4): derivatives by shift and yaw of a pose whose position is turned into the frame."""
     jacobian = np.zeros((6, 4))
     jacobian[:3, :3] = np.eye(3)
     jacobian[:2, 3] = -position[1], position[0]
@@ -187,7 +187,7 @@ def _jacobian(position: np.ndarray) -> np.ndarray:
 
 
 def _refined(pairs: Sequence[_Pair], agree: Sequence[bool], fit: _Fit) -> _Fit:
-    """Least squares by those that agree."""
+    """Least squares over the pairs that agree."""
     for _ in range(10):
         information, gradient = np.zeros((4, 4)), np.zeros(4)
         for pair, good in zip(pairs, agree):
@@ -204,7 +204,10 @@ def _refined(pairs: Sequence[_Pair], agree: Sequence[bool], fit: _Fit) -> _Fit:
 
 def _information(pairs: Sequence[_Pair], agree: Sequence[bool],
                  fit: _Fit) -> Tuple[np.ndarray, float]:
-    """Of shift and yaw, and how many times more the maps differ than they say, 1 at least."""
+    """Information of shift and yaw, and the factor by which the differences exceed the maps' variances.
+
+    The factor is at least 1.
+    """
     information, squares = np.zeros((4, 4)), 0.0
     for pair, good in zip(pairs, agree):
         if good:
@@ -215,7 +218,7 @@ def _information(pairs: Sequence[_Pair], agree: Sequence[bool],
 
 
 def _with_fit(marker: Marker, fit: _Fit, covariance: np.ndarray) -> Marker:
-    """In the other frame, with what the fit adds to its deviations."""
+    """The marker in the other frame; its deviations include the uncertainty of the fit."""
     jacobian = _jacobian(fit.rotation @ marker.position)
     added = np.diag(jacobian @ covariance @ jacobian.T)
     position, orientation = _deviations(marker)
@@ -225,7 +228,7 @@ def _with_fit(marker: Marker, fit: _Fit, covariance: np.ndarray) -> Marker:
 
 
 def _mean(a: Marker, b: Marker) -> Marker:
-    """Of a marker in one frame, weighted; what is exact counts alone."""
+    """The weighted mean of a marker in one frame; an exact pose counts alone."""
     (position_a, turn_a), (position_b, turn_b) = _deviations(a), _deviations(b)
     share = position_a ** 2 / (position_a ** 2 + position_b ** 2)
     turned_share = turn_a ** 2 / (turn_a ** 2 + turn_b ** 2)

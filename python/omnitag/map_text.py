@@ -1,4 +1,4 @@
-"""The text of a marker map's file."""
+"""The text of a marker map file."""
 
 from typing import Callable, List, Optional, Tuple
 
@@ -8,11 +8,11 @@ from omnitag.marker_map import Marker, MarkerMap, yaw_and_roll_from_rotation
 from omnitag.rotation import quaternion_from_rotation
 
 VERTICAL = 1e-9
-"""By how much the normal of a marker on a vertical surface may lean, in rad."""
+"""How far the normal of a marker on a vertical surface may lean, in rad."""
 
 
 def map_text(marker_map: MarkerMap, remark: str = "") -> str:
-    """A map file; what all markers have alike stands at its top, below a remark if there is one."""
+    """The text of a map file. Values that all markers share are at its top, below the remark, if any."""
     lines = ["# " + line for line in remark.splitlines()]
     lines.append("frame_id: " + _quoted(marker_map.frame_id))
     markers = marker_map.markers
@@ -34,7 +34,7 @@ def map_text(marker_map: MarkerMap, remark: str = "") -> str:
 
 
 class _Shared:
-    """A key that stands at the top where all markers have the same value, else at each."""
+    """A key that is at the top if all markers have the same value, otherwise at each marker."""
 
     def __init__(self, key: str, markers: Tuple[Marker, ...],
                  text_of: Callable[[Marker], Optional[str]]) -> None:

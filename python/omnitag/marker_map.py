@@ -15,7 +15,7 @@ MARKER_KEYS = ("id", "name", "family", "size", "position", "yaw", "roll", "orien
                "deviation", "orientation_deviation")
 QUATERNION_TOLERANCE = 1e-3
 
-# In the AprilTag library's order, in units of half the size, in the marker's frame.
+# In the AprilTag library's order, in the marker's frame, in units of half the size.
 _CORNER_SIGNS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
 
 
@@ -23,16 +23,16 @@ _CORNER_SIGNS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
 class Marker:
     """One entry of the map.
 
-    The marker's frame: origin at its centre, x to the right and y up as a person sees it who looks
-    at it upright, z out of its face.
+    The marker's frame has its origin at the centre. Seen from the front, with the marker upright, x
+    points to the right and y up; z points out of its face.
     """
 
     id: int
     family: str
-    name: str  # empty where the map gives none
+    name: str  # empty if the map gives none
     size: float  # m, edge of the square between the corners that the detector reports
     map_from_marker: np.ndarray  # (4, 4)
-    deviation: Optional[float] = None  # m, about each axis; None: the map does not say
+    deviation: Optional[float] = None  # m, along each axis; None: not in the map
     orientation_deviation: Optional[float] = None  # rad
 
     @property
@@ -49,8 +49,8 @@ class Marker:
     def corners(self) -> np.ndarray:
         """(4, 3), in m: the corners in the map, in the AprilTag library's order.
 
-        Seen by a person who looks at the marker upright: lower left, lower right, upper right,
-        upper left.
+        Seen from the front, with the marker upright: lower left, lower right, upper right, upper
+        left.
         """
         in_marker = np.zeros((4, 3))
         in_marker[:, :2] = 0.5 * self.size * _CORNER_SIGNS
@@ -58,12 +58,12 @@ class Marker:
 
     @property
     def label(self) -> str:
-        """What to call it: its name, else its id."""
+        """Its name, or its id if it has none."""
         return self.name or str(self.id)
 
 
 class MarkerDefaults(NamedTuple):
-    """What an entry has that does not say otherwise; None: it must."""
+    """Defaults of the entries; None: each entry must state it."""
 
     family: Optional[str] = None
     size: Optional[float] = None  # m
@@ -113,13 +113,13 @@ def rotation_from_yaw_and_roll(yaw: float, roll: float = 0.0) -> np.ndarray:
 
 
 def yaw_and_roll_from_rotation(map_from_marker: np.ndarray) -> Tuple[float, float]:
-    """The inverse of `rotation_from_yaw_and_roll`; of a marker on a vertical surface alone."""
+    """The inverse of `rotation_from_yaw_and_roll`, only for a marker on a vertical surface."""
     return (float(np.arctan2(map_from_marker[1, 2], map_from_marker[0, 2])),
             float(np.arctan2(map_from_marker[2, 0], map_from_marker[2, 1])))
 
 
 def read_marker(entry: Mapping, defaults: MarkerDefaults) -> Marker:
-    """An entry of the map's format; raises InputError naming file, line and key."""
+    """Read an entry in the map's format; raises InputError naming file, line and key."""
     family, size = defaults.family, defaults.size
     if "family" in entry or family is None:
         family = _family(entry["family"])

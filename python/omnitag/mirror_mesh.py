@@ -4,7 +4,7 @@ import struct
 
 import numpy as np
 
-# A mesh to look at: a circle of so many edges, and so many rings between apex and rim.
+# For display only: edges of a circle, and rings between apex and rim.
 SEGMENTS = 48
 RINGS = 12
 THICKNESS = 0.002  # m, of the mirror's edge
@@ -12,10 +12,10 @@ THICKNESS = 0.002  # m, of the mirror's edge
 
 def mirror_triangles(mirror) -> np.ndarray:
     """(n, 3, 3) in metres in the camera's optical frame: each triangle's corners, counter-clockwise
-    as seen from outside. `mirror`: with a profile `sag`, as omnitag.rendering.mirror has them."""
+    as seen from outside. `mirror` has a profile `sag`, as the mirrors of omnitag.rendering.mirror."""
     radii = np.linspace(0.0, mirror.rim_radius, RINGS + 1)
     heights = mirror.apex_distance + mirror.sag(radii)
-    # The back: over the edge, and to the axis again.
+    # The back: over the edge and back to the axis.
     back = max(heights) + THICKNESS
     radii = np.append(radii, [mirror.rim_radius, 0.0])
     heights = np.append(heights, [back, back])
@@ -30,12 +30,12 @@ def mirror_triangles(mirror) -> np.ndarray:
     first = np.stack([inner, following(outer), outer], axis=2).reshape(-1, 3, 3)
     second = np.stack([inner, following(inner), following(outer)], axis=2).reshape(-1, 3, 3)
     triangles = np.concatenate([first, second])
-    # On the axis, one triangle of each pair is a line.
+    # On the axis, one triangle of each pair is degenerate.
     return triangles[np.linalg.norm(_normals(triangles), axis=1) > 0.0]
 
 
 def write_stl(path: str, triangles: np.ndarray) -> None:
-    """A binary STL file."""
+    """Write a binary STL file."""
     normals = _normals(triangles)
     normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
     records = np.zeros(len(triangles), dtype=[("numbers", "<f4", 12), ("attribute", "<u2")])
@@ -46,6 +46,6 @@ def write_stl(path: str, triangles: np.ndarray) -> None:
 
 
 def _normals(triangles: np.ndarray) -> np.ndarray:
-    """Of twice the triangles' area."""
+    """Normals whose length is twice the triangle's area."""
     a, b, c = np.moveaxis(triangles, 1, 0)
     return np.cross(b - a, c - a)

@@ -1,4 +1,4 @@
-"""Pictures of an evaluation."""
+"""Plots of an evaluation."""
 
 import os
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
@@ -18,7 +18,7 @@ from omnitag.evaluation import Evaluation  # noqa: E402
 from omnitag.marker_map import Marker, MarkerMap  # noqa: E402
 from omnitag.report import length  # noqa: E402
 
-# Okabe and Ito's palette, which survives every common form of colour blindness.
+# Okabe and Ito's palette, which is safe for all common forms of colour blindness.
 BLUE = "#0072B2"
 SKY = "#56B4E9"
 ORANGE = "#E69F00"
@@ -30,7 +30,7 @@ ERROR_COLOURS = "viridis"
 
 Drawing = Callable[[Evaluation, Optional[MarkerMap], List[Detection]], Figure]
 
-GAP_PERIODS = 1.5  # further apart than this many usual periods: estimates are missing between
+GAP_PERIODS = 1.5  # in usual periods: between estimates further apart than this, some are missing
 
 STYLE = {
     "figure.dpi": 110, "savefig.dpi": 150, "font.family": "DejaVu Sans", "font.size": 11,
@@ -44,7 +44,7 @@ STYLE = {
 
 def write_report(directory: str, evaluation: Evaluation, marker_map: Optional[MarkerMap] = None,
                  detections: Optional[List[Detection]] = None) -> List[str]:
-    """Draw every picture that the data allow; gives their paths."""
+    """Draw every plot that the data allow; returns their paths."""
     os.makedirs(directory, exist_ok=True)
     detections = detections or []
     figures: Dict[str, Drawing] = {"route.png": _route, "errors.png": _errors}
@@ -96,10 +96,10 @@ def _route(evaluation: Evaluation, marker_map: Optional[MarkerMap],
 
 
 def _draw_marker(axes: Axes, marker: Marker) -> None:
-    """A segment where it stands, a tick along its outward normal, its name behind it."""
+    """A segment at its place, a tick along its outward normal, its name behind it."""
     right = marker.map_from_marker[:2, 0] * 0.5 * marker.size
     up = marker.map_from_marker[:2, 1] * 0.5 * marker.size
-    # A rolled marker shows the top view its upper edge rather than its lower one.
+    # Seen from above, a marker that is rolled by a right angle extends along its y axis.
     half = right if np.hypot(*right) >= np.hypot(*up) else up
     centre, normal = marker.position[:2], marker.normal[:2]
     tip = centre + normal * max(0.12, 0.6 * marker.size)
@@ -108,7 +108,7 @@ def _draw_marker(axes: Axes, marker: Marker) -> None:
     axes.plot(*zip(centre, tip), color=INK, linewidth=1.3, zorder=6)
     steep = np.hypot(*normal) < 0.3
     behind = np.array([0.0, -1.0]) if steep else -normal / np.hypot(*normal)
-    # Beside a marker that looks sideways the name must not run across it.
+    # The name of a marker that faces sideways must not cross it.
     alignment = "center" if abs(behind[0]) < 0.3 else "left" if behind[0] > 0 else "right"
     axes.annotate(marker.label, centre, xytext=(9.0 * behind[0], 13.0 * behind[1]),
                   textcoords="offset points", ha=alignment, va="center", fontsize=9.5, zorder=7)
@@ -116,7 +116,7 @@ def _draw_marker(axes: Axes, marker: Marker) -> None:
 
 def _draw_worst_frame(axes: Axes, evaluation: Evaluation, markers: Sequence[Marker],
                       detections: List[Detection]) -> None:
-    """A ring about the largest error, and the bearings measured there, as far as their markers."""
+    """A ring around the largest error, and the bearings measured there, up to their markers."""
     frame = evaluation.worst_frame
     used = [detection for detection in detections
             if detection.accepted and detection.stamp == evaluation.stamps[frame]]
@@ -139,7 +139,7 @@ def _draw_worst_frame(axes: Axes, evaluation: Evaluation, markers: Sequence[Mark
 
 
 def _draw_heading(axes: Axes, evaluation: Evaluation) -> None:
-    """An arrow where the route begins."""
+    """An arrow at the start of the route."""
     x, y = evaluation.reference.positions[0, :2]
     yaw = evaluation.reference.yaw[0]
     axes.annotate("", (x, y), xytext=(34 * np.cos(yaw), 34 * np.sin(yaw)),
@@ -152,7 +152,7 @@ def _draw_heading(axes: Axes, evaluation: Evaluation) -> None:
 
 
 def _draw_error_cloud(axes: Axes, evaluation: Evaluation) -> None:
-    """Position errors as one sees them from above, with the RMSE as a circle."""
+    """Position errors from above, with the RMSE as a circle."""
     unit, scale = _error_unit(evaluation)
     rmse = scale * evaluation.error_figures()["position_rmse"]
     reach = 1.12 * scale * max(np.max(evaluation.distances), 1e-9)
@@ -237,7 +237,7 @@ def _errors(evaluation: Evaluation, _: Optional[MarkerMap],
 
 def _draw_signed_errors(axes: Axes, name: str, time: np.ndarray, errors: np.ndarray,
                         unit: str) -> None:
-    """Errors about zero over time, with their RMS as a band; NaN where estimates are missing."""
+    """Errors over time, with their RMS as a band about zero; NaN stands for missing estimates."""
     rms = np.sqrt(np.nanmean(np.square(errors)))
     axes.axhspan(-rms, rms, color=ORANGE, alpha=0.22, linewidth=0,
                  label="RMS {:.4f}{}".format(rms, unit))
@@ -248,7 +248,7 @@ def _draw_signed_errors(axes: Axes, name: str, time: np.ndarray, errors: np.ndar
 
 
 def _shade_gaps(axes: Sequence[Axes], evaluation: Evaluation) -> None:
-    """Grey where estimates are missing, also before the first and after the last."""
+    """Shade the times without estimates, also before the first and after the last."""
     period = _period(evaluation)
     reference = evaluation.reference.stamps
     ends = np.concatenate([[reference[0] - period], evaluation.stamps, [reference[-1] + period]])
@@ -262,7 +262,7 @@ def _shade_gaps(axes: Sequence[Axes], evaluation: Evaluation) -> None:
 
 
 def _broken_at_gaps(evaluation: Evaluation, values: np.ndarray) -> np.ndarray:
-    """`values`, one for each matched estimate, with NaN where estimates are missing between."""
+    """`values`, one for each matched estimate, with NaN inserted at the gaps between estimates."""
     gaps = np.nonzero(np.diff(evaluation.stamps) > GAP_PERIODS * _period(evaluation))[0] + 1
     return np.insert(values, gaps, np.nan, axis=0)
 
@@ -275,7 +275,7 @@ def _period(evaluation: Evaluation) -> float:
 
 def _residuals(_evaluation: Evaluation, _: Optional[MarkerMap],
                detections: List[Detection]) -> Figure:
-    """Where in the panorama markers were seen, and how well their corners fit the pose."""
+    """Where markers were seen in the panorama, and how well their corners fit the pose."""
     figure, (image, histogram) = pyplot.subplots(
         1, 2, figsize=(13.0, 6.2), constrained_layout=True, gridspec_kw={"width_ratios": (1.3, 1)})
     used = [detection for detection in detections if _is_fitted(detection)]
@@ -316,5 +316,5 @@ def _is_fitted(detection: Detection) -> bool:
 
 
 def _error_unit(evaluation: Evaluation) -> Tuple[str, float]:
-    """Millimetres where errors are small, metres otherwise: (its name, units per metre)."""
+    """Millimetres for small errors, otherwise metres: (its name, units per metre)."""
     return ("mm", 1e3) if np.max(evaluation.distances) < 0.1 else ("m", 1.0)

@@ -1,5 +1,5 @@
-"""Detections in the messages of other packages of markers, so that what docks or maps by these works
-unchanged. Their types are looked for when the node starts: none of them is needed."""
+"""Detections in the messages of other marker packages, so that nodes for docking or mapping that use
+these work unchanged. The message types are looked up when the node starts: none of them is required."""
 
 import importlib
 from typing import Callable, Dict, List, NamedTuple, Optional
@@ -8,7 +8,7 @@ import numpy as np
 
 
 class Relay(NamedTuple):
-    """A topic of another package, and how its message is made."""
+    """A topic of another package, and the function that makes its message."""
 
     topic: str
     message_type: type
@@ -16,19 +16,19 @@ class Relay(NamedTuple):
 
 
 def has_pose(detection) -> bool:
-    """Whether a detection tells where the marker is: its first variance is -1 otherwise."""
+    """Whether a detection has the marker's pose: if not, its first variance is -1."""
     return detection.pose.covariance[0] >= 0.0
 
 
 def area_of(corners) -> float:
-    """Of a quadrilateral, in square pixels."""
+    """Area of a quadrilateral, in square pixels."""
     x = np.array([corner.x for corner in corners])
     y = np.array([corner.y for corner in corners])
     return 0.5 * abs(float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))))
 
 
 def fiducial_transforms(types, array, detections):
-    """fiducial_msgs/FiducialTransformArray, as aruco_detect has it."""
+    """fiducial_msgs/FiducialTransformArray, as aruco_detect publishes it."""
     message = types.FiducialTransformArray()
     message.header = array.header
     message.image_seq = array.header.seq
@@ -48,7 +48,7 @@ def fiducial_transforms(types, array, detections):
 
 
 def fiducial_vertices(types, array, detections):
-    """fiducial_msgs/FiducialArray: corners clockwise from the upper left, as OpenCV has them."""
+    """fiducial_msgs/FiducialArray: corners clockwise from the upper left, as in OpenCV."""
     message = types.FiducialArray()
     message.header = array.header
     message.image_seq = array.header.seq
@@ -90,7 +90,7 @@ def aruco_markers(types, array, detections):
     return message
 
 
-# Topic, package, message, and how it is made.
+# Topic, package, message, and the function that makes it.
 _KNOWN = [
     ("fiducial_transforms", "fiducial_msgs", "FiducialTransformArray", fiducial_transforms),
     ("fiducial_vertices", "fiducial_msgs", "FiducialArray", fiducial_vertices),
@@ -107,7 +107,7 @@ def _messages_of(package: str) -> Optional[object]:
 
 
 def found_relays() -> List[Relay]:
-    """Those whose packages are found."""
+    """The relays whose packages are installed."""
     modules: Dict[str, Optional[object]] = {}
     relays = []
     for topic, package, name, make in _KNOWN:
@@ -122,5 +122,5 @@ def found_relays() -> List[Relay]:
 
 
 def packages() -> List[str]:
-    """Names of all packages that are looked for."""
+    """Names of all packages that are looked up."""
     return sorted({package for _, package, _, _ in _KNOWN})

@@ -7,7 +7,7 @@ from omnitag.evaluation import (PAPER_MEAN_RANGE, PAPER_PERCENT_OF_RANGE, PAPER_
 
 
 def table(evaluation: Evaluation) -> str:
-    """Lines of text: what was compared, the errors, and the paper's beside them."""
+    """Lines of text: what was compared, the errors, and the paper's errors for comparison."""
     figures = evaluation.error_figures()
     seconds = (evaluation.stamps - evaluation.reference.stamps[0]) * 1e-9
     worst_heading = int(np.argmax(np.abs(evaluation.heading_errors)))
@@ -56,7 +56,7 @@ def table(evaluation: Evaluation) -> str:
 
 
 def length(metres: float) -> str:
-    """A length in millimetres where it is short, in metres otherwise."""
+    """A length in millimetres if it is short, otherwise in metres."""
     if metres < 0.1:
         return "{:.3f} mm".format(1e3 * metres)
     return "{:.3f} m".format(metres)

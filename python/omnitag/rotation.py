@@ -1,15 +1,15 @@
-"""Rotations, (3, 3), and the numbers that files have for them; angles in rad."""
+"""Rotations, (3, 3), and their representations in files; angles in rad."""
 
 from typing import Sequence, Tuple, Union
 
 import numpy as np
 
 Numbers = Union[Sequence[float], np.ndarray]
-"""A few: the parts of a vector or of a quaternion."""
+"""The components of a vector or of a quaternion."""
 
 
 def rotation_from_vector(vector: Numbers) -> np.ndarray:
-    """About `vector` by its length."""
+    """The rotation about `vector` by its length."""
     angle = np.linalg.norm(vector)
     if angle == 0.0:
         return np.eye(3)
@@ -19,7 +19,7 @@ def rotation_from_vector(vector: Numbers) -> np.ndarray:
 
 
 def vector_from_rotation(rotation: np.ndarray) -> np.ndarray:
-    """The inverse, of a length of at most pi."""
+    """The inverse; its length is at most pi."""
     quaternion = quaternion_from_rotation(rotation)
     sine = np.linalg.norm(quaternion[:3])
     if sine == 0.0:
@@ -34,7 +34,7 @@ def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> np.ndarray:
 
 
 def rpy_from_rotation(rotation: np.ndarray) -> Tuple[float, float, float]:
-    """The inverse; where pitch is a right angle, only yaw - roll or yaw + roll counts: yaw is 0."""
+    """The inverse. If pitch is a right angle, only yaw - roll or yaw + roll is defined: yaw is 0."""
     cosine = np.hypot(rotation[0, 0], rotation[1, 0])
     pitch = float(np.arctan2(-rotation[2, 0], cosine))
     if cosine < 1e-9:
@@ -44,7 +44,7 @@ def rpy_from_rotation(rotation: np.ndarray) -> Tuple[float, float, float]:
 
 
 def rotation_from_quaternion(quaternion: Numbers) -> np.ndarray:
-    """Of a unit quaternion x, y, z, w."""
+    """The rotation of a unit quaternion x, y, z, w."""
     x, y, z, w = quaternion
     return np.array([
         [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
@@ -53,7 +53,7 @@ def rotation_from_quaternion(quaternion: Numbers) -> np.ndarray:
 
 
 def quaternion_from_rotation(rotation: np.ndarray) -> np.ndarray:
-    """x, y, z, w of a rotation: the eigenvector that it leaves alone."""
+    """The unit quaternion x, y, z, w of a rotation, as an eigenvector."""
     (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = rotation
     matrix = np.array([[xx - yy - zz, xy + yx, xz + zx, zy - yz],
                        [xy + yx, yy - xx - zz, yz + zy, xz - zx],

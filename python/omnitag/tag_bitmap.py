@@ -1,4 +1,4 @@
-"""Tag patterns, as the installed AprilTag library draws them, and OpenCV its ArUco markers."""
+"""Tag patterns: AprilTags from the installed AprilTag library, ArUco markers from OpenCV."""
 
 import ctypes
 import functools
@@ -37,7 +37,7 @@ class _ImageStruct(ctypes.Structure):
 
 @dataclass(frozen=True)
 class TagFamily:
-    """What the library says of a family; widths in modules."""
+    """A family of the library; widths in modules."""
 
     name: str
     number_of_ids: int
@@ -67,7 +67,7 @@ def _library() -> ctypes.CDLL:
 
 @functools.lru_cache(maxsize=None)
 def _family_pointer(name: str):
-    # Families are never destroyed: there are nine, and they serve until the program ends.
+    # Families are never destroyed: there are few, and they are used until the program ends.
     create = getattr(_library(), name + "_create", None)
     if create is None:
         raise InputError("family: the installed AprilTag library has no {}".format(name))
@@ -85,16 +85,16 @@ def _aruco_dictionary(name: str):
 
 
 def _aruco_modules(family: TagFamily, tag_id: int) -> np.ndarray:
-    # Named otherwise before OpenCV 4.7.
+    # It had another name before OpenCV 4.7.
     draw = getattr(cv2.aruco, "generateImageMarker", None) or cv2.aruco.drawMarker
-    # One pixel for each module, with the black border and without the white one around it.
+    # One pixel for each module, with the black border, without a white one around it.
     drawing = draw(_aruco_dictionary(family.name), tag_id, family.width_at_border)
     return np.pad(drawing > 127, 1, constant_values=True)
 
 
 @functools.lru_cache(maxsize=None)
 def tag_family(name: str) -> TagFamily:
-    """The family of that name; raises InputError where the libraries have none."""
+    """The family of this name; raises InputError if the libraries have none."""
     if name not in FAMILIES:
         raise InputError("family: expected one of {}, found {!r}".format(", ".join(FAMILIES), name))
     if name in _ARUCO:

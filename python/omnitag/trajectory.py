@@ -16,7 +16,7 @@ QUATERNION_TOLERANCE = 1e-3
 class Trajectory:
     """Poses of `base_link` in `map`, in order of time."""
 
-    stamps: np.ndarray  # (n,) int64, nanoseconds: a double cannot hold them
+    stamps: np.ndarray  # (n,) int64, nanoseconds, which a double cannot hold exactly
     positions: np.ndarray  # (n, 3) m
     orientations: np.ndarray  # (n, 4) unit quaternions x, y, z, w
 
@@ -31,19 +31,19 @@ class Trajectory:
 
     @property
     def roll(self) -> np.ndarray:
-        """Of Rz(yaw) Ry(pitch) Rx(roll), in rad, in [-pi, pi]."""
+        """Roll of Rz(yaw) Ry(pitch) Rx(roll), in rad, in [-pi, pi]."""
         x, y, z, w = self.orientations.T
         return np.arctan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
 
     @property
     def pitch(self) -> np.ndarray:
-        """Of Rz(yaw) Ry(pitch) Rx(roll), in rad, in [-pi/2, pi/2]; positive with x down."""
+        """Pitch of Rz(yaw) Ry(pitch) Rx(roll), in rad, in [-pi/2, pi/2]; positive with x down."""
         x, y, z, w = self.orientations.T
         return np.arcsin(np.clip(2.0 * (w * y - z * x), -1.0, 1.0))
 
     @property
     def is_on_floor(self) -> bool:
-        """Whether all poses keep to the plane z = roll = pitch = 0."""
+        """Whether z, roll and pitch are 0 in all poses."""
         return not (self.positions[:, 2].any() or self.orientations[:, :2].any())
 
 
@@ -58,7 +58,7 @@ def planar_trajectory(stamps: np.ndarray, x: np.ndarray, y: np.ndarray,
 
 
 def parse_stamp(text: str) -> int:
-    """Seconds as text, to whole nanoseconds; raises ValueError."""
+    """Whole nanoseconds from seconds as text; raises ValueError."""
     try:
         seconds = Decimal(text)
     except InvalidOperation:
@@ -74,7 +74,7 @@ def format_stamp(nanoseconds: int) -> str:
 
 
 def format_pose(stamp: int, position: np.ndarray, orientation: np.ndarray) -> str:
-    """One line of a TUM file, without its end."""
+    """One line of a TUM file, without its newline."""
     values = " ".join("{:.9f}".format(value) for value in (*position, *orientation))
     return "{} {}".format(format_stamp(stamp), values)
 

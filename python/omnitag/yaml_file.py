@@ -10,19 +10,19 @@ import yaml
 from omnitag.command_line import InputError
 
 SETTING = "--set"
-"""The option of the command line whose values stand in for those of a file."""
+"""The command line option whose values override those of a file."""
 
 _STRING, _MAPPING = "tag:yaml.org,2002:str", "tag:yaml.org,2002:map"
 _INTEGER = re.compile(r"[-+]?(0|[1-9][0-9]*)")
-# A zero before other digits: octal to YAML 1.1, decimal to YAML 1.2.
+# A leading zero: octal in YAML 1.1, decimal in YAML 1.2.
 _AMBIGUOUS = re.compile(r"[-+]?0[0-9]+")
 
 
 class Value:
-    """A value of a YAML file together with its place.
+    """A value of a YAML file with its place.
 
-    Reads the node graph rather than constructed Python values: those have lost their lines, a
-    repeated key goes unnoticed in them, and `1e-3` is a string to PyYAML.
+    Reads the node graph instead of constructed Python values, which have no line numbers, hide repeated
+    keys, and have `1e-3` as a string.
     """
 
     def __init__(self, key: str, node: yaml.Node) -> None:
@@ -30,13 +30,13 @@ class Value:
         self._node = node
 
     def error(self, expected: str, found: Optional[str] = None) -> InputError:
-        """The error to raise at this place; `found` describes the value unless given."""
+        """The error to raise at this place; by default, `found` describes the value."""
         key = self._key + ": " if self._key else ""
         return InputError("{}: {}expected {}, found {}".format(
             _place(self._node), key, expected, found or self._describe()))
 
     def span(self) -> Tuple[int, int]:
-        """Where it stands in its text: first character and the one behind the last."""
+        """Its place in the text: the first character, and the one after the last."""
         return self._node.start_mark.index, self._node.end_mark.index
 
     def text(self) -> str:
@@ -64,7 +64,7 @@ class Value:
         return int(self._node.value)
 
     def real(self) -> float:
-        """A finite number; an integer will do."""
+        """A finite number, which may be an integer."""
         text = self._node.value if self._is_plain() else ""
         try:
             number = math.nan if "_" in text or _AMBIGUOUS.fullmatch(text) else float(text)
@@ -90,7 +90,7 @@ class Value:
                 for index, node in enumerate(self._node.value))
 
     def mapping(self, keys: Sequence[str]) -> "Mapping":
-        """A mapping that has none but these keys."""
+        """A mapping with no keys other than these."""
         if not self.is_mapping():
             raise self.error("a mapping of keys to values")
         values = {}
@@ -105,13 +105,13 @@ class Value:
         return Mapping(self, values)
 
     def any_mapping(self) -> "Mapping":
-        """A mapping with whatever keys, as of a file that other programs write."""
+        """A mapping with any keys, as in a file of another program."""
         if not self.is_mapping():
             raise self.error("a mapping of keys to values")
         return self.mapping([key.value for key, _ in self._node.value])
 
     def with_key(self, keys: Sequence[str], value: yaml.Node) -> "Value":
-        """This mapping with `value` at the place that `keys` lead to, which may be new."""
+        """This mapping with `value` at the path `keys`, which may be new."""
         if not keys:
             return Value(self._key, value)
         if not self.is_mapping():
@@ -140,7 +140,7 @@ class Value:
 
 
 class Mapping:
-    """The keys of a mapping, each present one with its value and place."""
+    """The keys of a mapping, each with its value and place."""
 
     def __init__(self, place: Value, values: Dict[str, Value]) -> None:
         self._place = place
@@ -150,15 +150,15 @@ class Mapping:
         return key in self._values
 
     def keys(self) -> List[str]:
-        """In the order of the file."""
+        """The keys in the order of the file."""
         return list(self._values)
 
     def get(self, key: str) -> Optional[Value]:
-        """The value of a key that may be missing."""
+        """The value of a key, or None if it is missing."""
         return self._values.get(key)
 
     def __getitem__(self, key: str) -> Value:
-        """The value of a key; raises InputError where it is missing."""
+        """The value of a key; raises InputError if it is missing."""
         if key not in self._values:
             raise self.error("the key '{}'".format(key), "none")
         return self._values[key]
@@ -168,9 +168,10 @@ class Mapping:
         return Mapping(self._place, {**base._values, **self._values})
 
     def with_setting(self, setting: str, known: Sequence[str]) -> "Mapping":
-        """This mapping with what `KEY=VALUE` says; KEY joins the keys, of `known` first, by dots.
+        """This mapping with the setting `KEY=VALUE`.
 
-        Raises InputError where it says nothing.
+        KEY is the path of keys, joined by dots; the first is one of `known`. Raises InputError if KEY is
+        unknown or VALUE is not YAML.
         """
         name, _, text = setting.partition("=")
         node = _compose_setting(setting, text)
@@ -187,7 +188,7 @@ class Mapping:
 
 
 def read_text(path: str) -> str:
-    """The text of a file; raises InputError where it cannot be read or is none."""
+    """The text of a file; raises InputError if it cannot be read or is not text."""
     try:
         with open(path, encoding="utf-8") as file:
             return file.read()
@@ -198,7 +199,7 @@ def read_text(path: str) -> str:
 
 
 def read_yaml(path: str) -> Value:
-    """The one document of a file; raises InputError where it is no YAML."""
+    """The only document of a file; raises InputError if it is not YAML."""
     try:
         with open(path, encoding="utf-8") as file:
             node = yaml.compose(file, Loader=yaml.SafeLoader)
@@ -232,6 +233,6 @@ def _empty_mapping(origin: yaml.Node) -> yaml.MappingNode:
 
 
 def _place(node: yaml.Node) -> str:
-    """Where it stands: file and line, or the command line's option."""
+    """The place of a node: file and line, or the command line option."""
     mark = node.start_mark
     return mark.name if mark.name == SETTING else "{}:{}".format(mark.name, mark.line + 1)

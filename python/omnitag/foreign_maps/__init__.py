@@ -1,1 +1,1 @@
-"""Maps of markers as other packages keep them."""
+"""Marker maps in the formats of other packages."""

@@ -1,8 +1,8 @@
 """The bundles of apriltag_ros's tags.yaml (ROS 1).
 
-A bundle's tags have poses in the bundle's frame, as x, y, z and qw, qx, qy, qz. A tag's frame is
-that of a marker here: x to the right and y up as a person sees it, z out of its face. The family is
-in another file (settings.yaml).
+A bundle's tags have poses in the bundle's frame, as x, y, z and qw, qx, qy, qz. A tag's frame is the
+same as a marker's in this package: seen from the front, x points to the right and y up; z points out of
+its face. The family is in another file (settings.yaml).
 """
 
 from typing import List, Optional
@@ -21,12 +21,12 @@ IDENTITY = (0.0, 0.0, 0.0, 1.0)
 
 
 def recognizes(root: Mapping) -> bool:
-    """Whether a file is one."""
+    """Whether the file has this format."""
     return "tag_bundles" in root or "standalone_tags" in root
 
 
 def read(root: Mapping, given: Given, name: Optional[str]) -> ReadMap:
-    """The map of the bundle of this name, or of the only one; raises InputError."""
+    """The map of the bundle of this name, or of the only bundle; raises InputError."""
     family = checked_family(given.family or FAMILY)
     bundle = _chosen(root, name)
     markers = tuple(_marker(value.any_mapping(), family)
@@ -40,7 +40,7 @@ def read(root: Mapping, given: Given, name: Optional[str]) -> ReadMap:
 
 
 def text_of(marker_map: MarkerMap, path: str) -> str:
-    """One bundle, named after the map's frame, that has all markers."""
+    """One bundle with all markers, named after the map's frame."""
     unique_ids(marker_map.markers, path, NAME)
     only_family(marker_map.markers, path, NAME)
     lines = ["standalone_tags:", "  [", "  ]", "tag_bundles:", "  [", "    {",

@@ -1,9 +1,9 @@
 """The map.txt of fiducial_slam (UbiquityRobotics).
 
 A line for each marker: id, x, y, z (m), roll, pitch, yaw (degrees, about the fixed axes x, y, z),
-variance, number of observations, ids of the markers that were seen with it. A marker's frame is
-that here: x to the right and y up as a person sees it, z out of its face. The file has neither a
-family (aruco_detect's `dictionary`) nor a size (its `fiducial_len`).
+variance, number of observations, ids of the markers that were seen together with it. A marker's frame
+is the same as in this package: seen from the front, x points to the right and y up; z points out of its
+face. The file has neither a family (aruco_detect's `dictionary`) nor a size (its `fiducial_len`).
 """
 
 from typing import List, Optional
@@ -24,7 +24,7 @@ COLUMNS = 9
 
 
 def recognizes(text: str) -> bool:
-    """Whether a text is one, by its first line that is not empty."""
+    """Whether the text has this format, by its first line that is not empty."""
     for line in text.splitlines():
         if line.strip():
             words = line.split()
@@ -47,7 +47,7 @@ def read(text: str, path: str, given: Given) -> ReadMap:
 
 
 def text_of(marker_map: MarkerMap, path: str) -> str:
-    """A line for each marker, as if seen once."""
+    """A line for each marker, with one observation."""
     unique_ids(marker_map.markers, path, NAME)
     only_family(marker_map.markers, path, NAME)
     only_size(marker_map.markers, path, NAME)
@@ -76,7 +76,7 @@ def _marker(line: str, place: str, family: str, size: float) -> Marker:
     if numbers is None or numbers[7] < 0.0:
         raise error(EXPECTED)
     rotation = rotation_from_rpy(*np.radians(numbers[4:7]))
-    # A variance of 0 stands on the marker that the map was begun with.
+    # The marker that the map was started from has a variance of 0.
     deviation = float(np.sqrt(numbers[7]))
     return Marker(check_id(int(numbers[0]), family, error), family, "", size,
                   pose_of(rotation, numbers[1:4]), deviation)

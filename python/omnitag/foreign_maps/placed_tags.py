@@ -1,4 +1,4 @@
-"""What the formats of all packages have in common."""
+"""What the formats of all other packages share."""
 
 from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 
@@ -11,27 +11,27 @@ from omnitag.tag_bitmap import FAMILIES, tag_family
 
 QUATERNION_TOLERANCE = 1e-3
 
-# For a map that does not say: a careful survey with a tape.
+# Of a map that does not state them: a careful survey with a tape.
 USUAL_DEVIATION = 0.005  # m
 USUAL_ORIENTATION_DEVIATION = 0.0175  # rad
 
 
 class Given(NamedTuple):
-    """What the command line says of a map whose format does not."""
+    """What the command line states about a map because its format cannot."""
 
     family: Optional[str] = None
     size: Optional[float] = None  # m
 
 
 class ReadMap(NamedTuple):
-    """A map, and what a person should know of how it was read; lines."""
+    """A map, with remarks for the user on how it was read, one per line."""
 
     marker_map: MarkerMap
     remarks: Tuple[str, ...] = ()
 
 
 def pose_of(rotation: np.ndarray, position: Sequence[float]) -> np.ndarray:
-    """(4, 4)."""
+    """(4, 4) transform."""
     pose = np.eye(4)
     pose[:3, :3] = rotation
     pose[:3, 3] = position
@@ -39,7 +39,7 @@ def pose_of(rotation: np.ndarray, position: Sequence[float]) -> np.ndarray:
 
 
 def unit_quaternion(quaternion: Numbers, error) -> np.ndarray:
-    """The same of length 1; raises what `error` makes where its length is not nearly that."""
+    """The quaternion, normalized; raises what `error` returns if its length is not nearly 1."""
     length = float(np.linalg.norm(quaternion))
     if abs(length - 1.0) > QUATERNION_TOLERANCE:
         raise error("a quaternion of length 1", "length {:.6g}".format(length))
@@ -47,7 +47,7 @@ def unit_quaternion(quaternion: Numbers, error) -> np.ndarray:
 
 
 def checked_family(family: str) -> str:
-    """A family of the AprilTag library, or one of OpenCV's dictionaries by its name."""
+    """The name, checked to be a family of the AprilTag library or a dictionary of OpenCV."""
     if family not in FAMILIES and not family.startswith("DICT_"):
         raise InputError("--family: expected one of {} or OpenCV's name of a dictionary, DICT_..., "
                          "found '{}'".format(", ".join(FAMILIES), family))
@@ -55,7 +55,7 @@ def checked_family(family: str) -> str:
 
 
 def check_id(tag_id: int, family: str, error) -> int:
-    """The id, where the family has it; raises what `error` makes else."""
+    """The id; raises what `error` returns if the family does not have it."""
     last = tag_family(family).number_of_ids - 1 if family in FAMILIES else None
     if tag_id < 0 or (last is not None and tag_id > last):
         raise error("an id of {}{}".format(family, "" if last is None else ", 0 to %d" % last))
@@ -63,7 +63,7 @@ def check_id(tag_id: int, family: str, error) -> int:
 
 
 def unique_ids(markers: Sequence[Marker], path: str, format_name: str) -> None:
-    """Raises InputError where an id stands on two markers, which the format cannot tell apart."""
+    """Raises InputError if two markers have the same id: the format cannot tell them apart."""
     seen: Dict[int, Marker] = {}
     for marker in markers:
         if marker.id in seen:
@@ -73,7 +73,7 @@ def unique_ids(markers: Sequence[Marker], path: str, format_name: str) -> None:
 
 
 def only_family(markers: Sequence[Marker], path: str, format_name: str) -> str:
-    """The family of all; raises InputError where there are several."""
+    """The family of all markers; raises InputError if there are several."""
     families: List[str] = sorted({marker.family for marker in markers})
     if len(families) > 1:
         raise InputError("{}: expected markers of one family, as {} needs it, found {}".format(
@@ -82,7 +82,7 @@ def only_family(markers: Sequence[Marker], path: str, format_name: str) -> str:
 
 
 def only_size(markers: Sequence[Marker], path: str, format_name: str) -> float:
-    """The size of all, in m; raises InputError where there are several."""
+    """The size of all markers, in m; raises InputError if there are several."""
     sizes = sorted({marker.size for marker in markers})
     if len(sizes) > 1:
         raise InputError("{}: expected markers of one size, as {} needs it, found {}".format(
@@ -91,7 +91,7 @@ def only_size(markers: Sequence[Marker], path: str, format_name: str) -> float:
 
 
 def deviation_of(marker: Marker) -> float:
-    """In m, about each axis."""
+    """In m, along each axis."""
     return USUAL_DEVIATION if marker.deviation is None else marker.deviation
 
 
@@ -102,5 +102,5 @@ def orientation_deviation_of(marker: Marker) -> float:
 
 
 def number(value: float) -> str:
-    """To a billionth."""
+    """Rounded to a billionth."""
     return "{:.9f}".format(round(float(value), 9) + 0.0)

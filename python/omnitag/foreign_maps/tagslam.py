@@ -1,8 +1,8 @@
 """TagSLAM's tagslam.yaml, and its poses.yaml, which has the same bodies.
 
-A body has tags at poses in its own frame; a static one has a pose in the map. Rotations are
-vectors: axis times angle. A tag's frame is that of a marker here: x to the right and y up as a
-person sees it, z out of its face.
+A body has tags at poses in its own frame; a static body has a pose in the map. Rotations are vectors:
+axis times angle. A tag's frame is the same as a marker's in this package: seen from the front, x points
+to the right and y up; z points out of its face.
 """
 
 from typing import List, Optional, Tuple
@@ -23,7 +23,7 @@ BODY = "map"
 
 
 def recognizes(root: Mapping) -> bool:
-    """Whether a file is one."""
+    """Whether the file has this format."""
     return "bodies" in root
 
 
@@ -56,7 +56,7 @@ def read(root: Mapping, given: Given) -> ReadMap:
 
 
 def text_of(marker_map: MarkerMap, path: str) -> str:
-    """One static body, at the map's origin, that has all markers."""
+    """One static body at the map's origin, with all markers."""
     unique_ids(marker_map.markers, path, NAME)
     only_family(marker_map.markers, path, NAME)
     lines = ["default_body: " + BODY, "bodies:", " - " + BODY + ":", "     type: simple",
@@ -73,7 +73,7 @@ def text_of(marker_map: MarkerMap, path: str) -> str:
 
 
 def _size(tag: Mapping, body: Mapping, given: Optional[float]) -> float:
-    """In m: the tag's own, else its body's, else the one given."""
+    """In m: the tag's own size, else its body's, else the given one."""
     value = tag["size"] if "size" in tag else body.get("default_tag_size")
     if value is not None:
         size = value.real()

@@ -1,8 +1,8 @@
-"""WPILib's field layout (AprilTagFieldLayout), as FRC's teams and PhotonVision use it.
+"""WPILib's field layout (AprilTagFieldLayout), used by FRC teams and PhotonVision.
 
-JSON. The field's frame has x along the field, y to the left, z up, and its origin in a corner. A
-tag's frame has x out of its face, z up and so y to the right of a person who looks at it. Families
-and sizes are the game's: since 2024 tag36h11, whose black border is 6.5 inches wide.
+JSON. The field's frame has x along the field, y to the left, z up, and its origin in a corner. A tag's
+frame has x out of its face and z up; y then points to the viewer's right. The game determines family
+and size: since 2024 tag36h11, whose black border is 6.5 inches wide.
 """
 
 import json
@@ -25,7 +25,7 @@ TAG_FROM_MARKER = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 
 
 def recognizes(root: Mapping) -> bool:
-    """Whether a file is one."""
+    """Whether the file has this format."""
     return "tags" in root
 
 
@@ -45,7 +45,7 @@ def read(root: Mapping, given: Given) -> ReadMap:
 
 
 def text_of(marker_map: MarkerMap, path: str) -> str:
-    """The layout of a map; the field ends where its farthest marker hangs."""
+    """The layout of a map; the field extends to the farthest marker."""
     unique_ids(marker_map.markers, path, NAME)
     only_family(marker_map.markers, path, NAME)
     only_size(marker_map.markers, path, NAME)

@@ -1,4 +1,4 @@
-"""A list of the markers with their places, to hang them by and to tick off."""
+"""A list of the markers with their places, for hanging them and ticking them off."""
 
 import math
 from typing import List, NamedTuple, Sequence, Tuple
@@ -14,7 +14,7 @@ TITLES = ("", "marker", "family, id", "size", "x", "y", "centre", "lower edge", 
 
 
 class Part(NamedTuple):
-    """What one page has of the list."""
+    """The part of the list that is on one page."""
 
     title: str
     markers: Sequence[Marker]
@@ -31,7 +31,7 @@ def checklist_pages(marker_map: MarkerMap, paper: Tuple[float, float]) -> List[P
 
 
 def row_of(marker: Marker) -> Tuple[str, ...]:
-    """What the list says of a marker, from its name on."""
+    """A marker's row of the list, from its name on."""
     lowest = float(marker.corners[:, 2].min())
     x, y, height = marker.position
     return (marker.name, "{} {}".format(marker.family, marker.id), "{:g}".format(marker.size),
@@ -40,7 +40,7 @@ def row_of(marker: Marker) -> Tuple[str, ...]:
 
 
 def _facing(marker: Marker) -> str:
-    """Where the face looks, and how it is turned."""
+    """Which way the marker faces, and how it is rolled."""
     x, y, up = marker.normal
     if abs(up) > math.sin(math.radians(80.0)):
         return "up" if up > 0.0 else "down"
@@ -56,11 +56,11 @@ def _facing(marker: Marker) -> str:
 
 
 def draw_checklist(part: Part, paper: Tuple[float, float]) -> Figure:
-    """One of its pages."""
+    """Draw one page of the list."""
     width, height = paper
     figure, axes = blank_page(paper)
     left, right = MARGIN, width - MARGIN
-    # Where columns begin, as shares of the width.
+    # The left ends of the columns, as shares of the width.
     columns = [left + share * (right - left)
                for share in (0.0, 0.04, 0.22, 0.44, 0.52, 0.60, 0.68, 0.77, 0.87)]
     y = height - MARGIN - 6.0

@@ -12,7 +12,7 @@ DOTS_PER_INCH = 300
 
 
 def write_pages(path: str, pages: Sequence[Page]) -> List[str]:
-    """Write a PDF of all pages, or as many SVG or PNG files as there are; gives their paths."""
+    """Write a PDF of all pages, or an SVG or PNG file for each; returns their paths."""
     stem, suffix = os.path.splitext(path)
     suffix = suffix.lower()
     if suffix not in (".pdf", ".svg", ".png"):

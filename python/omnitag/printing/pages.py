@@ -1,4 +1,4 @@
-"""The pages of a map: its markers, whole or cut over several sheets, and the list of their places."""
+"""The pages of a map: its markers, whole or split over several sheets, and the list of their places."""
 
 from functools import partial
 from typing import Callable, List, NamedTuple, Tuple
@@ -13,17 +13,17 @@ from omnitag.printing.tag_page import Sheet, draw_on, draw_page, sheets
 
 
 class Page(NamedTuple):
-    """A page that is drawn when it is its turn."""
+    """A page that is drawn when it is needed."""
 
-    name: str  # for the name of a file
+    name: str  # used in the file's name
     draw: Callable[[], Figure]
 
 
 def pages_of(marker_map: MarkerMap, paper: str, poster: bool, with_checklist: bool) -> List[Page]:
     """All pages on that paper.
 
-    `poster`: cut what is too large for it over several sheets. Raises InputError where it is not
-    asked for and the paper is too small.
+    `poster`: split what is too large for the paper over several sheets. Without it, raises InputError if
+    the paper is too small.
     """
     pages: List[Page] = []
     for sheet in sheets(marker_map.markers):

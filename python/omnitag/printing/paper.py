@@ -23,9 +23,9 @@ PAPERS = {**_ISO, **_US}
 
 
 def page_size(least: Tuple[float, float], paper: str, what: str) -> Tuple[float, float]:
-    """Width and height in mm of the page for what needs `least`; `fit` is just that.
+    """Width and height in mm of a page that holds `least`; the paper `fit` is exactly that size.
 
-    Raises InputError, which begins with `what`, where the paper is too small.
+    Raises InputError, whose message begins with `what`, if the paper is too small.
     """
     if paper == "fit":
         return least
@@ -41,7 +41,7 @@ def page_size(least: Tuple[float, float], paper: str, what: str) -> Tuple[float,
 
 
 def blank_page(size: Tuple[float, float]) -> Tuple[Figure, Axes]:
-    """A page of that width and height, and its axes, in millimetres from its lower left."""
+    """A page of that width and height, and its axes in millimetres from its lower left corner."""
     width, height = size
     figure = Figure(figsize=(width / MM_PER_INCH, height / MM_PER_INCH))
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
@@ -51,7 +51,7 @@ def blank_page(size: Tuple[float, float]) -> Tuple[Figure, Axes]:
 
 
 def points(millimetres: float) -> float:
-    """A font size whose letters are about that high."""
+    """The font size whose letters are about this high."""
     return millimetres / MM_PER_INCH * 72.0 * 1.3
 
 

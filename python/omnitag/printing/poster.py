@@ -1,4 +1,4 @@
-"""A page that is larger than the paper, cut over several sheets."""
+"""A page that is larger than the paper, split over several sheets."""
 
 import math
 from dataclasses import dataclass
@@ -8,41 +8,41 @@ from matplotlib.figure import Figure
 
 from omnitag.printing.paper import MARGIN, MM_PER_INCH, points
 
-OVERLAP = 10.0  # mm, that neighbouring sheets share, to be cut off one of them and glued over
+OVERLAP = 10.0  # mm that neighbouring sheets share: cut off one of them, for gluing over the other
 
 
 @dataclass(frozen=True)
 class Tile:
-    """The part of the page that one sheet has; in mm, from the page's lower left."""
+    """The part of the page that is on one sheet; in mm from the page's lower left corner."""
 
     paper: Tuple[float, float]  # width and height
     left: float
     bottom: float
-    row: int  # from 0, the upper one
+    row: int  # from 0 at the top
     column: int
     rows: int
     columns: int
 
     @property
     def printed(self) -> Tuple[float, float]:
-        """Width and height of what is printed."""
+        """Width and height of the printed area."""
         return self.paper[0] - 2.0 * MARGIN, self.paper[1] - 2.0 * MARGIN
 
     @property
     def name(self) -> str:
-        """Which sheet it is."""
+        """The name of the sheet."""
         return "row {} of {}, column {} of {}".format(self.row + 1, self.rows, self.column + 1,
                                                       self.columns)
 
 
 def tiles(page: Tuple[float, float], paper: Tuple[float, float]) -> List[Tile]:
-    """The sheets for a page, row by row; upright or not, whichever takes fewer of them."""
+    """The sheets for a page, row by row; portrait or landscape, whichever takes fewer sheets."""
     upright, across = (_tiles(page, side) for side in (paper, paper[::-1]))
     return across if len(across) < len(upright) else upright
 
 
 def tile_figure(tile: Tile) -> Figure:
-    """An empty sheet, whose axes have the page's coordinates, with lines to cut along."""
+    """An empty sheet with lines to cut along; its axes have the page's coordinates."""
     width, height = tile.paper
     figure = Figure(figsize=(width / MM_PER_INCH, height / MM_PER_INCH))
     printed = tile.printed

@@ -1,4 +1,4 @@
-"""A tag on a page to print, drawn with vectors at its true size."""
+"""A page with a tag to print, drawn as vectors at its true size."""
 
 from dataclasses import dataclass
 from typing import Dict, List, Tuple
@@ -15,7 +15,7 @@ from omnitag.tag_bitmap import TagBitmap, tag_bitmap
 
 CAPTION_HEIGHT = 42.0  # mm, below the cut line
 RULER_LENGTH = 100.0  # mm
-SMALLEST_WIDTH = RULER_LENGTH + 30.0  # mm, of a page without margins, for the ruler's sake
+SMALLEST_WIDTH = RULER_LENGTH + 30.0  # mm, of a page without margins, for the ruler to fit
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Sheet:
     """What is printed on one page."""
 
     marker: Marker
-    labels: Tuple[str, ...]  # of the map entries that it serves
+    labels: Tuple[str, ...]  # of the map entries with this pattern
 
     @property
     def bitmap(self) -> TagBitmap:
@@ -37,7 +37,7 @@ class Sheet:
 
     @property
     def quiet_modules(self) -> int:
-        """White modules to add about the pattern, so that there is at least one on each side."""
+        """White modules to add around the pattern, so that each side has at least one."""
         modules = self.bitmap.modules
         has_quiet_zone = all(edge.all() for edge in (modules[0], modules[-1], modules[:, 0],
                                                      modules[:, -1]))
@@ -45,12 +45,12 @@ class Sheet:
 
     @property
     def cut_width(self) -> float:
-        """Edge of the square to cut out in mm: the pattern and its quiet zone."""
+        """Edge in mm of the square to cut out: the pattern with its quiet zone."""
         return self.module * (len(self.bitmap.modules) + 2 * self.quiet_modules)
 
     @property
     def least_page(self) -> Tuple[float, float]:
-        """Width and height in mm of the smallest page that holds it."""
+        """Width and height in mm of the smallest page that the sheet fits on."""
         return (max(self.cut_width, SMALLEST_WIDTH) + 2.0 * MARGIN,
                 self.cut_width + CAPTION_HEIGHT + 2.0 * MARGIN)
 
@@ -65,14 +65,14 @@ def sheets(markers: Tuple[Marker, ...]) -> List[Sheet]:
 
 
 def draw_page(sheet: Sheet, size: Tuple[float, float]) -> Figure:
-    """The page as a figure whose data coordinates are millimetres from its lower left."""
+    """The page as a figure whose data coordinates are millimetres from its lower left corner."""
     figure, axes = blank_page(size)
     draw_on(axes, sheet, size)
     return figure
 
 
 def draw_on(axes: Axes, sheet: Sheet, size: Tuple[float, float]) -> None:
-    """What is on a page of that width and height, in millimetres from its lower left."""
+    """Draw on a page of that width and height, in millimetres from its lower left corner."""
     width, height = size
     left = 0.5 * (width - sheet.cut_width)
     bottom = 0.5 * (height - sheet.cut_width - CAPTION_HEIGHT) + CAPTION_HEIGHT
@@ -86,7 +86,7 @@ def draw_on(axes: Axes, sheet: Sheet, size: Tuple[float, float]) -> None:
 
 
 def _draw_pattern(axes: Axes, sheet: Sheet, left: float, bottom: float) -> None:
-    """The black modules as one path: separate ones would show seams on a screen."""
+    """Draw the black modules as one path: separate ones would show seams on a screen."""
     modules = sheet.bitmap.modules
     rows, columns = np.nonzero(~modules)
     corner = np.column_stack([columns, len(modules) - 1 - rows]) + sheet.quiet_modules
@@ -98,7 +98,7 @@ def _draw_pattern(axes: Axes, sheet: Sheet, left: float, bottom: float) -> None:
 
 
 def _draw_note(axes: Axes, sheet: Sheet, centre: float, bottom: float) -> None:
-    """What it is and how it hangs, small and pale on the quiet zone: it stays after cutting."""
+    """A small, pale note on the quiet zone, which stays after cutting: what it is, how it hangs."""
     height = min(2.5, 0.3 * sheet.module)
     axes.text(centre, bottom + 0.1 * sheet.module, "{} id {}  ·  lower edge".format(
         sheet.marker.family, sheet.marker.id), fontsize=points(height), color="0.55",
@@ -106,7 +106,7 @@ def _draw_note(axes: Axes, sheet: Sheet, centre: float, bottom: float) -> None:
 
 
 def _draw_dimension(axes: Axes, sheet: Sheet, centre: float, y: float) -> None:
-    """The marker's size, where it is measured."""
+    """The marker's size, between the edges where it is measured."""
     half = 0.5e3 * sheet.marker.size
     axes.plot([centre - half, centre + half], [y, y], color="0.35", linewidth=0.5)
     for x in (centre - half, centre + half):
@@ -129,7 +129,7 @@ def _draw_caption(axes: Axes, sheet: Sheet, centre: float, y: float) -> None:
 
 
 def _draw_ruler(axes: Axes, left: float, y: float) -> None:
-    """A scale to hold a ruler against: a tick each 10 mm."""
+    """A scale to check with a ruler: a tick every 10 mm."""
     axes.plot([left, left + RULER_LENGTH], [y, y], color="black", linewidth=0.5)
     for x in np.arange(0.0, RULER_LENGTH + 1.0, 10.0):
         axes.plot([left + x, left + x], [y, y + (4.0 if x % 50.0 == 0.0 else 2.5)], color="black",

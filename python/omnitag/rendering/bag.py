@@ -26,7 +26,7 @@ ENCODINGS = ("png", "jpeg", "raw")
 
 @contextlib.contextmanager
 def sequence_bag(path: str, encoding: str, jpeg_quality: int) -> "Iterator[SequenceBag]":
-    """A bag to write to; it appears at `path` when it is complete, and not at all on failure."""
+    """A bag to write to. It appears at `path` once it is complete, and not at all on failure."""
     unfinished = path + ".unfinished"
     try:
         with rosbag.Bag(unfinished, "w") as bag:
@@ -46,14 +46,14 @@ class SequenceBag:
         self._jpeg_quality = jpeg_quality
 
     def write_mounting(self, mounting: Mounting, stamp: int) -> None:
-        """The static transform from the camera's optical frame to base_link, latched."""
+        """Write the static transform from the camera's optical frame to base_link, latched."""
         transform = TransformStamped()
         transform.header.stamp = _time(stamp)
         transform.header.frame_id = BASE_FRAME
         transform.child_frame_id = mounting.frame_id
         _assign(transform.transform.translation, "xyz", mounting.position)
         _assign(transform.transform.rotation, "xyzw", mounting.orientation)
-        # As rosbag record writes the connection of a static transform broadcaster.
+        # The connection of a static transform broadcaster, as rosbag record writes it.
         header = {"topic": "/tf_static", "type": TFMessage._type, "md5sum": TFMessage._md5sum,
                   "message_definition": TFMessage._full_text, "callerid": "/render_sequence",
                   "latching": "1"}
@@ -61,9 +61,9 @@ class SequenceBag:
                         connection_header=header)
 
     def write_odometry(self, odometry: Optional[Odometry], samples: Iterable[Sample]) -> None:
-        """Transforms from base_link to the odometry frame; in the bag before an image of then.
+        """Write transforms from base_link to the odometry frame, each before an image with its stamp.
 
-        Without odometry, none.
+        Writes nothing without odometry.
         """
         if odometry is None:
             return
@@ -75,11 +75,11 @@ class SequenceBag:
             _assign(transform.transform.translation, "xyz", (sample.x, sample.y, sample.z))
             _assign(transform.transform.rotation, "xyzw",
                     leaning_quaternion(sample.yaw, sample.roll, sample.pitch))
-            # The order of what was received in the same nanosecond is left to the reader.
+            # One nanosecond early: at equal times the order would be up to the reader of the bag.
             self._bag.write("/tf", TFMessage([transform]), _time(max(sample.stamp - 1, 0)))
 
     def write_image(self, pixels: np.ndarray, frame_id: str, stamp: int, received: int) -> None:
-        """An 8-bit grey image."""
+        """Write an 8-bit grey image."""
         message = Image() if self._encoding == "raw" else CompressedImage()
         message.header.stamp = _time(stamp)
         message.header.frame_id = frame_id
@@ -94,7 +94,7 @@ class SequenceBag:
         self._bag.write(IMAGE_TOPIC + "/compressed", message, _time(received))
 
     def write_camera_info(self, camera: FisheyeCamera, frame_id: str, stamp: int) -> None:
-        """What a driver says of a calibrated fisheye, beside its image."""
+        """Write what a driver publishes of a calibrated fisheye along with its image."""
         lens = camera.lens
         message = CameraInfo()
         message.header.stamp = _time(stamp)
@@ -109,7 +109,7 @@ class SequenceBag:
 
     def write_ground_truth(self, position: np.ndarray, orientation: np.ndarray, frame_id: str,
                            stamp: int) -> None:
-        """The pose of base_link in `frame_id`; metres and a quaternion x, y, z, w."""
+        """Write the pose of base_link in `frame_id`; metres and a quaternion x, y, z, w."""
         message = PoseStamped()
         message.header.stamp = _time(stamp)
         message.header.frame_id = frame_id

@@ -1,15 +1,15 @@
-"""Light that a lens spreads over its neighbourhood: a normal distribution."""
+"""Blur of a lens, which spreads light as a normal distribution."""
 
 import cv2
 import numpy as np
 
-# Between two blurs whose variances are no further apart, a mixture of both has the moments of the
-# blur that is asked for, up to the fourth order in what is left out.
+# Blurs in between are mixtures of two blurs whose variances differ by at most this. A mixture has the
+# variance that is asked for; the error of its fourth moment is of second order in the step.
 _VARIANCE_STEP = 0.05  # px^2
 
 
 def blurred(light: np.ndarray, deviations: np.ndarray) -> np.ndarray:
-    """An image, blurred at each pixel with the standard deviation, in pixels, given for it."""
+    """The image, blurred at each pixel with the standard deviation given for it, in pixels."""
     variances = np.square(np.broadcast_to(deviations, light.shape))
     least, most = variances.min(), variances.max()
     levels = np.linspace(least, most, 1 + int(np.ceil((most - least) / _VARIANCE_STEP)))
@@ -25,9 +25,9 @@ def blurred(light: np.ndarray, deviations: np.ndarray) -> np.ndarray:
 
 
 def normal_kernel(deviation: float) -> np.ndarray:
-    """Weights of a normal distribution at whole pixels, whose variance is exactly as asked for.
+    """Weights at whole pixels of a normal distribution, adjusted to have exactly this variance.
 
-    Where the distribution is narrower than about half a pixel, its samples alone have too little.
+    Below about half a pixel, plain samples of the distribution have too small a variance.
     """
     if deviation == 0.0:
         return np.ones(1)

@@ -16,7 +16,7 @@ CAMERA_KEYS = ("model", "image", "uncertainty", "lens", "mirror", "xi", "alpha",
 CONIC_KEYS = ("profile", "radius_of_curvature", "conic_constant", "apex_distance", "rim_radius")
 MINIMUM_SAMPLES = 4
 
-# As in the localizer: behind it, a point would image all along a circle.
+# As in the localizer: a point straight behind the camera would image as a circle.
 LARGEST_ANGLE = 3.12
 
 
@@ -45,14 +45,14 @@ class FisheyeCamera(NamedTuple):
     height: int
     lens: Lens
     max_angle: float
-    """rad off the axis; beyond, the image is black."""
+    """rad off the axis; the image is black beyond."""
 
 
 Camera = Union[CatadioptricCamera, FisheyeCamera]
 
 
 class Canvas(NamedTuple):
-    """What is rendered, of which the image is a part; pixels."""
+    """What is rendered; the image is a part of it; pixels."""
 
     width: int
     height: int
@@ -76,7 +76,7 @@ def load_camera(path: str) -> Camera:
 
 
 def canvas_of(camera: Camera) -> Canvas:
-    """The image, made larger where a fisheye's axis, the canvas's middle, is not in its middle."""
+    """The image, enlarged as necessary to have a fisheye's axis in the middle of the canvas."""
     if isinstance(camera, CatadioptricCamera):
         return Canvas(camera.width, camera.height, 0, 0)
     width, left = _centred(camera.width, camera.lens.cx)
@@ -85,7 +85,7 @@ def canvas_of(camera: Camera) -> Canvas:
 
 
 def finer(camera: Camera, factor: int) -> Camera:
-    """The same camera with `factor` by `factor` pixels in the place of each."""
+    """The same camera with each pixel divided into `factor` by `factor`."""
     lens = camera.lens
     shift = 0.5 * (factor - 1)
     return camera._replace(width=factor * camera.width, height=factor * camera.height, lens=Lens(
@@ -186,9 +186,9 @@ def _tabulated_mirror(entry: Mapping) -> TabulatedMirror:
 
 
 def rim_shares(camera: Camera) -> np.ndarray:
-    """(height, width): each pixel's distance off the axis as a share of the rim's, at most 1.
+    """(height, width): each pixel's distance from the axis, as a share of the rim's; at most 1.
 
-    The rim is the mirror's, or where a fisheye's image ends.
+    The rim is the mirror's, or the end of a fisheye's image.
     """
     lens = camera.lens
     u, v = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
@@ -197,7 +197,7 @@ def rim_shares(camera: Camera) -> np.ndarray:
 
 
 def rim_distance(camera: Camera) -> float:
-    """Of the rim from the axis in the image, for a focal length of 1."""
+    """Distance of the rim from the axis in the image, for a focal length of 1."""
     if isinstance(camera, FisheyeCamera):
         return camera.max_angle
     mirror = camera.mirror

@@ -1,4 +1,4 @@
-"""Numbers of camera and world files, within their bounds; each raises InputError otherwise."""
+"""Numbers of camera and world files within their bounds; each function raises InputError otherwise."""
 
 from omnitag.yaml_file import Value
 
@@ -30,7 +30,7 @@ def not_negative(value: Value) -> float:
 
 
 def seed(value: Value) -> int:
-    """What random numbers begin with."""
+    """The seed of random numbers."""
     number = value.integer()
     if not 0 <= number <= LARGEST_SEED:
         raise value.error(f"an integer from 0 to {LARGEST_SEED}")

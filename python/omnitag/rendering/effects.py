@@ -1,4 +1,4 @@
-"""From light to grey levels, as a real camera makes them."""
+"""From light to the grey levels of a real camera."""
 
 from typing import NamedTuple, Tuple
 
@@ -15,14 +15,14 @@ KEYS = ("turn", "blur", "vignetting", "gain", "gamma", "bayer")
 
 
 class Effects(NamedTuple):
-    """What happens to the light; nothing by default."""
+    """Effects on the light; none by default."""
 
     turn: float = 0.0
-    """rad that the camera turns about its axis during each exposure, from half before the pose."""
+    """rad that the camera turns about its axis in each exposure, half of it on each side of the pose."""
     blur: Tuple[float, float] = (0.0, 0.0)
-    """Standard deviations in pixels, on the axis and on the rim."""
+    """Standard deviations in pixels, on the axis and at the rim."""
     vignetting: float = 0.0
-    """Share of the light that is lost on the rim."""
+    """Share of the light that is lost at the rim."""
     gain: float = 1.0
     gamma: float = 1.0
     """Grey levels are proportional to light^(1/gamma)."""
@@ -31,7 +31,7 @@ class Effects(NamedTuple):
 
 
 def read_effects(entry: Mapping) -> Effects:
-    """The effects among the keys of a world's images."""
+    """Read the effects from a world's `images`."""
     usual = Effects()
     given = {key: positive(entry[key]) for key in ("gain", "gamma") if key in entry}
     if "turn" in entry:
@@ -44,7 +44,7 @@ def read_effects(entry: Mapping) -> Effects:
 
 
 def collected_light(light: np.ndarray, camera: Camera, effects: Effects) -> np.ndarray:
-    """What falls on the sensor, 1 where it saturates: turn, blur, vignetting and gain."""
+    """The light on the sensor, after turn, blur, vignetting and gain; 1 saturates."""
     if effects.turn:
         light = turned(light, camera, effects.turn)
     centre, rim = effects.blur
@@ -60,7 +60,7 @@ def collected_light(light: np.ndarray, camera: Camera, effects: Effects) -> np.n
 
 def image_pixels(light: np.ndarray, camera: Camera, effects: Effects, noise: float,
                  generator: np.random.Generator) -> np.ndarray:
-    """8-bit image of what a camera with these effects and this noise sees."""
+    """The 8-bit image of a camera with these effects and this noise."""
     light = collected_light(light, camera, effects)
     if effects.bayer:
         return develop(light, effects.bayer, effects.gamma,
@@ -70,7 +70,7 @@ def image_pixels(light: np.ndarray, camera: Camera, effects: Effects, noise: flo
 
 def grey_levels(light: np.ndarray, noise: float, generator: np.random.Generator,
                 gamma: float = 1.0) -> np.ndarray:
-    """8-bit image: light and normal noise (standard deviation in grey levels), once rounded."""
+    """8-bit image of light with normal noise (standard deviation in grey levels), rounded once."""
     light = np.clip(light, 0.0, 1.0)
     encoded = light if gamma == 1.0 else light ** (1.0 / gamma)
     levels = 255.0 * encoded + noise * generator.standard_normal(light.shape)

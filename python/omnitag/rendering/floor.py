@@ -1,4 +1,4 @@
-"""A floor that is not level: what leans and lifts the robot beside what the route says."""
+"""A floor that is not level: it leans and lifts the robot in addition to the route."""
 
 from typing import List, NamedTuple, Sequence, Tuple
 
@@ -10,17 +10,17 @@ from omnitag.yaml_file import Value
 
 DEVIATION_KEYS = ("lean_deviation", "height_deviation", "lean_walk", "height_walk")
 
-# Apart from the images' noise and the odometry's, which the same seed and row may begin.
+# Separates these draws from the images' noise and the odometry's, which may have the same seed.
 _STREAM = 2
 
 
 class Floor(NamedTuple):
-    """What is added to the route's roll, pitch and z. Level by default."""
+    """What is added to the route's roll, pitch and z; a level floor by default."""
 
     lean_deviation: float = 0.0
-    """rad, of roll and of pitch, in each frame by itself."""
+    """rad, of roll and of pitch, independent in each frame."""
     height_deviation: float = 0.0
-    """Metres, in each frame by itself."""
+    """Metres, independent in each frame."""
     lean_walk: float = 0.0
     """rad per square root of a metre of the route, of roll and of pitch."""
     height_walk: float = 0.0
@@ -36,7 +36,7 @@ LEVEL = Floor()
 
 
 def read_floor(value: Value) -> Floor:
-    """The mapping `floor` of a world file; what is left out is level."""
+    """Read the mapping `floor` of a world file; missing keys are 0."""
     entry = value.mapping((*DEVIATION_KEYS, "constant_lean", "constant_height", "seed"))
     given = {key: not_negative(entry[key]) for key in DEVIATION_KEYS if key in entry}
     roll, pitch = (entry["constant_lean"].reals(2) if "constant_lean" in entry
@@ -48,9 +48,9 @@ def read_floor(value: Value) -> Floor:
 
 
 def on_floor(floor: Floor, frames: Sequence[Frame]) -> List[Frame]:
-    """The frames of a whole route as the floor leans and lifts them.
+    """The frames of a whole route, leaned and lifted by the floor.
 
-    What a row draws depends on the seed and the row alone.
+    The random numbers of a row depend only on the seed and the row.
     """
     deviations = np.array([floor.lean_deviation, floor.lean_deviation, floor.height_deviation])
     walks = np.array([floor.lean_walk, floor.lean_walk, floor.height_walk])

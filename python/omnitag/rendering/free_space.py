@@ -10,13 +10,13 @@ from omnitag.rendering.route import Frame
 from omnitag.rendering.scene import board_width
 from omnitag.rendering.world import Cylinder, World
 
-# What begins above this is driven under: lamps, signs.
+# The robot can drive under what starts above this, such as lamps and signs.
 HEADROOM = 2.0
 MAX_ATTEMPTS = 10000
 
 
 class FreeSpace:
-    """The floor of a room, less all that ever stands or hangs in the robot's way."""
+    """The floor of a room without anything that ever stands or hangs in the robot's way."""
 
     def __init__(self, world: World) -> None:
         self._room = world.room
@@ -36,7 +36,7 @@ class FreeSpace:
                             (half, half, 0))
 
     def clearance(self, x: float, y: float) -> float:
-        """Metres to the nearest wall or obstacle; negative within it or outside the room."""
+        """Metres to the nearest wall or obstacle; negative inside an obstacle or outside the room."""
         (x_lower, y_lower), (x_upper, y_upper) = self._room.lower, self._room.upper
         distances = [x - x_lower, x_upper - x, y - y_lower, y_upper - y]
         distances += [np.hypot(*(middle - (x, y))) - radius for middle, radius in self._discs]
@@ -53,16 +53,16 @@ class FreeSpace:
 
 def random_frames(world: World, count: int, interval: float, clearance: float,
                   generator: np.random.Generator) -> List[Frame]:
-    """Poses uniform over the free space and over all headings, `interval` seconds apart.
+    """Poses uniform over the free space and all headings, `interval` seconds apart.
 
-    From each to the next the robot is carried. Raises InputError where there is no free space.
+    The robot is carried from each to the next. Raises InputError if there is no free space.
     """
     space = FreeSpace(world)
     lower, upper = np.array(world.room.lower), np.array(world.room.upper)
     frames = []
     for index in range(count):
         for _ in range(MAX_ATTEMPTS):
-            # As the route's file holds it.
+            # With the precision of the route's file.
             x, y = (round(value, 4) for value in generator.uniform(lower, upper))
             if space.clearance(x, y) >= clearance:
                 break

@@ -1,4 +1,4 @@
-"""Which markers really hang where: those of the map, and what differs from it."""
+"""The markers that really hang in the room: those of the map, and the differences from it."""
 
 from dataclasses import replace
 from typing import List, NamedTuple, Optional, Tuple
@@ -16,24 +16,24 @@ _POSE_KEYS = ("position", "yaw", "roll", "orientation")
 
 
 class Change(NamedTuple):
-    """An entry of the map that the room does not keep to."""
+    """A map entry that does not match the room."""
 
     map_entry: int
-    """Its place in the map, from 0."""
+    """Its index, from 0."""
     marker: Optional[Marker]
-    """What hangs instead; none where the marker is missing."""
+    """What hangs instead; None if the marker is missing."""
     during: Stretches
 
 
 class Decoy(NamedTuple):
-    """A marker that the map does not know."""
+    """A marker that is not in the map."""
 
     marker: Marker
     during: Stretches
 
 
 class HungMarkers(NamedTuple):
-    """The markers in the room. Where changes of one marker meet, the last one counts."""
+    """The markers in the room. If several changes of a marker apply at a time, the last one counts."""
 
     mapped: Tuple[Marker, ...]
     changes: Tuple[Change, ...]
@@ -49,18 +49,18 @@ class HungMarkers(NamedTuple):
         return [marker for marker in hung if marker is not None]
 
     def ever(self) -> List[Marker]:
-        """Every marker at every place where it hangs, or where the map says that it does."""
+        """Every marker at every place where it ever hangs, and where it is mapped."""
         return [*self.mapped,
                 *(change.marker for change in self.changes if change.marker is not None),
                 *(decoy.marker for decoy in self.decoys)]
 
 
 def read_hung_markers(root: Mapping, marker_map: MarkerMap) -> HungMarkers:
-    """Reads `displaced_markers`, `missing_markers` and `decoys` of a world file, all optional."""
+    """Read `displaced_markers`, `missing_markers` and `decoys` of a world file, all optional."""
     def items(key: str) -> List[Value]:
         return list(root[key].items()) if key in root else []
 
-    # A missing marker hangs nowhere, wherever it was moved to.
+    # Absences come last: a missing marker hangs nowhere, even if it is displaced as well.
     changes = [_displacement(item, marker_map) for item in items("displaced_markers")]
     changes += [_absence(item, marker_map) for item in items("missing_markers")]
     decoys = [_decoy(item, marker_map) for item in items("decoys")]
@@ -106,7 +106,7 @@ def _decoy(value: Value, marker_map: MarkerMap) -> Decoy:
 
 
 def _index(value: Value, marker_map: MarkerMap) -> int:
-    """Of the entry of the map that is meant by its name, or by its index."""
+    """The index of the map entry with this name or index."""
     markers = marker_map.markers
     if value.is_integer():
         index = value.integer()

@@ -6,7 +6,7 @@ import numpy as np
 
 
 class ConicMirror(NamedTuple):
-    """Sag of optical design: a conic, with even terms a4, a6, ... where it is aspheric."""
+    """The sag formula of optical design: a conic, plus even terms a4, a6, ... if it is aspheric."""
 
     apex_distance: float
     """Metres from the pinhole to the apex, along the axis."""
@@ -26,7 +26,7 @@ class ConicMirror(NamedTuple):
     def sag(self, rho: Union[float, np.ndarray]) -> np.ndarray:
         """Metres along the axis from the apex to the surface at `rho` metres off the axis.
 
-        NaN where the conic does not reach that far.
+        NaN if the conic does not reach that far.
         """
         curvature = 1.0 / self.radius_of_curvature
         squared = np.square(np.asarray(rho, dtype=float))
@@ -39,11 +39,11 @@ class ConicMirror(NamedTuple):
 
 
 class TabulatedMirror(NamedTuple):
-    """Cubic spline through measured samples; the outermost two pieces are one cubic.
+    """Cubic spline through measured samples; the outermost two pieces are one cubic (not-a-knot).
 
-    A table that begins on the axis is even in rho, hence level there; its knots are the samples
-    and their reflections. One that begins elsewhere has the same condition at both its ends, and
-    its outer cubics go on beyond the table.
+    If the table begins on the axis, the profile is even in rho, hence level there; its knots are the
+    samples and their reflections. Otherwise the condition holds at both ends of the table, and the
+    outer cubics continue beyond it.
     """
 
     apex_distance: float
@@ -65,10 +65,10 @@ class TabulatedMirror(NamedTuple):
         return sag
 
     def truncated_powers(self) -> Tuple[float, np.ndarray, Sequence[Tuple[float, float]]]:
-        """The spline for rho >= 0 as one cubic plus a cubic that sets in at each knot.
+        """The spline for rho >= 0 as one cubic, plus a cubic term that starts at each knot.
 
         Returns the first sample's rho, the cubic's coefficients in (rho - first), lowest order
-        first, and (knot, coefficient) for the knots beyond it.
+        first, and (knot, coefficient) for the knots beyond the first sample.
         """
         table = np.array(self.samples)
         if table[0, 0] == 0.0:

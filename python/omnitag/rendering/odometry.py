@@ -1,4 +1,4 @@
-"""What the robot's odometry says of its way: the true motions, with errors that add up."""
+"""The robot's odometry: the true motions, with errors that accumulate."""
 
 from typing import List, NamedTuple, Optional, Sequence, Union
 
@@ -13,12 +13,12 @@ from omnitag.yaml_file import Value
 NOISE_KEYS = ("rotation_per_rotation", "rotation_per_metre",
               "translation_per_metre", "translation_per_rotation")
 
-# Apart from the images' noise, which a seed and a row alone begin.
+# Separates these draws from the images' noise, which is drawn from a seed and a row alone.
 _STREAM = 1
 
 
 class Odometry(NamedTuple):
-    """How odometry errs. Deviations belong to the motion between two images."""
+    """The errors of odometry. Deviations are those of the motion between two images."""
 
     frame_id: str = "odom"
     rotation_per_rotation: float = 0.0
@@ -30,12 +30,12 @@ class Odometry(NamedTuple):
     translation_per_rotation: float = 0.0
     """Metres per rad, along and across: the square root of amcl's alpha4."""
     scale: float = 1.0
-    """Measured per true distance."""
+    """Measured distance divided by true distance."""
     rate: float = 20.0
     """Hz of the transforms between two images."""
     seed: int = 0
     lean: bool = False
-    """Whether it knows the height, the roll and the pitch, without error; else it is planar."""
+    """Whether it has the true height, roll and pitch; otherwise it is planar."""
 
 
 class Sample(NamedTuple):
@@ -51,7 +51,7 @@ class Sample(NamedTuple):
 
 
 def read_odometry(value: Value) -> Odometry:
-    """The mapping `odometry` of a world file; what is left out is without error."""
+    """Read the mapping `odometry` of a world file; missing keys mean no such error."""
     entry = value.mapping(("frame_id", *NOISE_KEYS, "scale", "rate", "seed", "lean"))
     given = {key: not_negative(entry[key]) for key in NOISE_KEYS if key in entry}
     given.update({key: positive(entry[key]) for key in ("scale", "rate") if key in entry})
@@ -65,13 +65,13 @@ def read_odometry(value: Value) -> Odometry:
 def odometry_samples(odometry: Odometry, frames: Sequence[Frame], rows: Sequence[int],
                      path: Optional[SmoothPath] = None, lead: int = 0,
                      tail: int = 0) -> List[List[Sample]]:
-    """For each frame the samples since the frame before; the last one is at the frame's stamp.
+    """For each frame, the samples since the previous frame; the last one is at the frame's stamp.
 
-    They follow `path`, by default through these frames alone. The pose at the first frame is the
-    identity, in the plane. Exposures begin `lead` nanoseconds before the frames' stamps and end
-    `tail` after them: there are samples all along, also before the first frame, and after the last
-    one by `samples_after`. The error of a motion belongs to the row of the route that it leads to,
-    whichever rows are rendered, and grows evenly on the way.
+    They follow `path`, by default through only these frames. The pose at the first frame is the
+    identity, in the plane. Exposures begin `lead` nanoseconds before the frames' stamps and end `tail`
+    after them. Samples cover all of them, also before the first frame; `samples_after` gives those
+    after the last one. The error of a motion depends on the row of the route where the motion ends,
+    whichever rows are rendered, and grows evenly over the motion.
     """
     wheels = _Wheels(odometry, path or SmoothPath(frames))
     ahead = wheels.about(frames[0], np.zeros(3), -lead, 0)
@@ -88,12 +88,12 @@ def odometry_samples(odometry: Odometry, frames: Sequence[Frame], rows: Sequence
 
 def samples_after(odometry: Odometry, frame: Frame, last: Sample, path: SmoothPath,
                   tail: int) -> List[Sample]:
-    """On from `last`, which is at `frame`, until the exposure is over, `tail` nanoseconds later."""
+    """Samples after `last`, which is at `frame`, to the end of the exposure `tail` ns later."""
     return _Wheels(odometry, path).about(frame, np.array(last[1:4]), 0, tail)
 
 
 class _Wheels:
-    """Odometry along a path, a piece at a time."""
+    """Odometry along a path, one motion at a time."""
 
     def __init__(self, odometry: Odometry, path: SmoothPath) -> None:
         self._odometry = odometry
@@ -101,7 +101,7 @@ class _Wheels:
 
     def driven(self, before: Frame, after: Frame, start: np.ndarray,
                draws: np.ndarray) -> List[Sample]:
-        """From `before`, where odometry is at `start`, to `after`; without the first of them."""
+        """Samples from `before`, where odometry is at `start`, to `after`; without the one at `before`."""
         error = _deviations(self._odometry, _true_motion(before, after)) * draws
         duration = after.stamp - before.stamp
         samples = []
@@ -115,12 +115,16 @@ class _Wheels:
 
     def carried(self, before: Frame, after: Frame, start: np.ndarray, lead: int,
                 tail: int) -> List[Sample]:
-        """Driving on until the last exposure is over, then still, unseen, until the next begins."""
+        """Samples over a jump, which odometry does not measure.
+
+        It follows the path until the last exposure ends, stands still, and follows the path again from
+        the start of the next exposure.
+        """
         duration = after.stamp - before.stamp
         lead, tail = min(lead, duration // 2), min(tail, duration // 2)
         behind = self.about(before, start, 0, tail)
         rest = np.array(behind[-1][1:4]) if behind else start
-        # The pose at the stamp is where the rest and the way from there lead.
+        # The pose at the stamp: from where odometry stood still, by the motion since the exposure began.
         first = self._path.pose(after, after.stamp - lead)
         end = _moved(rest, self._scaled(_true_motion(first, after)))
         standing = self.sample(before, before.stamp + tail, rest)
@@ -130,13 +134,13 @@ class _Wheels:
                 + [self.sample(after, after.stamp, end)])
 
     def about(self, frame: Frame, start: np.ndarray, begin: int, end: int) -> List[Sample]:
-        """Without errors, from `begin` to `end` nanoseconds about `frame`, which is left out."""
+        """Samples without errors, `begin` to `end` ns from the stamp of `frame`, which is left out."""
         return [self.sample(frame, frame.stamp + time, _moved(start, self._scaled(_true_motion(
             frame, self._path.pose(frame, frame.stamp + time)))))
             for time in self._ticks(begin, end) if time != 0]
 
     def sample(self, frame: Frame, stamp: int, planar: np.ndarray) -> Sample:
-        """With the lean that the robot has at `stamp`, on the stretch that `frame` is on."""
+        """The sample at `stamp`, with the robot's lean if odometry has it, on the stretch of `frame`."""
         sample = Sample(stamp, *planar)
         if not self._odometry.lean:
             return sample
@@ -147,7 +151,7 @@ class _Wheels:
         return np.array([self._odometry.scale, self._odometry.scale, 1.0]) * motion
 
     def _ticks(self, begin: int, end: int) -> List[int]:
-        """`begin`, `end`, and the odometry's ticks between them, in nanoseconds from a stamp."""
+        """`begin`, `end` and the ticks of odometry between them, in nanoseconds from a stamp."""
         rate = self._odometry.rate
         counts = range(int(begin * rate / 1e9), int(end * rate / 1e9) + 1)
         between = [round(count * 1e9 / rate) for count in counts]
@@ -155,7 +159,7 @@ class _Wheels:
 
 
 def _true_motion(before: Union[Frame, Pose], after: Union[Frame, Pose]) -> np.ndarray:
-    """x, y and yaw of `after` in the base_link of `before`, in the plane."""
+    """x, y and yaw of `after` in the frame of `before`, in the plane."""
     x, y = after.x - before.x, after.y - before.y
     cosine, sine = np.cos(before.yaw), np.sin(before.yaw)
     turn = np.arctan2(np.sin(after.yaw - before.yaw), np.cos(after.yaw - before.yaw))
@@ -172,7 +176,7 @@ def _deviations(odometry: Odometry, motion: np.ndarray) -> np.ndarray:
 
 
 def _moved(start: np.ndarray, motion: np.ndarray) -> np.ndarray:
-    """x, y and yaw after a motion that begins at `start`."""
+    """x, y and yaw after a motion from `start`."""
     cosine, sine = np.cos(start[2]), np.sin(start[2])
     return start + [cosine * motion[0] - sine * motion[1],
                     sine * motion[0] + cosine * motion[1], motion[2]]

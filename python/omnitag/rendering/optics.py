@@ -23,7 +23,7 @@ def lens_scene(camera: CatadioptricCamera, map_from_camera: np.ndarray) -> str:
 
     The ray of the pixel (u, v) is ((u - cx) / fx, (v - cy) / fy, 1). POV-Ray's is direction +
     (column / width - 1/2) right + (1/2 - row / height) up, where the centre of the top-left pixel
-    is column = row = 1/2: an off-axis direction carries the principal point.
+    is column = row = 1/2. An off-axis direction provides the principal point.
     """
     lens = camera.lens
     x_axis, y_axis, z_axis = map_from_camera[:3, :3].T
@@ -43,8 +43,8 @@ def lens_scene(camera: CatadioptricCamera, map_from_camera: np.ndarray) -> str:
 def fisheye_scene(camera: FisheyeCamera, map_from_camera: np.ndarray) -> str:
     """The fisheye at the optical frame's origin, with the canvas's middle on its axis.
 
-    POV-Ray's ray of the position (x, y), which are -1 and 1 at the canvas's edges, is off the axis
-    by half of `angle` times the length of (|right| x, |up| y), and absent where that is above 1.
+    With x and y from -1 to 1 between the canvas's edges, POV-Ray's ray at (x, y) is off the axis by half
+    of `angle` times the length of (|right| x, |up| y); there is none if that length is above 1.
     """
     lens, canvas = camera.lens, canvas_of(camera)
     x_axis, y_axis, z_axis = map_from_camera[:3, :3].T
@@ -60,7 +60,7 @@ def fisheye_scene(camera: FisheyeCamera, map_from_camera: np.ndarray) -> str:
 
 
 def mirror_scene(mirror: Union[ConicMirror, TabulatedMirror], map_from_camera: np.ndarray) -> str:
-    """The mirror: its surface alone, up to the rim, that reflects all and casts no shadow."""
+    """The mirror: only its surface up to the rim; it reflects all light and casts no shadow."""
     map_from_apex = map_from_camera.copy()
     map_from_apex[:3, 3] += mirror.apex_distance * map_from_camera[:3, 2]
     if isinstance(mirror, ConicMirror) and not any(mirror.coefficients):
@@ -101,7 +101,7 @@ isosurface {{
 
 
 def _extent(mirror: Union[ConicMirror, TabulatedMirror]) -> np.ndarray:
-    """Just beyond the lowest and the highest z of the mirror, in metres from the apex."""
+    """Just below the lowest and just above the highest z of the mirror, in metres from the apex."""
     sag = mirror.sag(np.linspace(0.0, mirror.rim_radius, 2000))
     margin = 1e-6
     return np.array([sag.min() - margin, sag.max() + margin])

@@ -1,4 +1,4 @@
-"""The robot's way between the rows of the route: a smooth curve through their poses."""
+"""The robot's path between the rows of the route: a smooth curve through their poses."""
 
 from bisect import bisect_right
 from typing import List, Sequence
@@ -12,7 +12,7 @@ from omnitag.rendering.route import Frame
 class SmoothPath:
     """Natural cubic splines, twice differentiable, through the rows between the route's jumps.
 
-    Beyond both ends of such a stretch the robot goes straight on with the velocity it has there.
+    Beyond both ends of such a stretch the robot continues straight on with its velocity there.
     """
 
     def __init__(self, frames: Sequence[Frame]) -> None:
@@ -22,12 +22,12 @@ class SmoothPath:
         self._pieces = [_Piece(frames[first:end]) for first, end in zip(firsts, ends)]
 
     def pose(self, frame: Frame, stamp: int) -> Pose:
-        """Where the robot is at `stamp`, in nanoseconds, on the stretch that `frame` is on."""
+        """Where the robot is at `stamp`, in nanoseconds, on the stretch of `frame`."""
         return self._pieces[bisect_right(self._starts, frame.stamp) - 1].pose(stamp)
 
 
 class _Piece:
-    """The way from one jump to the next."""
+    """The path from one jump to the next."""
 
     def __init__(self, frames: Sequence[Frame]) -> None:
         self._start = frames[0].stamp
@@ -59,7 +59,7 @@ class _Piece:
 
 
 def _second_derivatives(knots: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Of the spline at its knots, zero at both ends: a tridiagonal system, solved in its band."""
+    """Second derivatives of the spline at its knots, zero at both ends; a tridiagonal system."""
     bends: List[np.ndarray] = [np.zeros_like(values[0]) for _ in knots]
     steps = np.diff(knots)
     secants = np.diff(values, axis=0) / steps[:, None]

@@ -1,4 +1,4 @@
-"""Poses of what stands on the floor, and of what leans."""
+"""Poses of upright and of leaning bodies."""
 
 from typing import NamedTuple, Union
 

@@ -1,8 +1,8 @@
-"""Running POV-Ray, and the bits of its language that everything shares.
+"""Running POV-Ray, and the elements of its language that all scenes share.
 
-POV-Ray's own tolerances are absolute, about 1e-4 units: scenes are written in millimetres, so that
-a mirror of a few centimetres is met exactly. Vectors keep the right-handed coordinates of the map:
-only the camera's own vectors decide about handedness in POV-Ray.
+POV-Ray's tolerances are absolute, about 1e-4 units. Scenes are written in millimetres, so that rays
+meet a mirror of a few centimetres accurately. Vectors keep the right-handed coordinates of the map: in
+POV-Ray only the camera's vectors determine handedness.
 """
 
 import os
@@ -20,14 +20,14 @@ MILLIMETRES = 1000.0
 
 DEFAULT_SAMPLES = 4
 
-# Method 1 without jitter keeps edges where they are; the adaptive method 2 shifts them.
+# Method 1 without jitter keeps edges in place; the adaptive method 2 shifts them.
 _OPTIONS = ("Antialias=on", "Sampling_Method=1", "Antialias_Threshold=0.03", "Jitter=off",
             "File_Gamma=1.0", "Output_File_Type=N", "Bits_Per_Color=16",
             "Grayscale_Output=on", "Display=off", "Work_Threads=1")
 
 
 def vector(values: Numbers) -> str:
-    """A vector as it stands."""
+    """A vector without conversion of units."""
     return "<{}>".format(", ".join("{:.12g}".format(float(value)) for value in values))
 
 
@@ -44,12 +44,12 @@ def matrix(transform: np.ndarray) -> str:
 
 def render(scene: str, bitmaps: Dict[str, np.ndarray], width: int, height: int,
            samples: int = DEFAULT_SAMPLES, rows: Optional[range] = None) -> np.ndarray:
-    """Renders a scene; (height, width) light, 1 where white, proportional to intensity.
+    """Render a scene: (height, width) light, proportional to intensity; 1 is white.
 
-    `bitmaps` are the image files, 8 bit, that the scene refers to by name. Pixels on an edge are
-    the mean of `samples` by `samples` rays. Where `rows` are given, the others stay black.
+    `bitmaps` are the 8-bit image files that the scene refers to by name. Pixels on an edge are the mean
+    of `samples` by `samples` rays. If `rows` are given, the others stay black.
     """
-    # A pixel is compared with its neighbours to see whether it is on an edge.
+    # POV-Ray finds pixels on an edge by comparing them with their neighbours.
     rows = rows or range(height)
     first, end = max(rows.start - 2, 0), min(rows.stop + 2, height)
     with tempfile.TemporaryDirectory(prefix="omnitag_render_") as directory:
@@ -57,8 +57,8 @@ def render(scene: str, bitmaps: Dict[str, np.ndarray], width: int, height: int,
             file.write(scene)
         for name, bitmap in bitmaps.items():
             cv2.imwrite(os.path.join(directory, name), bitmap)
-        # The working directory is where POV-Ray may write by default on every system. One block
-        # for the whole image: along the edges of its blocks POV-Ray leaves out anti-aliasing.
+        # On every system POV-Ray may by default write to the working directory. The whole image is
+        # one block: POV-Ray does not anti-alias along the edges between blocks.
         command = ["povray", *_OPTIONS, "Input_File_Name=scene.pov", "Output_File_Name=image.png",
                    f"Width={width}", f"Height={height}", f"Antialias_Depth={samples}",
                    f"Render_Block_Size={max(width, height)}"]

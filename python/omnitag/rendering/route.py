@@ -23,7 +23,7 @@ class Frame(NamedTuple):
     y: float
     yaw: float
     jump: bool = False
-    """Whether the robot was carried here from the frame before."""
+    """Whether the robot was carried here from the previous frame."""
     z: float = 0.0
     roll: float = 0.0
     pitch: float = 0.0
@@ -35,7 +35,7 @@ class Frame(NamedTuple):
 
 
 def read_route(path: str, start: int) -> List[Frame]:
-    """Reads a CSV file `stamp,x,y,yaw[,z,roll,pitch][,jump]`, one row per image.
+    """Read a CSV file `stamp,x,y,yaw[,z,roll,pitch][,jump]`, one row per image.
 
     `start` is added to its stamps, in nanoseconds.
 
@@ -65,7 +65,7 @@ def read_route(path: str, start: int) -> List[Frame]:
 
 
 def write_route(path: str, frames: Sequence[Frame]) -> None:
-    """Writes a route, to a tenth of a millimetre and 1e-5 rad; z, roll, pitch where there are."""
+    """Write a route, to a tenth of a millimetre and 1e-5 rad; z, roll and pitch if there are any."""
     leans = any(frame.z or frame.roll or frame.pitch for frame in frames)
     with open(path, "w", encoding="utf-8") as file:
         file.write(",".join(PLANAR_FIELDS + leans * LEAN_FIELDS + ["jump"]) + "\n")

@@ -10,7 +10,7 @@ from omnitag.rendering.world import (
     Boards, Box, Light, Material, Room, Shape, World, present)
 from omnitag.tag_bitmap import tag_bitmap, tag_family
 
-# How far a board stays behind its marker's face: clear of POV-Ray's tolerances, not to be seen.
+# Gap between a marker's face and its board: above POV-Ray's tolerances, too small to be visible.
 _FACE_GAP = 2e-5
 
 _PATTERNS = {
@@ -25,7 +25,7 @@ _PATTERNS = {
 
 
 def world_scene(world: World, moment: int) -> str:
-    """Everything but the robot at `moment`, in nanoseconds on the route's clock.
+    """Everything except the robot at `moment`, in nanoseconds on the route's clock.
 
     The markers refer to `marker_bitmaps`.
     """
@@ -37,12 +37,12 @@ def world_scene(world: World, moment: int) -> str:
 
 
 def shapes_scene(shapes: Iterable[Shape], map_from_parent: np.ndarray, ambient: float) -> str:
-    """Boxes and cylinders that stand in the map, or on a robot at `map_from_parent`."""
+    """Boxes and cylinders in the map, or on a robot at `map_from_parent`."""
     return "".join(_shape(shape, map_from_parent, ambient) for shape in shapes)
 
 
 def marker_bitmaps(markers: Iterable[Marker], boards: Boards) -> Dict[str, np.ndarray]:
-    """The image files that the markers refer to, by name: 8 bit, one pixel per module."""
+    """The image files that the markers refer to, by name; 8 bit, one pixel per module."""
     bitmaps = {}
     for marker in markers:
         greys = np.where(_board_modules(marker, boards), boards.white, boards.black)
@@ -51,7 +51,7 @@ def marker_bitmaps(markers: Iterable[Marker], boards: Boards) -> Dict[str, np.nd
 
 
 def marker_scene(marker: Marker, boards: Boards, ambient: float) -> str:
-    """A marker, its face exactly on its plane, and the board behind it."""
+    """A marker with its face exactly in its plane, and the board behind it."""
     half = 0.5 * board_width(marker, boards)
     edge = 2.0 * MILLIMETRES * half
     corners = ", ".join(point((x, y, 0)) for x, y in (
@@ -130,7 +130,7 @@ def _texture(material: Material, ambient: float) -> str:
              "scale": f"{MILLIMETRES * material.scale:.9g}",
              "half": f"{MILLIMETRES * material.scale / 2:.9g}"}
     pattern = _PATTERNS.get(material.pattern, "{light}").format(**greys)
-    # Off the round coordinates, where a face would lie just between two cells of a pattern.
+    # Away from round coordinates, where a face would lie exactly between two cells of a pattern.
     shift = MILLIMETRES * material.scale * np.array([0.11, 0.13, 0.17])
     return (f"pigment {{ {pattern} translate {vector(shift)} }} "
             f"{_finish(ambient, material.glow)}")
@@ -141,7 +141,7 @@ def _finish(ambient: float, glow: float = 0.0) -> str:
 
 
 def _board_modules(marker: Marker, boards: Boards) -> np.ndarray:
-    """The pattern within its quiet zone: square, True where white, first row on top."""
+    """The pattern with its quiet zone: square, True is white, first row on top."""
     modules = tag_bitmap(marker.family, marker.id).modules
     while all(edge.all() for edge in (modules[0], modules[-1], modules[:, 0], modules[:, -1])):
         modules = modules[1:-1, 1:-1]

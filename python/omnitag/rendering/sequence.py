@@ -20,24 +20,24 @@ from omnitag.rendering.world import World, present
 
 
 class SubFrame(NamedTuple):
-    """What is seen at one moment of an exposure."""
+    """The scene at one moment of an exposure."""
 
     scene: str
     """POV-Ray text."""
     weights: Tuple[float, ...]
-    """What it gives to each row of the image."""
+    """Its share of each row of the image."""
 
 
 def render_frames(world: World, camera: Camera, frames: Sequence[Frame],
                   jobs: int, light: Optional[str] = None,
                   samples: int = DEFAULT_SAMPLES,
                   path: Optional[SmoothPath] = None) -> Iterator[np.ndarray]:
-    """The light of each frame, (height, width) with 1 where white, in the order of the frames.
+    """The light of each frame, (height, width) with 1 for white, in the order of the frames.
 
-    Where the world's camera turns, the light is FINENESS times as large. The robot moves along
-    `path`, by default through these frames alone. Frames that see the same are rendered once; those
-    whose light is in the directory `light` are not rendered again. Pixels on an edge are the mean
-    of `samples` by `samples` rays.
+    If the world's camera turns, the light is FINENESS times as large. The robot moves along `path`, by
+    default through only these frames. Frames that see the same are rendered once; those whose light is
+    in the directory `light` are not rendered again. Pixels on an edge are the mean of `samples` by
+    `samples` rays.
     """
     if world.effects.turn:
         camera = finer(camera, FINENESS)
@@ -54,7 +54,7 @@ def render_frames(world: World, camera: Camera, frames: Sequence[Frame],
 
     exposures = [sub_frames(world, camera, frame, path) for frame in frames]
     uses = Counter(exposures)
-    # A frame waits for the renderers of its moments.
+    # Two pools: a frame waits for the renderers of its moments.
     executor, renderers = ThreadPoolExecutor(jobs), ThreadPoolExecutor(jobs)
     images = {exposure: executor.submit(frame_light, exposure) for exposure in uses}
     try:
@@ -72,13 +72,13 @@ def render_frames(world: World, camera: Camera, frames: Sequence[Frame],
 
 def sub_frames(world: World, camera: Camera, frame: Frame,
                path: SmoothPath) -> Tuple[SubFrame, ...]:
-    """The moments of a frame's exposure; those that see the same are one."""
+    """The moments of a frame's exposure; moments that see the same are merged."""
     shutter = world.shutter
     fineness = FINENESS if world.effects.turn else 1
     height = camera.height // fineness
     moments = shutter.moments(height)
     weights = np.repeat(shutter.weights(height), fineness, axis=0)
-    # What stands in the room for a while is there or not for a whole image.
+    # What is in the room only for a while is present or absent for the whole image.
     base_from_camera = world.mounting.base_from_camera
     moment = frame.stamp - world.start
     surroundings = world_scene(world, moment)
@@ -97,7 +97,7 @@ def sub_frames(world: World, camera: Camera, frame: Frame,
 
 def exposed_light(camera: Camera, parts: Sequence[SubFrame], bitmaps: Dict[str, np.ndarray],
                   samples: int, renderers: Executor) -> np.ndarray:
-    """The light of all moments of an exposure, each rendered only where it is in the image."""
+    """The light of all moments of an exposure, each rendered only in the rows that it contributes to."""
     canvas = canvas_of(camera)
     part = (slice(canvas.top, canvas.top + camera.height),
             slice(canvas.left, canvas.left + camera.width))
@@ -117,10 +117,10 @@ def exposed_light(camera: Camera, parts: Sequence[SubFrame], bitmaps: Dict[str, 
 
 
 def kept_light(path: str, render_light: Callable[[], np.ndarray]) -> np.ndarray:
-    """The light of a frame from the 16-bit image at `path`, rendered and kept there if need be."""
+    """The light of a frame from the 16-bit image at `path`, which is rendered first if it is missing."""
     most = np.iinfo(np.uint16).max
     if not os.path.exists(path):
-        # Complete or not there, should rendering be interrupted.
+        # If rendering is interrupted, there is no file instead of an incomplete one.
         unfinished = path + ".unfinished.png"
         cv2.imwrite(unfinished, np.rint(most * render_light()).astype(np.uint16))
         os.replace(unfinished, path)
@@ -129,7 +129,7 @@ def kept_light(path: str, render_light: Callable[[], np.ndarray]) -> np.ndarray:
 
 def _light_name(camera: Camera, parts: Sequence[SubFrame], bitmaps: Dict[str, np.ndarray],
                 samples: int) -> str:
-    """A file's name that belongs to all that the light depends on."""
+    """A file name that is a hash of everything that the light depends on."""
     digest = hashlib.sha256(repr((canvas_of(camera), camera.width, camera.height, samples,
                                   tuple(parts))).encode())
     for name in sorted(bitmaps):

@@ -1,4 +1,4 @@
-"""When each row of an image is exposed, and the light that it collects meanwhile."""
+"""When each row of an image is exposed, and the light that it collects during that time."""
 
 from typing import NamedTuple
 
@@ -11,33 +11,33 @@ KEYS = ("exposure_time", "row_readout_time", "image_time_offset", "sub_frame_int
 
 
 class Shutter(NamedTuple):
-    """Row v's exposure has its middle at stamp + image_time_offset + v row_readout_time; seconds."""
+    """The middle of row v's exposure is at stamp + image_time_offset + v row_readout_time; seconds."""
 
     exposure_time: float = 0.0
     row_readout_time: float = 0.0
-    """From a row to the next; negative where the last row is read first."""
+    """From one row to the next; negative if the last row is read first."""
     image_time_offset: float = 0.0
     sub_frame_interval: float = 0.001
-    """At most, between the moments that are rendered."""
+    """Largest interval between rendered moments."""
 
     def first_exposed(self, height: int) -> float:
-        """When the first light falls on an image of `height` rows, after its stamp."""
+        """Time from the stamp to the first light on an image of `height` rows."""
         return self._middles(height).min() - 0.5 * self.exposure_time
 
     def last_exposed(self, height: int) -> float:
-        """When the last light falls on it, after its stamp."""
+        """Time from the stamp to the last light on it."""
         return self._middles(height).max() + 0.5 * self.exposure_time
 
     def moments(self, height: int) -> np.ndarray:
-        """The sub-frames' moments after the stamp, evenly spaced over all exposures."""
+        """Times from the stamp to the sub-frames, evenly spaced over the exposure of all rows."""
         first, last = self.first_exposed(height), self.last_exposed(height)
         count = int(np.ceil((last - first) / self.sub_frame_interval - 1e-9))
         return np.linspace(first, last, count + 1)
 
     def weights(self, height: int) -> np.ndarray:
-        """(height, moments): what each sub-frame gives to each row.
+        """(height, moments): the weight of each sub-frame in each row.
 
-        Light changes linearly between two moments; a row gets its mean over the exposure.
+        Light changes linearly between two moments; a row is the mean over its exposure.
         """
         moments, middles = self.moments(height), self._middles(height)
         if len(moments) == 1:
@@ -58,7 +58,7 @@ class Shutter(NamedTuple):
 
 
 def read_shutter(entry: Mapping) -> Shutter:
-    """The shutter's keys among those of a world's images; what is left out is at rest."""
+    """Read the shutter from a world's `images`; missing keys have their defaults."""
     given = {key: entry[key].real() for key in KEYS[1:3] if key in entry}
     if "exposure_time" in entry:
         given["exposure_time"] = not_negative(entry["exposure_time"])
@@ -68,7 +68,7 @@ def read_shutter(entry: Mapping) -> Shutter:
 
 
 def _hat_integral(position: np.ndarray) -> np.ndarray:
-    """Of the hat that rises from -1 to its peak at 0 and falls to 1, up to `position`."""
+    """Integral up to `position` of the hat that rises from -1 to its peak at 0 and falls to 1."""
     inside = np.clip(position, -1.0, 1.0)
     return np.where(inside < 0.0, 0.5 * np.square(1.0 + inside),
                     1.0 - 0.5 * np.square(1.0 - inside))

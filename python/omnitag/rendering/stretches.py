@@ -1,4 +1,4 @@
-"""When something is there: stretches of the route."""
+"""Stretches of the route during which something is present."""
 
 from typing import NamedTuple, Tuple
 
@@ -6,13 +6,13 @@ from omnitag.yaml_file import Mapping
 
 
 class Stretches(NamedTuple):
-    """Parts of a route; without any, all of it."""
+    """Stretches of a route; if there are none, the whole route."""
 
     bounds: Tuple[Tuple[int, int], ...] = ()
-    """First and last moment of each: nanoseconds on the route's clock, both inclusive."""
+    """First and last moment of each stretch, both included: nanoseconds on the route's clock."""
 
     def cover(self, moment: int) -> bool:
-        """Whether `moment`, in nanoseconds on the route's clock, lies within a stretch."""
+        """Whether `moment`, in nanoseconds on the route's clock, is within a stretch."""
         return not self.bounds or any(first <= moment <= last for first, last in self.bounds)
 
 
@@ -20,7 +20,7 @@ ALWAYS = Stretches()
 
 
 def read_during(entry: Mapping) -> Stretches:
-    """The optional key `during: [[from, until], ...]` of an entry, in seconds."""
+    """Read the optional key `during: [[from, until], ...]` of an entry, in seconds."""
     if "during" not in entry:
         return ALWAYS
     bounds = []

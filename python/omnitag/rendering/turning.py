@@ -1,23 +1,23 @@
-"""A camera that turns about its own axis while it exposes."""
+"""A camera that turns about its axis during the exposure."""
 
 import cv2
 import numpy as np
 
 from omnitag.rendering.camera import Camera, finer, rim_distance
 
-# The light that is turned has this many pixels along each edge of an image's pixel: between pixels
-# as wide as an edge is sharp, nothing can be interpolated well.
+# The light that is turned has this many pixels along each edge of an image's pixel: edges that are only
+# one pixel wide cannot be interpolated well.
 FINENESS = 2
 
-_LARGEST_STEP = 0.25  # px, of what is on the rim
+_LARGEST_STEP = 0.25  # px, at the rim
 
 
 def turned(light: np.ndarray, camera: Camera, turn: float) -> np.ndarray:
-    """The mean over all turns from -turn/2 to turn/2 rad of the camera about its axis.
+    """The mean light while the camera turns about its axis from -turn/2 to turn/2 rad.
 
-    `light` is FINENESS times as large as the camera's image, which is returned.
-    Every model that is rendered is symmetric about the axis: its image turns about the principal
-    point, in units of the focal lengths.
+    `light` is FINENESS times as large as the camera's image, which is returned. All models that can be
+    rendered are symmetric about the axis: the image turns about the principal point, in units of the
+    focal lengths.
     """
     lens = camera.lens
     way = abs(turn) * rim_distance(camera) * max(lens.fx, lens.fy)
@@ -29,7 +29,7 @@ def turned(light: np.ndarray, camera: Camera, turn: float) -> np.ndarray:
 
 
 def _turned_once(light: np.ndarray, camera: Camera, angle: float) -> np.ndarray:
-    """A camera that is turned by `angle` sees at a pixel what it saw at the pixel turned so."""
+    """The light of the camera turned by `angle`: at a pixel, the light at this pixel turned by `angle`."""
     lens = camera.lens
     sine, cosine = np.sin(angle), np.cos(angle)
     to_plane = np.array([[1.0 / lens.fx, 0.0, -lens.cx / lens.fx],

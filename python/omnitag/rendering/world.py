@@ -1,4 +1,4 @@
-"""The world file: the room, what stands in it, its light, and how the robot carries its camera."""
+"""The world file: the room with its furniture, lights and markers, and the mounting of the camera."""
 
 import os
 from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple, Union
@@ -34,11 +34,11 @@ class Material(NamedTuple):
     scale: float
     """Metres: the pattern's period."""
     glow: float
-    """Light that the surface sends out by itself; 0 where it is only lit."""
+    """Light that the surface emits; 0 if it is only lit."""
 
 
 class Box(NamedTuple):
-    """A box on its floor point: the centre of the lower face."""
+    """A box, placed by the centre of its lower face."""
 
     size: Tuple[float, float, float]
     """Metres along its own x, y and z."""
@@ -48,7 +48,7 @@ class Box(NamedTuple):
 
 
 class Cylinder(NamedTuple):
-    """An upright cylinder on its floor point."""
+    """An upright cylinder, placed by the centre of its lower face."""
 
     radius: float
     height: float
@@ -66,7 +66,7 @@ class Light(NamedTuple):
     position: np.ndarray
     size: float
     intensity: float
-    """What a white surface facing it returns, at `reach` metres."""
+    """The light of a white surface that faces the lamp at `reach` metres."""
     reach: float
 
 
@@ -82,7 +82,7 @@ class Room(NamedTuple):
 
 
 class Boards(NamedTuple):
-    """What the markers are printed on."""
+    """The boards that the markers are printed on."""
 
     thickness: float
     """Metres, behind the marker's plane."""
@@ -94,12 +94,12 @@ class Boards(NamedTuple):
 
 
 class Mounting(NamedTuple):
-    """How the robot carries the camera."""
+    """The pose of the camera on the robot."""
 
     frame_id: str
     """The camera's optical frame."""
     position: np.ndarray
-    """Of the optical frame's origin in base_link, metres."""
+    """The optical frame's origin in base_link, metres."""
     orientation: np.ndarray
     """Unit quaternion x, y, z, w: optical frame to base_link."""
 
@@ -113,7 +113,7 @@ class Mounting(NamedTuple):
 
 
 class World(NamedTuple):
-    """Everything but the camera and the robot's way."""
+    """Everything except the camera and the route."""
 
     marker_map: MarkerMap
     hung_markers: HungMarkers
@@ -124,7 +124,7 @@ class World(NamedTuple):
     noise: float
     """Standard deviation of the image noise, in grey levels."""
     ambient: float
-    """Light that reaches every surface from all around, where lamps and shadows add theirs."""
+    """Light that reaches every surface from all directions, in addition to the lamps'."""
     lights: Tuple[Light, ...]
     room: Room
     boards: Boards
@@ -139,10 +139,10 @@ class World(NamedTuple):
 
 def load_world(path: str, map_path: Optional[str] = None,
                settings: Sequence[str] = ()) -> World:
-    """Read a world file, with the marker map at `map_path` instead of its own where given.
+    """Read a world file; `map_path`, if given, replaces its marker map.
 
-    Each of `settings`, `KEY=VALUE`, stands in for what the file says; KEY joins the mappings' keys
-    by dots. Raises InputError naming file, line and key.
+    Each of `settings`, `KEY=VALUE`, overrides a key of the file; KEY is the path of keys, joined by
+    dots. Raises InputError naming file, line and key.
     """
     root = _root(path)
     for setting in settings:
@@ -170,7 +170,7 @@ def load_world(path: str, map_path: Optional[str] = None,
 
 
 def _root(path: str) -> Mapping:
-    """The keys of a world file, with those of the file that it extends where it has none itself."""
+    """The keys of a world file, and those that only the file that it extends has."""
     root = read_yaml(path).mapping(("extends",) + KEYS)
     if "extends" not in root:
         return root
@@ -179,7 +179,7 @@ def _root(path: str) -> Mapping:
 
 
 def present(shapes: Iterable[Shape], moment: int) -> List[Shape]:
-    """Those that are there at `moment`, in nanoseconds on the route's clock."""
+    """The shapes that are present at `moment`, in nanoseconds on the route's clock."""
     return [shape for shape in shapes if shape.during.cover(moment)]
 
 
