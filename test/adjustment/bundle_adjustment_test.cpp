@@ -168,7 +168,7 @@ TEST_F(BundleAdjustmentTest, FindsBackToTheTruth) {
 }
 
 TEST_F(BundleAdjustmentTest, DeviationsAreThoseOfManyDrives) {
-  if (test::kIsSanitized) GTEST_SKIP() << test::kForStatistics;
+  if (test::kIsSanitized) GTEST_SKIP() << test::kRepeats;
   constexpr double kNoise = 0.05;
   constexpr int kDrives = 30;
   const BundleConfig config = freeCamera(kNoise);

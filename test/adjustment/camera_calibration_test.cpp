@@ -102,7 +102,7 @@ TEST_F(CameraCalibrationTest, RecoversASphereFromBadGuesses) {
 }
 
 TEST_F(CameraCalibrationTest, SaysWhatIsLeftOfTheCamerasError) {
-  if (test::kIsSanitized) GTEST_SKIP() << test::kForStatistics;
+  if (test::kIsSanitized) GTEST_SKIP() << test::kRepeats;
   // Over drives whose noise is drawn anew: where markers image, less where they should, is about as
   // large as what is left says.
   const MountedCamera truth = truthOf(kTruth, test::mounting(1.1, 0.0, 0.0));

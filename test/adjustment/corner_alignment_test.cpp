@@ -78,7 +78,7 @@ TEST_F(CornerAlignmentTest, FindsTheCornersFromAPoseThatIsOff) {
 }
 
 TEST_F(CornerAlignmentTest, CovarianceIsThatOfTheErrors) {
-  if (test::kIsSanitized) GTEST_SKIP() << test::kForStatistics;
+  if (test::kIsSanitized) GTEST_SKIP() << test::kRepeats;
   constexpr int kPlaces = 60;
   double squares = 0.0;
   for (int i = 0; i < kPlaces; ++i) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "../support/panorama_renderer.h"
+#include "../support/sweep.h"
 #include "omnitag/common/error.h"
 #include "omnitag/localization/localizer.h"
 #include "simulated_recording.h"
@@ -86,6 +87,7 @@ TEST_F(MarkerMapperTest, NothingWithoutMotionOrAPoseThatIsSure) {
 }
 
 TEST_F(MarkerMapperTest, VaguePosesMakeVagueMarkers) {
+  if (test::kIsSanitized) GTEST_SKIP() << test::kRepeats;
   MarkerMapper sure(camera_, roomMap(2), config_);
   feed(&sure, test::roomMarkers(), test::roundTrip(40), 1e-4);
   MarkerMapper vague(camera_, roomMap(2), config_);
@@ -124,6 +126,7 @@ TEST_F(MarkerMapperTest, AMarkerThatIsCarriedOffIsNotUsedWhereItHung) {
 }
 
 TEST_F(MarkerMapperTest, KeepsABoundedNumberOfSightings) {
+  if (test::kIsSanitized) GTEST_SKIP() << test::kRepeats;
   MarkerMapper all(camera_, roomMap(2), config_);
   feed(&all, test::roomMarkers(), test::roundTrip(60));
   config_.max_sightings = 6;

@@ -67,7 +67,7 @@ TEST_F(TimeCalibrationTest, RecoversOffsetAndReadout) {
 }
 
 TEST_F(TimeCalibrationTest, SaysHowExactItIs) {
-  if (test::kIsSanitized) GTEST_SKIP() << test::kForStatistics;
+  if (test::kIsSanitized) GTEST_SKIP() << test::kRepeats;
   const ShutterConfig shutter{0.02, 5e-5, 0.0};
   constexpr int kDrives = 20;
   double offsets = 0.0;

@@ -119,7 +119,7 @@ TEST_F(MeasuredPoseTest, IsNotTheOtherPoseThatASingleMarkerLeaves) {
 class FilteredPoseTest : public testing::Test {
  protected:
   void SetUp() override {
-    if (test::kIsSanitized) GTEST_SKIP() << test::kForStatistics;
+    if (test::kIsSanitized) GTEST_SKIP() << test::kRepeats;
   }
 
   static constexpr unsigned kDrives = 16;

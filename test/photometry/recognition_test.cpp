@@ -316,7 +316,7 @@ int acceptedInTextures(double module, double spot, const RecognitionConfig& conf
 }
 
 TEST(RecognitionTest, RandomTexturesAreTakenForAMarkerNoMoreOftenThanConfigured) {
-  if (test::kIsSanitized) GTEST_SKIP() << test::kForStatistics;
+  if (test::kIsSanitized) GTEST_SKIP() << test::kRepeats;
   RecognitionConfig lax;
   lax.false_accept_rate = 0.01;
   for (const double module : {1.5, 3.0}) {

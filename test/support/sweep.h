@@ -13,6 +13,6 @@ constexpr bool kIsSanitized = false;
 constexpr int kSweepStride = kIsSanitized ? 5 : 1;
 
 /// Why a test skips itself under sanitizers.
-constexpr char kForStatistics[] = "repeats for statistics what others do once";
+constexpr char kRepeats[] = "repeats, for statistics or to compare, what others do once";
 
 }  // namespace omnitag::test
