@@ -1,12 +1,10 @@
 """How far a marker map is off the true map."""
 
-from typing import Dict, List, NamedTuple, Set, Tuple
+from typing import List, NamedTuple, Set
 
 import numpy as np
 
-from omnitag.marker_map import Marker, MarkerMap
-
-Key = Tuple[str, int]
+from omnitag.marker_map import Key, MarkerMap, unique_markers
 
 
 class MarkerError(NamedTuple):
@@ -23,8 +21,8 @@ def compare(estimate: MarkerMap, reference: MarkerMap, without: Set[Key],
 
     With `align`, the estimate is first moved in the plane so that its positions fit best.
     """
-    estimates = _by_key(estimate)
-    references = _by_key(reference)
+    estimates = unique_markers(estimate)
+    references = unique_markers(reference)
     keys = [key for key in estimates if key in references and key not in without]
     if not keys:
         return []
@@ -60,17 +58,6 @@ def table(errors: List[MarkerError]) -> str:
     lines.append(row.format("RMS", 1e3 * np.sqrt(np.mean(distances ** 2)),
                             np.degrees(np.sqrt(np.mean(angles ** 2)))))
     return "\n".join(lines)
-
-
-def _by_key(marker_map: MarkerMap) -> Dict[Key, Marker]:
-    markers: Dict[Key, Marker] = {}
-    repeated = set()
-    for marker in marker_map.markers:
-        key = (marker.family, marker.id)
-        if key in markers:
-            repeated.add(key)
-        markers[key] = marker
-    return {key: marker for key, marker in markers.items() if key not in repeated}
 
 
 def _planar_fit(points: np.ndarray, targets: np.ndarray) -> np.ndarray:

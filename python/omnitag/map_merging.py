@@ -2,12 +2,12 @@
 
 import itertools
 from dataclasses import replace
-from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
 from omnitag.command_line import InputError
-from omnitag.marker_map import Marker, MarkerMap
+from omnitag.marker_map import Marker, MarkerMap, unique_markers
 from omnitag.rotation import rotation_from_vector, vector_from_rotation
 
 # Of a map that does not state them; the localizer assumes the same.
@@ -19,8 +19,6 @@ EXACT = 1e-6
 
 SAME_PLACE = 27.9
 """Chi-square with six degrees of freedom that chance exceeds once in ten thousand."""
-
-Key = Tuple[str, int]
 
 
 class Merged(NamedTuple):
@@ -80,22 +78,21 @@ def merge(into: MarkerMap, other: MarkerMap) -> Merged:
     pairs = _pairs_of(into, other)
     if not pairs:
         raise InputError("expected a marker that both maps have once; found none")
-    fit, agree = _best_fit(pairs)
-    information, factor = _information(pairs, agree, fit)
-    covariance = factor * np.linalg.inv(information)
-    agreeing = {_key(pair.a): pair.b for pair, good in zip(pairs, agree) if good}
-    paired = {_key(pair.a) for pair in pairs}
+    fit, agreeing = _best_fit(pairs)
+    covariance = _covariance(agreeing, fit)
+    twins = {pair.a.key: pair.b for pair in agreeing}
+    paired = {pair.a.key for pair in pairs}
 
     markers: List[Marker] = []
     for marker in into.markers:
-        twin = agreeing.get(_key(marker))
+        twin = twins.get(marker.key)
         markers.append(marker if twin is None else
                        _mean(marker, _with_fit(twin, fit, covariance)))
     names = {marker.name for marker in into.markers}
-    remarks = [_remark_of_fit(covariance, pairs, agree)]
-    remarks += [_contradiction(pair, fit) for pair, good in zip(pairs, agree) if not good]
+    remarks = [_remark_of_fit(covariance, len(agreeing), len(pairs))]
+    remarks += [_contradiction(pair, fit) for pair in pairs if pair.a.key not in twins]
     for marker in other.markers:
-        if _key(marker) in paired:
+        if marker.key in paired:
             continue
         added = _with_fit(marker, fit, covariance)
         if added.name and added.name in names:
@@ -103,10 +100,6 @@ def merge(into: MarkerMap, other: MarkerMap) -> Merged:
             added = replace(added, name="")
         markers.append(added)
     return Merged(replace(into, markers=tuple(markers)), tuple(remarks))
-
-
-def _key(marker: Marker) -> Key:
-    return marker.family, marker.id
 
 
 def _label(marker: Marker) -> str:
@@ -123,7 +116,7 @@ def _deviations(marker: Marker) -> Tuple[float, float]:
 
 def _pairs_of(into: MarkerMap, other: MarkerMap) -> List[_Pair]:
     """Markers that both maps have exactly once; ids at several places of a map are not used."""
-    first, second = _unique(into), _unique(other)
+    first, second = unique_markers(into), unique_markers(other)
     pairs = [_Pair(first[key], second[key]) for key in first if key in second]
     for a, b in pairs:
         if abs(a.size - b.size) > 0.01 * a.size:
@@ -132,30 +125,21 @@ def _pairs_of(into: MarkerMap, other: MarkerMap) -> List[_Pair]:
     return pairs
 
 
-def _unique(marker_map: MarkerMap) -> Dict[Key, Marker]:
-    markers: Dict[Key, Optional[Marker]] = {}
-    for marker in marker_map.markers:
-        markers[_key(marker)] = None if _key(marker) in markers else marker
-    return {key: marker for key, marker in markers.items() if marker is not None}
-
-
-def _best_fit(pairs: Sequence[_Pair]) -> Tuple[_Fit, List[bool]]:
+def _best_fit(pairs: Sequence[_Pair]) -> Tuple[_Fit, List[_Pair]]:
     """The fit that most pairs agree on, refined by these pairs, and which pairs they are."""
     def cost(fit: _Fit) -> float:
         return sum(min(pair.chi_square(fit), SAME_PLACE) for pair in pairs)
 
     fit = min(_candidates(pairs), key=cost)
-    agree = [True] * len(pairs)
+    agreeing = list(pairs)
     for _ in range(20):
-        before = agree
-        agree = [pair.chi_square(fit) <= SAME_PLACE for pair in pairs]
-        if not any(agree):
-            nearest = int(np.argmin([pair.chi_square(fit) for pair in pairs]))
-            agree = [i == nearest for i in range(len(pairs))]
-        fit = _refined(pairs, agree, fit)
-        if agree == before:
+        before = [pair.a.key for pair in agreeing]
+        agreeing = ([pair for pair in pairs if pair.chi_square(fit) <= SAME_PLACE]
+                    or [min(pairs, key=lambda pair: pair.chi_square(fit))])
+        fit = _refined(agreeing, fit)
+        if [pair.a.key for pair in agreeing] == before:
             break
-    return fit, agree
+    return fit, agreeing
 
 
 def _candidates(pairs: Sequence[_Pair]) -> List[_Fit]:
@@ -186,35 +170,31 @@ def _jacobian(position: np.ndarray) -> np.ndarray:
     return jacobian
 
 
-def _refined(pairs: Sequence[_Pair], agree: Sequence[bool], fit: _Fit) -> _Fit:
-    """Least squares over the pairs that agree."""
+def _normal_equations(pairs: Sequence[_Pair], fit: _Fit) -> Tuple[np.ndarray, np.ndarray]:
+    """Information and gradient of shift and yaw."""
+    information, gradient = np.zeros((4, 4)), np.zeros(4)
+    for pair in pairs:
+        jacobian = _jacobian(fit.rotation @ pair.b.position)
+        information += jacobian.T @ (pair.weights[:, None] * jacobian)
+        gradient += jacobian.T @ (pair.weights * pair.difference(fit))
+    return information, gradient
+
+
+def _refined(pairs: Sequence[_Pair], fit: _Fit) -> _Fit:
+    """Least squares over all pairs."""
     for _ in range(10):
-        information, gradient = np.zeros((4, 4)), np.zeros(4)
-        for pair, good in zip(pairs, agree):
-            if good:
-                jacobian = _jacobian(fit.rotation @ pair.b.position)
-                information += jacobian.T @ (pair.weights[:, None] * jacobian)
-                gradient += jacobian.T @ (pair.weights * pair.difference(fit))
-        step = np.linalg.solve(information, gradient)
+        step = np.linalg.solve(*_normal_equations(pairs, fit))
         fit = _Fit(fit.shift + step[:3], fit.yaw + float(step[3]))
         if np.linalg.norm(step) < 1e-12:
             break
     return fit
 
 
-def _information(pairs: Sequence[_Pair], agree: Sequence[bool],
-                 fit: _Fit) -> Tuple[np.ndarray, float]:
-    """Information of shift and yaw, and the factor by which the differences exceed the maps' variances.
-
-    The factor is at least 1.
-    """
-    information, squares = np.zeros((4, 4)), 0.0
-    for pair, good in zip(pairs, agree):
-        if good:
-            jacobian = _jacobian(fit.rotation @ pair.b.position)
-            information += jacobian.T @ (pair.weights[:, None] * jacobian)
-            squares += pair.chi_square(fit)
-    return information, max(1.0, squares / (6 * sum(agree) - 4))
+def _covariance(pairs: Sequence[_Pair], fit: _Fit) -> np.ndarray:
+    """(4, 4): of shift and yaw; larger if the pairs differ by more than the maps' deviations."""
+    information, _ = _normal_equations(pairs, fit)
+    squares = sum(pair.chi_square(fit) for pair in pairs)
+    return max(1.0, squares / (6 * len(pairs) - 4)) * np.linalg.inv(information)
 
 
 def _with_fit(marker: Marker, fit: _Fit, covariance: np.ndarray) -> Marker:
@@ -247,12 +227,11 @@ def _or_exact(said: Optional[float], found: float) -> float:
     return 0.0 if said == 0.0 else found
 
 
-def _remark_of_fit(covariance: np.ndarray, pairs: Sequence[_Pair],
-                   agree: Sequence[bool]) -> str:
+def _remark_of_fit(covariance: np.ndarray, agreeing: int, shared: int) -> str:
     position = np.sqrt(np.diag(covariance)[:3].mean())
     return ("fitted by {} of {} markers that both have, to {:.1f} mm and {:.2f} deg (standard "
             "deviations at the other map's origin)".format(
-                sum(agree), len(pairs), 1e3 * position, np.degrees(np.sqrt(covariance[3, 3]))))
+                agreeing, shared, 1e3 * position, np.degrees(np.sqrt(covariance[3, 3]))))
 
 
 def _contradiction(pair: _Pair, fit: _Fit) -> str:

@@ -1,5 +1,6 @@
 """The marker map: which tags hang where."""
 
+from collections import Counter
 from dataclasses import dataclass
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
@@ -14,6 +15,9 @@ MAP_KEYS = ("frame_id", "family", "size", "deviation", "orientation_deviation", 
 MARKER_KEYS = ("id", "name", "family", "size", "position", "yaw", "roll", "orientation",
                "deviation", "orientation_deviation")
 QUATERNION_TOLERANCE = 1e-3
+
+Key = Tuple[str, int]
+"""Family and id of a marker."""
 
 # In the AprilTag library's order, in the marker's frame, in units of half the size.
 _CORNER_SIGNS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
@@ -34,6 +38,11 @@ class Marker:
     map_from_marker: np.ndarray  # (4, 4)
     deviation: Optional[float] = None  # m, along each axis; None: not in the map
     orientation_deviation: Optional[float] = None  # rad
+
+    @property
+    def key(self) -> Key:
+        """Family and id, which a map may have at several places."""
+        return self.family, self.id
 
     @property
     def position(self) -> np.ndarray:
@@ -78,6 +87,12 @@ class MarkerMap:
     markers: Tuple[Marker, ...]
     frame_id: str = "map"
     defaults: MarkerDefaults = MarkerDefaults()
+
+
+def unique_markers(marker_map: MarkerMap) -> Dict[Key, Marker]:
+    """The markers whose family and id the map has exactly once."""
+    counts = Counter(marker.key for marker in marker_map.markers)
+    return {marker.key: marker for marker in marker_map.markers if counts[marker.key] == 1}
 
 
 def load_marker_map(path: str) -> MarkerMap:

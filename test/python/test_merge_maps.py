@@ -14,11 +14,11 @@ YAW = 2.2
 SHIFT = np.array([7.0, -3.0, 1.5])
 
 
-def hung(marker_id, position, yaw, **more):
+def hung(marker_id, position, yaw, name=""):
     pose = np.eye(4)
     pose[:3, :3] = rotation_from_yaw_and_roll(yaw)
     pose[:3, 3] = position
-    return Marker(marker_id, "tag36h11", more.pop("name", ""), 0.2, pose, **more)
+    return Marker(marker_id, "tag36h11", name, 0.2, pose)
 
 
 def building():
