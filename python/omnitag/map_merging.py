@@ -80,21 +80,21 @@ def merge(into: MarkerMap, other: MarkerMap) -> Merged:
         raise InputError("expected a marker that both maps have once; found none")
     fit, agreeing = _best_fit(pairs)
     covariance = _covariance(agreeing, fit)
-    twins = {pair.a.key: pair.b for pair in agreeing}
-    paired = {pair.a.key for pair in pairs}
+    agreed = {pair.a.key for pair in agreeing}
+    contradictions = {pair.a.key: pair for pair in pairs if pair.a.key not in agreed}
 
-    markers: List[Marker] = []
-    for marker in into.markers:
-        twin = twins.get(marker.key)
-        markers.append(marker if twin is None else
-                       _mean(marker, _with_fit(twin, fit, covariance)))
+    markers = list(into.markers)
     names = {marker.name for marker in into.markers}
     remarks = [_remark_of_fit(covariance, len(agreeing), len(pairs))]
-    remarks += [_contradiction(pair, fit) for pair in pairs if pair.a.key not in twins]
+    remarks += [_contradiction(pair, fit) for pair in contradictions.values()]
     for marker in other.markers:
-        if marker.key in paired:
+        if marker.key in contradictions:
             continue
         added = _with_fit(marker, fit, covariance)
+        entry = _entry_of(added, into, marker.key in agreed)
+        if entry is not None:
+            markers[entry] = _mean(into.markers[entry], added)
+            continue
         if added.name and added.name in names:
             remarks.append("{}: the name is taken: it has none now".format(_label(added)))
             added = replace(added, name="")
@@ -168,6 +168,18 @@ def _jacobian(position: np.ndarray) -> np.ndarray:
     jacobian[:2, 3] = -position[1], position[0]
     jacobian[5, 3] = 1.0
     return jacobian
+
+
+def _entry_of(marker: Marker, into: MarkerMap, is_there: bool) -> Optional[int]:
+    """The index of a marker that was moved into the frame of `into`; None if it is not in that map.
+
+    Of several with its id, it is the nearest, which must be at the same place unless `is_there`.
+    """
+    unmoved = _Fit(np.zeros(3), 0.0)
+    entries = {i: _Pair(each, marker).chi_square(unmoved)
+               for i, each in enumerate(into.markers) if each.key == marker.key}
+    nearest = min(entries, key=lambda i: entries[i], default=None)
+    return nearest if nearest is not None and (is_there or entries[nearest] <= SAME_PLACE) else None
 
 
 def _normal_equations(pairs: Sequence[_Pair], fit: _Fit) -> Tuple[np.ndarray, np.ndarray]:

@@ -113,6 +113,16 @@ class MergingTest(unittest.TestCase):
         with self.assertRaisesRegex(InputError, "both maps have once"):
             self.merged(twice, self.truth[3:6])
 
+    def test_ids_that_are_reused_are_told_apart_by_place(self):
+        again = [hung(3, (20.0, 0.0, 1.0), 0.0), hung(3, (30.0, 0.0, 1.0), 0.0)]
+        result = self.merged(self.truth[:6] + again[:1], self.truth[1:] + again)
+        threes = [marker for marker in result.marker_map.markers if marker.id == 3]
+        for marker, true in zip(threes, [self.truth[3], *again]):
+            error = np.linalg.norm(marker.position - true.position)
+            self.assertLess(error, 5.0 * np.sqrt(3.0) * marker.deviation)
+        self.assertEqual(len(threes), 3)
+        self.assertEqual(len(result.marker_map.markers), 14)
+
     def test_names(self):
         first = MarkerMap((hung(0, (0, 0, 1), 0.0, name="door"), hung(1, (2, 0, 1), 0.0)))
         second = MarkerMap((hung(0, (0, 0, 1), 0.0, name="entrance"),
