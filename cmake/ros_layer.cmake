@@ -133,6 +133,7 @@ catkin_install_python(PROGRAMS
   tools/evaluate_map
   tools/evaluate_trajectory
   tools/make_film
+  tools/make_pattern
   tools/merge_maps
   tools/mirror_mesh
   tools/print_markers
