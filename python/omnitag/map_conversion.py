@@ -7,7 +7,7 @@ from omnitag.command_line import InputError
 from omnitag.foreign_maps import apriltag_ros, fiducial_slam, tagslam, wpilib
 from omnitag.foreign_maps.placed_tags import Given, ReadMap
 from omnitag.map_text import map_text
-from omnitag.marker_map import load_marker_map
+from omnitag.marker_map import MarkerMap, load_marker_map
 from omnitag.yaml_file import read_text, read_yaml
 
 OWN = "omnitag"
@@ -25,8 +25,8 @@ class Conversion(NamedTuple):
     marker_count: int
 
 
-def convert(source: str, wanted: Optional[str], given: Given) -> Conversion:
-    """Convert the map `source` to the format `wanted`; None means this package's.
+def convert(source: str, output: str, wanted: Optional[str], given: Given) -> Conversion:
+    """Convert the map `source` to the format `wanted`, for the file `output`; None: this package's.
 
     Raises InputError if it is not a map, or one that the format cannot hold.
     """
@@ -38,7 +38,11 @@ def convert(source: str, wanted: Optional[str], given: Given) -> Conversion:
                              "already; found none".format(", ".join(WRITERS), path))
         wanted = OWN
     marker_map = read.marker_map
-    text = map_text(marker_map) if wanted == OWN else WRITERS[wanted](marker_map, path)
+    if wanted == OWN:
+        text = map_text(marker_map, output)
+    else:
+        _refuse_patterns(marker_map, path, wanted)
+        text = WRITERS[wanted](marker_map, path)
     return Conversion(text, wanted, read.remarks, len(marker_map.markers))
 
 
@@ -76,6 +80,13 @@ def _read(path: str, part: Optional[str], given: Given) -> Tuple[bool, ReadMap]:
             raise InputError("{}: expected none, since {} has it; found {}".format(
                 name, path, value))
     return True, ReadMap(load_marker_map(path))
+
+
+def _refuse_patterns(marker_map: MarkerMap, path: str, wanted: str) -> None:
+    for marker in marker_map.markers:
+        if marker.pattern is not None:
+            raise InputError("{}: expected markers that have ids, as {} needs them, found the pattern "
+                             "{}".format(path, wanted, marker.pattern.name))
 
 
 def _refuse_part(path: str, part: Optional[str]) -> None:

@@ -1,10 +1,10 @@
 """How far a marker map is off the true map."""
 
-from typing import List, NamedTuple, Set
+from typing import Hashable, List, NamedTuple, Set
 
 import numpy as np
 
-from omnitag.marker_map import Key, MarkerMap, unique_markers
+from omnitag.marker_map import MarkerMap, unique_markers
 
 
 class MarkerError(NamedTuple):
@@ -15,11 +15,12 @@ class MarkerError(NamedTuple):
     angle: float  # rad, between the orientations
 
 
-def compare(estimate: MarkerMap, reference: MarkerMap, without: Set[Key],
+def compare(estimate: MarkerMap, reference: MarkerMap, without: Set[Hashable],
             align: bool) -> List[MarkerError]:
     """The errors of all markers that both maps have exactly once, except those in `without`.
 
-    With `align`, the estimate is first moved in the plane so that its positions fit best.
+    `without` has markers' identities. With `align`, the estimate is first moved in the plane so that its
+    positions fit best.
     """
     estimates = unique_markers(estimate)
     references = unique_markers(reference)

@@ -7,7 +7,7 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 import numpy as np
 
 from omnitag.command_line import InputError
-from omnitag.marker_map import Marker, MarkerMap, unique_markers
+from omnitag.marker_map import Marker, MarkerMap, unique_markers, with_pattern_ids
 from omnitag.rotation import rotation_from_vector, vector_from_rotation
 
 # Of a map that does not state them; the localizer assumes the same.
@@ -80,18 +80,21 @@ def merge(into: MarkerMap, other: MarkerMap) -> Merged:
         raise InputError("expected a marker that both maps have once; found none")
     fit, agreeing = _best_fit(pairs)
     covariance = _covariance(agreeing, fit)
-    agreed = {pair.a.key for pair in agreeing}
-    contradictions = {pair.a.key: pair for pair in pairs if pair.a.key not in agreed}
+    agreed = {pair.a.identity for pair in agreeing}
+    contradictions = {pair.a.identity: pair for pair in pairs if pair.a.identity not in agreed}
 
     markers = list(into.markers)
     names = {marker.name for marker in into.markers}
     remarks = [_remark_of_fit(covariance, len(agreeing), len(pairs))]
     remarks += [_contradiction(pair, fit) for pair in contradictions.values()]
+    # One file for each pattern, even if each map has its own copy.
+    patterns = {marker.identity: marker.pattern for marker in into.markers}
     for marker in other.markers:
-        if marker.key in contradictions:
+        if marker.identity in contradictions:
             continue
+        marker = replace(marker, pattern=patterns.get(marker.identity, marker.pattern))
         added = _with_fit(marker, fit, covariance)
-        entry = _entry_of(added, into, marker.key in agreed)
+        entry = _entry_of(added, into, marker.identity in agreed)
         if entry is not None:
             markers[entry] = _mean(into.markers[entry], added)
             continue
@@ -99,11 +102,11 @@ def merge(into: MarkerMap, other: MarkerMap) -> Merged:
             remarks.append("{}: the name is taken: it has none now".format(_label(added)))
             added = replace(added, name="")
         markers.append(added)
-    return Merged(replace(into, markers=tuple(markers)), tuple(remarks))
+    return Merged(replace(into, markers=with_pattern_ids(markers)), tuple(remarks))
 
 
 def _label(marker: Marker) -> str:
-    return "marker " + (marker.name or "{} {}".format(marker.family, marker.id))
+    return "marker " + (marker.name or "{} {}".format(marker.family, marker.text))
 
 
 def _deviations(marker: Marker) -> Tuple[float, float]:
@@ -133,11 +136,11 @@ def _best_fit(pairs: Sequence[_Pair]) -> Tuple[_Fit, List[_Pair]]:
     fit = min(_candidates(pairs), key=cost)
     agreeing = list(pairs)
     for _ in range(20):
-        before = [pair.a.key for pair in agreeing]
+        before = [pair.a.identity for pair in agreeing]
         agreeing = ([pair for pair in pairs if pair.chi_square(fit) <= SAME_PLACE]
                     or [min(pairs, key=lambda pair: pair.chi_square(fit))])
         fit = _refined(agreeing, fit)
-        if [pair.a.key for pair in agreeing] == before:
+        if [pair.a.identity for pair in agreeing] == before:
             break
     return fit, agreeing
 
@@ -177,7 +180,7 @@ def _entry_of(marker: Marker, into: MarkerMap, is_there: bool) -> Optional[int]:
     """
     unmoved = _Fit(np.zeros(3), 0.0)
     entries = {i: _Pair(each, marker).chi_square(unmoved)
-               for i, each in enumerate(into.markers) if each.key == marker.key}
+               for i, each in enumerate(into.markers) if each.identity == marker.identity}
     nearest = min(entries, key=lambda i: entries[i], default=None)
     return nearest if nearest is not None and (is_there or entries[nearest] <= SAME_PLACE) else None
 

@@ -1,5 +1,6 @@
 """The text of a marker map file."""
 
+import os
 from typing import Callable, List, Optional, Tuple
 
 import numpy as np
@@ -11,20 +12,25 @@ VERTICAL = 1e-9
 """How far the normal of a marker on a vertical surface may lean, in rad."""
 
 
-def map_text(marker_map: MarkerMap, remark: str = "") -> str:
-    """The text of a map file. Values that all markers share are at its top, below the remark, if any."""
+def map_text(marker_map: MarkerMap, path: str, remark: str = "") -> str:
+    """The text of the map file `path`, which the paths of patterns are relative to.
+
+    Values that all markers share are at its top, below the remark, if any.
+    """
     lines = ["# " + line for line in remark.splitlines()]
     lines.append("frame_id: " + _quoted(marker_map.frame_id))
     markers = marker_map.markers
+    with_patterns = tuple(marker for marker in markers if marker.pattern)
     shared = [_Shared("family", markers, lambda marker: marker.family),
               _Shared("size", markers, lambda marker: "{:.9g}".format(marker.size)),
+              _Shared("border", with_patterns, _border),
               _Shared("deviation", markers, lambda marker: _said(marker.deviation)),
               _Shared("orientation_deviation", markers,
                       lambda marker: _said(marker.orientation_deviation))]
     lines += [line for each in shared for line in each.top()]
     lines.append("markers:")
     for marker in markers:
-        words = ["id: {}".format(marker.id)]
+        words = [_what(marker, path)]
         if marker.name:
             words.append("name: " + _quoted(marker.name))
         words += [word for each in shared for word in each.of(marker)]
@@ -50,6 +56,20 @@ class _Shared:
     def of(self, marker: Marker) -> List[str]:
         text = self._text_of(marker)
         return [] if self._is_shared or text is None else [self._key + ": " + text]
+
+
+def _what(marker: Marker, map_path: str) -> str:
+    if marker.pattern is None:
+        return "id: {}".format(marker.id)
+    # The system follows links before '..': so must the path.
+    directory, name = os.path.split(marker.pattern.path)
+    relative = os.path.relpath(os.path.realpath(directory),
+                               os.path.realpath(os.path.dirname(map_path)))
+    return "pattern: " + _quoted(os.path.normpath(os.path.join(relative, name)))
+
+
+def _border(marker: Marker) -> Optional[str]:
+    return "{:.9g}".format(marker.pattern.border) if marker.pattern else None
 
 
 def _said(deviation: Optional[float]) -> Optional[str]:

@@ -2,6 +2,7 @@
 
 import io
 import math
+import os
 import re
 from typing import Dict, Iterator, List, Optional, Sequence, Tuple
 
@@ -44,6 +45,11 @@ class Value:
         if not isinstance(self._node, yaml.ScalarNode) or not self._node.value.strip():
             raise self.error("a string")
         return self._node.value
+
+    def path(self) -> str:
+        """A path; a relative one is relative to the folder of this file."""
+        text, file = self.text(), self._node.start_mark.name
+        return text if file == SETTING else os.path.join(os.path.dirname(file), text)
 
     def is_mapping(self) -> bool:
         """Whether `mapping` can read it."""
