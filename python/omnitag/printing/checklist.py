@@ -10,7 +10,7 @@ from omnitag.printing.paper import MARGIN, blank_page, points
 
 ROW = 7.0  # mm
 HEAD = 22.0  # mm
-TITLES = ("", "marker", "family, id", "size", "x", "y", "centre", "lower edge", "faces")
+TITLES = ("", "marker", "family, id or pattern", "size", "x", "y", "centre", "lower edge", "faces")
 
 
 class Part(NamedTuple):
@@ -34,7 +34,7 @@ def row_of(marker: Marker) -> Tuple[str, ...]:
     """A marker's row of the list, from its name on."""
     lowest = float(marker.corners[:, 2].min())
     x, y, height = marker.position
-    return (marker.name, "{} {}".format(marker.family, marker.id), "{:g}".format(marker.size),
+    return (marker.name, "{} {}".format(marker.family, marker.text), "{:g}".format(marker.size),
             "{:.3f}".format(x), "{:.3f}".format(y), "{:.3f}".format(height),
             "{:.3f}".format(lowest), _facing(marker))
 

@@ -36,15 +36,14 @@ def pages_of(marker_map: MarkerMap, paper: str, poster: bool, with_checklist: bo
 
 
 def _pages_of_sheet(sheet: Sheet, paper: str, poster: bool) -> List[Page]:
-    name = "{}-{}".format(sheet.marker.family, sheet.marker.id)
+    name = "{}-{}".format(sheet.marker.family, sheet.marker.text)
     least = sheet.least_page
     if poster and paper != "fit":
         parts = tiles(least, PAPERS[paper])
         if len(parts) > 1:
             return [Page("{}-{}-{}".format(name, tile.row + 1, tile.column + 1),
                          partial(_draw_tile, sheet, least, tile)) for tile in parts]
-    what = "{} id {}: a size of {:g} m".format(sheet.marker.family, sheet.marker.id,
-                                               sheet.marker.size)
+    what = "{}: a size of {:g} m".format(sheet.marker.kind, sheet.marker.size)
     return [Page(name, partial(draw_page, sheet, page_size(least, paper, what)))]
 
 

@@ -1,14 +1,14 @@
 """The world as POV-Ray text: light, room, furniture and markers."""
 
-from typing import Dict, Iterable
+from typing import Dict, Iterable, List, Tuple
 
 import numpy as np
 
+from omnitag.marker_drawing import drawing_of
 from omnitag.marker_map import Marker
 from omnitag.rendering.povray import MILLIMETRES, matrix, point, vector
 from omnitag.rendering.world import (
     Boards, Box, Light, Material, Room, Shape, World, present)
-from omnitag.tag_bitmap import tag_bitmap, tag_family
 
 # Gap between a marker's face and its board: above POV-Ray's tolerances, too small to be visible.
 _FACE_GAP = 2e-5
@@ -42,28 +42,23 @@ def shapes_scene(shapes: Iterable[Shape], map_from_parent: np.ndarray, ambient: 
 
 
 def marker_bitmaps(markers: Iterable[Marker], boards: Boards) -> Dict[str, np.ndarray]:
-    """The image files that the markers refer to, by name; 8 bit, one pixel per module."""
-    bitmaps = {}
-    for marker in markers:
-        greys = np.where(_board_modules(marker, boards), boards.white, boards.black)
-        bitmaps[_bitmap_name(marker)] = np.rint(255.0 * greys).astype(np.uint8)
-    return bitmaps
+    """The image files that the markers refer to, by name; 8 bit, one pixel per cell."""
+    return {name: bitmap for marker in markers for name, bitmap, _ in _bitmaps(marker, boards)}
 
 
 def marker_scene(marker: Marker, boards: Boards, ambient: float) -> str:
     """A marker with its face exactly in its plane, and the board behind it."""
     half = 0.5 * board_width(marker, boards)
-    edge = 2.0 * MILLIMETRES * half
     corners = ", ".join(point((x, y, 0)) for x, y in (
         (-half, -half), (half, -half), (half, half), (-half, half), (-half, -half)))
+    pictures = [_picture(name, width, ambient) for name, _, width in _bitmaps(marker, boards)]
+    # Upon each other as layers of one surface: beyond its bitmap, a picture is transparent.
+    face = pictures[0] if len(pictures) == 1 else "\n".join(
+        f"texture {{\n{picture}\n  }}" for picture in pictures)
     return f"""union {{
   polygon {{
     5, {corners}
-    pigment {{
-      image_map {{ png "{_bitmap_name(marker)}" gamma 1.0 once }}
-      translate <-0.5, -0.5, 0> scale <{edge:.15g}, {edge:.15g}, 1>
-    }}
-    {_finish(ambient)}
+    {face}
   }}
   box {{
     {point((-half, -half, -boards.thickness))}, {point((half, half, -_FACE_GAP))}
@@ -76,8 +71,7 @@ def marker_scene(marker: Marker, boards: Boards, ambient: float) -> str:
 
 def board_width(marker: Marker, boards: Boards) -> float:
     """Metres along each edge of the marker's board."""
-    module = marker.size / tag_family(marker.family).width_at_border
-    return module * len(_board_modules(marker, boards))
+    return marker.size * drawing_of(marker, boards.quiet_modules).width
 
 
 def _settings() -> str:
@@ -140,13 +134,23 @@ def _finish(ambient: float, glow: float = 0.0) -> str:
     return f"finish {{ ambient {ambient:.6g} emission {glow:.6g} diffuse 1 }}"
 
 
-def _board_modules(marker: Marker, boards: Boards) -> np.ndarray:
-    """The pattern with its quiet zone: square, True is white, first row on top."""
-    modules = tag_bitmap(marker.family, marker.id).modules
-    while all(edge.all() for edge in (modules[0], modules[-1], modules[:, 0], modules[:, -1])):
-        modules = modules[1:-1, 1:-1]
-    return np.pad(modules, boards.quiet_modules, constant_values=True)
+def _picture(name: str, width: float, ambient: float) -> str:
+    """A bitmap of that width in metres, centred on the marker."""
+    edge = MILLIMETRES * width
+    return f"""pigment {{
+      image_map {{ png "{name}" gamma 1.0 once }}
+      translate <-0.5, -0.5, 0> scale <{edge:.15g}, {edge:.15g}, 1>
+    }}
+    {_finish(ambient)}"""
 
 
-def _bitmap_name(marker: Marker) -> str:
-    return f"{marker.family}_{marker.id}.png"
+def _bitmaps(marker: Marker, boards: Boards) -> List[Tuple[str, np.ndarray, float]]:
+    """Name, (n, n) 8-bit image and width in metres of each square of a marker, the lowest first."""
+    drawing = drawing_of(marker, boards.quiet_modules)
+    bitmaps = []
+    for index, square in enumerate(drawing.squares):
+        greys = boards.black + (boards.white - boards.black) * square.cells
+        name = drawing.name + (f"_{index}" if index else "")
+        bitmaps.append((name + ".png", np.rint(255.0 * greys).astype(np.uint8),
+                        marker.size * square.width))
+    return bitmaps
