@@ -41,6 +41,12 @@ class Drawing:
         """Its edge as a share of the marker's size."""
         return self.squares[0].width
 
+    @property
+    def has_greys(self) -> bool:
+        """Whether a cell is neither black nor white."""
+        return any(bool(np.any((square.cells > 0.0) & (square.cells < 1.0)))
+                   for square in self.squares)
+
 
 def drawing_of(marker: Marker, quiet_modules: int) -> Drawing:
     """The marker's drawing with this many white modules on each side."""

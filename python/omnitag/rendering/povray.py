@@ -46,7 +46,7 @@ def render(scene: str, bitmaps: Dict[str, np.ndarray], width: int, height: int,
            samples: int = DEFAULT_SAMPLES, rows: Optional[range] = None) -> np.ndarray:
     """Render a scene: (height, width) light, proportional to intensity; 1 is white.
 
-    `bitmaps` are the 8-bit image files that the scene refers to by name. Pixels on an edge are the mean
+    `bitmaps` are the image files that the scene refers to by name. Pixels on an edge are the mean
     of `samples` by `samples` rays. If `rows` are given, the others stay black.
     """
     # POV-Ray finds pixels on an edge by comparing them with their neighbours.

@@ -42,7 +42,7 @@ def shapes_scene(shapes: Iterable[Shape], map_from_parent: np.ndarray, ambient: 
 
 
 def marker_bitmaps(markers: Iterable[Marker], boards: Boards) -> Dict[str, np.ndarray]:
-    """The image files that the markers refer to, by name; 8 bit, one pixel per cell."""
+    """The image files that the markers refer to, by name; 8 or 16 bit, one pixel per cell."""
     return {name: bitmap for marker in markers for name, bitmap, _ in _bitmaps(marker, boards)}
 
 
@@ -145,12 +145,14 @@ def _picture(name: str, width: float, ambient: float) -> str:
 
 
 def _bitmaps(marker: Marker, boards: Boards) -> List[Tuple[str, np.ndarray, float]]:
-    """Name, (n, n) 8-bit image and width in metres of each square of a marker, the lowest first."""
+    """Name, (n, n) image and width in metres of each square of a marker, the lowest first."""
     drawing = drawing_of(marker, boards.quiet_modules)
+    # POV-Ray takes a third of the greys of 8-bit images for the next darker one.
+    depth = np.iinfo(np.uint16 if drawing.has_greys else np.uint8)
     bitmaps = []
     for index, square in enumerate(drawing.squares):
         greys = boards.black + (boards.white - boards.black) * square.cells
         name = drawing.name + (f"_{index}" if index else "")
-        bitmaps.append((name + ".png", np.rint(255.0 * greys).astype(np.uint8),
+        bitmaps.append((name + ".png", np.rint(depth.max * greys).astype(depth.dtype),
                         marker.size * square.width))
     return bitmaps
