@@ -148,11 +148,11 @@ def _bitmaps(marker: Marker, boards: Boards) -> List[Tuple[str, np.ndarray, floa
     """Name, (n, n) image and width in metres of each square of a marker, the lowest first."""
     drawing = drawing_of(marker, boards.quiet_modules)
     # POV-Ray takes a third of the greys of 8-bit images for the next darker one.
-    depth = np.iinfo(np.uint16 if drawing.has_greys else np.uint8)
+    white, depth = (65535, np.uint16) if drawing.has_greys else (255, np.uint8)
     bitmaps = []
     for index, square in enumerate(drawing.squares):
         greys = boards.black + (boards.white - boards.black) * square.cells
         name = drawing.name + (f"_{index}" if index else "")
-        bitmaps.append((name + ".png", np.rint(depth.max * greys).astype(depth.dtype),
+        bitmaps.append((name + ".png", np.rint(white * greys).astype(depth),
                         marker.size * square.width))
     return bitmaps
