@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 from omnitag.marker_map import load_marker_map
 from omnitag.printing.checklist import row_of
+from omnitag.printing.paper import PAPERS
 from omnitag.tag_bitmap import FAMILIES, tag_bitmap, tag_family
 
 MM_PER_POINT = 25.4 / 72.0
@@ -144,6 +145,28 @@ class PrintMarkersTest(FileTest):
             covered[max(left, 0):left + int(printed[0]), max(bottom, 0):bottom + int(printed[1])] = True
         self.assertTrue(covered[8:-8, 8:-8].all())
 
+    def test_papers(self):
+        # ISO 216: each A or B is the next larger one halved, and A0 has a square metre, B0 a metre's
+        # width. The US sizes are in inches.
+        for series, width in (("a", 1000.0 / 2 ** 0.25), ("b", 1000.0)):
+            height = width * 2 ** 0.5
+            for number in range(6):
+                np.testing.assert_allclose(PAPERS["{}{}".format(series, number)], (width, height),
+                                           atol=1.5)
+                width, height = height / 2, width
+        for name, inches in (("letter", (8.5, 11)), ("legal", (8.5, 14)), ("tabloid", (11, 17)),
+                             ("ansi_c", (17, 22)), ("ansi_d", (22, 34)), ("ansi_e", (34, 44)),
+                             ("arch_a", (9, 12)), ("arch_b", (12, 18)), ("arch_c", (18, 24)),
+                             ("arch_d", (24, 36)), ("arch_e1", (30, 42)), ("arch_e", (36, 48))):
+            np.testing.assert_allclose(PAPERS[name], 25.4 * np.array(inches))
+
+    def test_the_paper_that_fits_is_of_the_same_series(self):
+        path = self.write("map.yaml", HEAD + "  - {id: 5, size: 0.2, position: [0, 0, 0], yaw: 0}\n")
+        for paper, fits in (("a4", "a3"), ("b5", "b3"), ("letter", "tabloid"), ("arch_a", "arch_b")):
+            self.assert_refused(
+                self.run_tool("print_markers", "--map", path, "--output", self.path("no.pdf"),
+                              "--paper", paper), "the smallest paper that fits is {},".format(fits))
+
     def test_one_picture_for_each_page(self):
         two = ("  - {id: 0, position: [0, 0, 0], yaw: 0}\n"
                "  - {id: 3, position: [1, 0, 0], yaw: 0}\n")
@@ -183,7 +206,7 @@ class PrintMarkersTest(FileTest):
         output = ("--output", self.path("m.pdf"))
         self.assert_refused(self.run_tool("print_markers", "--map", good, "--output", "m.jpg"),
                             "--output", ".png", "m.jpg")
-        for arguments in ((), ("--map", good), ("--map", good, *output, "--paper", "b5")):
+        for arguments in ((), ("--map", good), ("--map", good, *output, "--paper", "c5")):
             self.assertEqual(self.run_tool("print_markers", *arguments).returncode, 2)
 
 

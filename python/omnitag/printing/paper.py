@@ -11,15 +11,24 @@ MM_PER_INCH = 25.4
 MARGIN = 8.0  # mm, what printers leave blank
 
 # Width and height in mm, upright, by increasing area.
-_ISO: Dict[str, Tuple[float, float]] = {
+_ISO_A: Dict[str, Tuple[float, float]] = {
     "a6": (105.0, 148.0), "a5": (148.0, 210.0), "a4": (210.0, 297.0), "a3": (297.0, 420.0),
     "a2": (420.0, 594.0), "a1": (594.0, 841.0), "a0": (841.0, 1189.0),
+}
+_ISO_B: Dict[str, Tuple[float, float]] = {
+    "b5": (176.0, 250.0), "b4": (250.0, 353.0), "b3": (353.0, 500.0), "b2": (500.0, 707.0),
+    "b1": (707.0, 1000.0), "b0": (1000.0, 1414.0),
 }
 _US: Dict[str, Tuple[float, float]] = {
     "letter": (215.9, 279.4), "legal": (215.9, 355.6), "tabloid": (279.4, 431.8),
     "ansi_c": (431.8, 558.8), "ansi_d": (558.8, 863.6), "ansi_e": (863.6, 1117.6),
 }
-PAPERS = {**_ISO, **_US}
+_US_ARCH: Dict[str, Tuple[float, float]] = {
+    "arch_a": (228.6, 304.8), "arch_b": (304.8, 457.2), "arch_c": (457.2, 609.6),
+    "arch_d": (609.6, 914.4), "arch_e1": (762.0, 1066.8), "arch_e": (914.4, 1219.2),
+}
+_SERIES = (_ISO_A, _ISO_B, _US, _US_ARCH)
+PAPERS = {name: size for series in _SERIES for name, size in series.items()}
 
 
 def page_size(least: Tuple[float, float], paper: str, what: str) -> Tuple[float, float]:
@@ -31,7 +40,7 @@ def page_size(least: Tuple[float, float], paper: str, what: str) -> Tuple[float,
         return least
     if _holds(PAPERS[paper], least):
         return PAPERS[paper]
-    alike = _ISO if paper in _ISO else _US
+    alike = next(series for series in _SERIES if paper in series)
     enough = next((name for name in alike if _holds(PAPERS[name], least)), "fit")
     (width, height), (paper_width, paper_height) = least, PAPERS[paper]
     raise InputError(
