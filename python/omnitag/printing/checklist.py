@@ -62,7 +62,7 @@ def draw_checklist(part: Part, paper: Tuple[float, float]) -> Figure:
     left, right = MARGIN, width - MARGIN
     # The left ends of the columns, as shares of the width.
     columns = [left + share * (right - left)
-               for share in (0.0, 0.04, 0.22, 0.44, 0.52, 0.60, 0.68, 0.77, 0.87)]
+               for share in (0.0, 0.04, 0.22, 0.41, 0.48, 0.56, 0.64, 0.72, 0.82)]
     y = height - MARGIN - 6.0
     axes.text(left, y, part.title, fontsize=points(3.6), fontweight="bold", va="center")
     axes.text(left, y - 6.0, "Heights are of the centre and of the lower edge of the pattern above "
