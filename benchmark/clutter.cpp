@@ -23,7 +23,8 @@ cv::Mat modulesOf(const std::string& family, int id) {
   cv::Mat modules(pattern.width(), pattern.width(), CV_8UC1);
   for (int row = 0; row < modules.rows; ++row) {
     for (int column = 0; column < modules.cols; ++column) {
-      modules.at<std::uint8_t>(row, column) = pattern.isWhite(column, row) ? 255 : 0;
+      modules.at<std::uint8_t>(row, column) =
+          cv::saturate_cast<std::uint8_t>(255.0 * pattern.whiteAt(column, row));
     }
   }
   return modules;

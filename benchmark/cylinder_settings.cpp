@@ -111,12 +111,6 @@ std::string describe(const CylinderSettings& settings) {
   return text.tellp() > 0 ? text.str() : "the same";
 }
 
-std::set<std::string> familiesOf(const MarkerMap& map) {
-  std::set<std::string> families;
-  for (const Marker& marker : map.markers) families.insert(marker.family);
-  return families;
-}
-
 CylinderReader::CylinderReader(const RecordedSequence& sequence, const CylinderSettings& settings)
     : sequence_(sequence),
       interpolation_(settings.interpolation),

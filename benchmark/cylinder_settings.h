@@ -2,7 +2,6 @@
 
 #include <opencv2/core/types.hpp>
 #include <opencv2/imgproc.hpp>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -22,8 +21,6 @@ struct CylinderSettings {
 
 /// What differs from the defaults, in words.
 std::string describe(const CylinderSettings& settings);
-
-std::set<std::string> familiesOf(const MarkerMap& map);
 
 /// Unwraps the frames of a sequence, which must outlive it, and reads what is on the cylinder.
 class CylinderReader {

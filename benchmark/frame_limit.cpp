@@ -37,7 +37,7 @@ Informations markersInSight(const cv::Mat& image, const MountedCamera& camera, c
   Informations in_sight;
   for (const PredictedMarker& visible : predictMarkers(map, camera, {truth}, {})) {
     const Marker& marker = map.markers[visible.map_entry];
-    const TagPattern pattern(marker.family, marker.id);
+    const TagPattern pattern(marker);
     const auto pixels = patternPixels(image, camera, truth, marker, pattern, rendering.samples);
     if (pixels.size() < kFewestPixels) continue;
     const Light light = fitLight(pixels, noise);

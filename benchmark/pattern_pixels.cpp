@@ -75,17 +75,17 @@ class Drawing {
     const auto lower_left = placeAt({u - 0.5, v + 0.5});
     const auto lower_right = placeAt({u + 0.5, v + 0.5});
     if (!upper_left || !upper_right || !lower_left || !lower_right) return std::nullopt;
-    int white = 0;
+    double white = 0.0;
     for (int row = 0; row < samples; ++row) {
       const double down = (row + 0.5) / samples;
       const Eigen::Vector2d left = (1.0 - down) * *upper_left + down * *lower_left;
       const Eigen::Vector2d right = (1.0 - down) * *upper_right + down * *lower_right;
       for (int column = 0; column < samples; ++column) {
         const Eigen::Vector2d place = left + (column + 0.5) / samples * (right - left);
-        if (pattern_.isWhite(static_cast<int>(place.x()), static_cast<int>(place.y()))) ++white;
+        white += pattern_.whiteAt(static_cast<int>(place.x()), static_cast<int>(place.y()));
       }
     }
-    return white / static_cast<double>(samples * samples);
+    return white / (samples * samples);
   }
 
  private:
@@ -155,18 +155,20 @@ bool sweepEdges(const Drawing& drawing, const TagPattern& pattern, double orient
   const int width = pattern.width();
   for (int row = 0; row < width; ++row) {
     for (int column = 0; column < width; ++column) {
-      const bool white = pattern.isWhite(column, row);
-      const double sign = white ? orientation : -orientation;
+      const double white = pattern.whiteAt(column, row);
+      const auto stepTo = [&](int next_column, int next_row) {
+        return orientation * (white - pattern.whiteAt(next_column, next_row));
+      };
       // Of coordinates with y down, left of the way up is the lesser x, left of the way to the
       // right the lesser y turned over: the signs below are those of x to the right and y down.
-      if (column + 1 < width && pattern.isWhite(column + 1, row) != white &&
-          !sweepEdge(drawing, {column + 1.0, row + 0.0}, {column + 1.0, row + 1.0}, sign,
-                     accumulation)) {
+      const double right = column + 1 < width ? stepTo(column + 1, row) : 0.0;
+      if (right != 0.0 && !sweepEdge(drawing, {column + 1.0, row + 0.0}, {column + 1.0, row + 1.0},
+                                     right, accumulation)) {
         return false;
       }
-      if (row + 1 < width && pattern.isWhite(column, row + 1) != white &&
-          !sweepEdge(drawing, {column + 0.0, row + 1.0}, {column + 1.0, row + 1.0}, -sign,
-                     accumulation)) {
+      const double down = row + 1 < width ? stepTo(column, row + 1) : 0.0;
+      if (down != 0.0 && !sweepEdge(drawing, {column + 0.0, row + 1.0}, {column + 1.0, row + 1.0},
+                                    -down, accumulation)) {
         return false;
       }
     }

@@ -160,9 +160,9 @@ float RoomRenderer::greyBetween(const std::array<Hit, 4>& hits, const TagPattern
                    between(a.place, b.place, c.place, d.place, right, down), walls)) {
         continue;
       }
-      const bool is_white =
-          pattern.isWhite(static_cast<int>(module.x()), static_cast<int>(module.y()));
-      sum += (is_white ? kWhite : kBlack) - background;
+      const double white =
+          pattern.whiteAt(static_cast<int>(module.x()), static_cast<int>(module.y()));
+      sum += kBlack + static_cast<float>(white) * (kWhite - kBlack) - background;
     }
   }
   return background + sum * static_cast<float>(step * step);

@@ -33,7 +33,7 @@ double tangentialWidth(const PredictedMarker& marker, const RecordedSequence& se
   const Eigen::Vector2d up = 0.5 * (corners[3] - corners[0] + corners[2] - corners[1]);
   const Marker& mapped = sequence.map.markers[marker.map_entry];
   return std::max(std::abs(right.dot(tangent)), std::abs(up.dot(tangent))) /
-         TagPattern(mapped.family, mapped.id).widthBetweenCorners();
+         TagPattern(mapped).widthBetweenCorners();
 }
 
 std::vector<FoundMarker> foundMarkers(const FrameResult& result) {

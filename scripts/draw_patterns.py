@@ -62,8 +62,8 @@ def glyphs() -> Dict[str, Pattern]:
     """The patterns by name."""
     on_white = {
         "crown": Canvas(WHITE).polygon(
-            BLACK, (-0.85, -0.7), (0.85, -0.7), (0.95, 0.7), (0.4, 0.0), (0.0, 0.85), (-0.4, 0.0),
-            (-0.95, 0.7)),
+            BLACK, (-0.75, -0.3), (0.75, -0.3), (0.95, 0.8), (0.4, 0.1), (0.0, 0.9), (-0.4, 0.1),
+            (-0.95, 0.8)).box(BLACK, -0.75, -0.9, 0.75, -0.6).box(WHITE, 0.1, -0.3, 0.5, 0.0),
         "flag": Canvas(WHITE).box(BLACK, -0.85, -0.9, -0.55, 0.9).polygon(
             BLACK, (-0.55, 0.9), (0.9, 0.45), (-0.55, 0.0)),
         "plough": Canvas(WHITE).polygon(BLACK, (-0.9, 0.9), (0.2, 0.9), (-0.9, -0.2)).polygon(

@@ -10,6 +10,10 @@ TOO_ALIKE = 0.5
 """ARToolKit takes a reading for a pattern from this correlation on."""
 
 
+FEW_PARTS = 10.0
+"""From a picture with fewer independent parts, the localizer asks for a correlation above 0.95."""
+
+
 class Likeness(NamedTuple):
     """The normalized correlation of two patterns, and the turn at which they are most alike."""
 
@@ -25,6 +29,16 @@ def likeness(pattern: Pattern, other: Pattern) -> Likeness:
 def likeness_to_itself(pattern: Pattern) -> Likeness:
     """The highest over the three turns by 90, 180 and 270 degrees."""
     return max(_turned(pattern, pattern, turn) for turn in (1, 2, 3))
+
+
+def independent_parts(pattern: Pattern) -> float:
+    """In how many independent ways pictures of the pattern's spectrum vary.
+
+    With n of them, the correlation of a random one with the pattern has the variance 1 / n. Few
+    mean that chance easily brings about something alike.
+    """
+    spectrum = np.abs(np.fft.fft2(pattern.luma - pattern.luma.mean())) ** 2
+    return float(spectrum.sum() ** 2 / (spectrum ** 2).sum())
 
 
 def _turned(pattern: Pattern, other: Pattern, turn: int) -> Likeness:

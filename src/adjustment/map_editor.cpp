@@ -34,10 +34,16 @@ bool isElsewhere(const Marker& a, const Marker& b) {
   return !(a.map_from_marker.matrix() - b.map_from_marker.matrix()).isZero(kSame);
 }
 
+bool hasOtherPicture(const Marker& a, const Marker& b) {
+  if (!a.picture || !b.picture) return a.picture != b.picture;
+  return a.picture->name != b.picture->name || a.picture->border != b.picture->border ||
+         a.picture->white != b.picture->white;
+}
+
 bool isOtherwise(const Marker& a, const Marker& b) {
-  return a.family != b.family || a.id != b.id || a.name != b.name || a.size != b.size ||
-         a.deviation != b.deviation || a.orientation_deviation != b.orientation_deviation ||
-         isElsewhere(a, b);
+  return a.family != b.family || a.id != b.id || hasOtherPicture(a, b) || a.name != b.name ||
+         a.size != b.size || a.deviation != b.deviation ||
+         a.orientation_deviation != b.orientation_deviation || isElsewhere(a, b);
 }
 
 void checkName(const MarkerMap& map, const std::string& name) {
@@ -51,11 +57,17 @@ void checkName(const MarkerMap& map, const std::string& name) {
 /// The marker, completed with the map's defaults. Throws InputError if a value is out of range.
 Marker completed(Marker marker, const MarkerMap& map) {
   if (marker.family.empty()) marker.family = map.default_family;
-  if (tagFamilies().count(marker.family) == 0) {
-    throw InputError("family: expected one of the AprilTag library's, found '" + marker.family +
-                     "'");
-  }
-  if (marker.id < 0 || marker.id >= tagCount(marker.family)) {
+  if (marker.family == kPictureFamily) {
+    const std::vector<std::size_t> alike = entriesOf(map, marker.family, marker.id);
+    if (alike.empty()) {
+      throw InputError("id: expected that of a pattern of the map, found " +
+                       std::to_string(marker.id));
+    }
+    marker.picture = map.markers[alike.front()].picture;
+  } else if (tagFamilies().count(marker.family) == 0) {
+    throw InputError("family: expected one of the AprilTag library, a dictionary of OpenCV, or " +
+                     std::string(kPictureFamily) + ", found '" + marker.family + "'");
+  } else if (marker.id < 0 || marker.id >= tagCount(marker.family)) {
     throw InputError("id: expected one of " + marker.family + ", 0 to " +
                      std::to_string(tagCount(marker.family) - 1) + ", found " +
                      std::to_string(marker.id));

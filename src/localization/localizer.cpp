@@ -24,14 +24,6 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// s until a rejected marker is measured again, which takes a millisecond or two.
 constexpr double kMeasuringPeriod = 1.0;
 
-std::set<std::string> familiesOf(const MarkerMap& map) {
-  std::set<std::string> families;
-  for (const Marker& marker : map.markers) families.insert(marker.family);
-  // For unknown markers.
-  if (!map.default_family.empty()) families.insert(map.default_family);
-  return families;
-}
-
 std::string describe(const cv::Mat& image) {
   return std::to_string(image.cols) + " x " + std::to_string(image.rows) + " pixels of type " +
          cv::typeToString(image.type());
@@ -45,7 +37,8 @@ Localizer::Localizer(std::shared_ptr<const CameraModel> camera, MarkerMap map,
       map_(std::move(map)),
       index_(map_),
       config_(config),
-      reader_(camera_, kWorkingDistance, config.detector, familiesOf(map_), config.threads),
+      families_(familiesOf(map_)),
+      reader_(camera_, kWorkingDistance, config.detector, families_, config.threads),
       glance_reader_(camera_, config.detector, reader_.detector(), config.threads),
       patterns_(map_),
       evidence_(config_.evidence, map_, config_.estimation.reprojection),
@@ -72,6 +65,11 @@ TrackingTools Localizer::trackingTools(const Hypothesis& hypothesis) {
 
 void Localizer::setMap(MarkerMap map) {
   patterns_.add(map);
+  if (MarkerFamilies families = familiesOf(map); families != families_) {
+    reader_.setFamilies(config_.detector, families);
+    glance_reader_.setFamilies(config_.detector, reader_.detector());
+    families_ = std::move(families);
+  }
   map_ = std::move(map);
   index_ = MarkerIndex(map_);
 }

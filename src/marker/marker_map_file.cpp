@@ -1,12 +1,17 @@
 #include "omnitag/marker/marker_map_file.h"
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <memory>
 #include <optional>
 #include <set>
 
 #include "omnitag/common/angle.h"
+#include "omnitag/common/error.h"
 #include "omnitag/common/yaml_reader.h"
 #include "omnitag/marker/map_constraint.h"
+#include "omnitag/marker/pattern_picture.h"
 #include "omnitag/marker/tag_family.h"
 
 namespace omnitag {
@@ -16,6 +21,8 @@ namespace {
 struct Defaults {
   std::optional<std::string> family;
   std::optional<double> size;
+  // ARToolKit's own.
+  double border = 0.25;
   // Deviations of a careful survey with a tape.
   double deviation = 0.005;
   double orientation_deviation = 0.0175;
@@ -23,10 +30,13 @@ struct Defaults {
 
 std::string readFamily(const YamlReader& reader) {
   std::string known;
-  for (const std::string& family : tagFamilies()) known += (known.empty() ? "" : ", ") + family;
+  for (const std::string& family : tagFamilies()) known += family + ", ";
+  known += kPictureFamily;
   if (!reader.has("family")) reader.refuse("family", "one of " + known + " (or a default)");
   std::string family = reader.text("family");
-  if (tagFamilies().count(family) == 0) reader.refuse("family", "one of " + known);
+  if (family != kPictureFamily && tagFamilies().count(family) == 0) {
+    reader.refuse("family", "one of " + known);
+  }
   return family;
 }
 
@@ -36,11 +46,66 @@ double readSize(const YamlReader& reader) {
 }
 
 int readId(const YamlReader& reader, const std::string& family) {
+  for (const std::string key : {"pattern", "border"}) {
+    if (reader.has(key)) reader.refuse(key, "none, since " + family + " has ids");
+  }
   const int id = reader.integer("id", kNonNegative);
   const int last = tagCount(family) - 1;
   if (id > last) reader.refuse("id", "an id of " + family + ", 0 to " + std::to_string(last));
   return id;
 }
+
+void readBorder(const YamlReader& reader, double* border) {
+  constexpr Interval kBorder{0.05, 0.4};
+  reader.read("border", border, kBorder);
+}
+
+/// The pictures of a map, each read once. Their paths are relative to the map's file.
+class PictureReader {
+ public:
+  explicit PictureReader(const std::string& map_file)
+      : folder_(std::filesystem::path(map_file).parent_path()) {}
+
+  /// Gives the marker its picture, and as its id the first entry that has this picture.
+  void read(const YamlReader& reader, double default_border, int entry, Marker* marker) {
+    if (reader.has("id")) reader.refuse("id", "a pattern instead, as the marker is a picture");
+    if (!reader.has("pattern")) reader.refuse("pattern", "the path of a pattern file");
+    double border = default_border;
+    readBorder(reader, &border);
+    const std::string name = reader.text("pattern");
+    const auto found = std::find_if(pictures_.begin(), pictures_.end(), [&](const Entry& each) {
+      return each.picture->name == name && each.picture->border == border;
+    });
+    if (found != pictures_.end()) {
+      marker->id = found->first_entry;
+      marker->picture = found->picture;
+      return;
+    }
+    auto picture = std::make_shared<PatternPicture>(pictureOf(reader, name));
+    picture->name = name;
+    picture->border = border;
+    marker->id = entry;
+    marker->picture = picture;
+    pictures_.push_back({entry, std::move(picture)});
+  }
+
+ private:
+  struct Entry {
+    int first_entry;
+    std::shared_ptr<const PatternPicture> picture;
+  };
+
+  PatternPicture pictureOf(const YamlReader& reader, const std::string& name) const {
+    try {
+      return loadPatternPicture((folder_ / name).string());
+    } catch (const InputError& error) {
+      throw InputError(reader.where("pattern") + ": " + error.what());
+    }
+  }
+
+  std::filesystem::path folder_;
+  std::vector<Entry> pictures_;
+};
 
 Eigen::Quaterniond readOrientation(const YamlReader& reader) {
   if (reader.has("yaw") && reader.has("orientation")) {
@@ -71,12 +136,17 @@ void readDeviations(const YamlReader& reader, double* deviation, double* orienta
   reader.read("orientation_deviation", orientation_deviation, kRadians);
 }
 
-Marker readMarker(const YamlReader& reader, const Defaults& defaults) {
-  reader.allowOnly({"id", "name", "family", "size", "position", "yaw", "roll", "orientation",
-                    "deviation", "orientation_deviation"});
+Marker readMarker(const YamlReader& reader, const Defaults& defaults, int entry,
+                  PictureReader* pictures) {
+  reader.allowOnly({"id", "pattern", "border", "name", "family", "size", "position", "yaw", "roll",
+                    "orientation", "deviation", "orientation_deviation"});
   Marker marker;
   marker.family = defaults.family && !reader.has("family") ? *defaults.family : readFamily(reader);
-  marker.id = readId(reader, marker.family);
+  if (marker.family == kPictureFamily) {
+    pictures->read(reader, defaults.border, entry, &marker);
+  } else {
+    marker.id = readId(reader, marker.family);
+  }
   marker.size = defaults.size && !reader.has("size") ? *defaults.size : readSize(reader);
   if (reader.has("name")) {
     marker.name = reader.text("name");
@@ -92,8 +162,8 @@ Marker readMarker(const YamlReader& reader, const Defaults& defaults) {
 }
 
 MarkerMap readMarkerMap(const YamlReader& reader) {
-  reader.allowOnly({"frame_id", "family", "size", "deviation", "orientation_deviation", "markers",
-                    "constraints"});
+  reader.allowOnly({"frame_id", "family", "size", "border", "deviation", "orientation_deviation",
+                    "markers", "constraints"});
   MarkerMap map;
   reader.read("frame_id", &map.frame_id);
   if (map.frame_id.empty()) reader.refuse("frame_id", "the name of a frame");
@@ -103,13 +173,17 @@ MarkerMap readMarkerMap(const YamlReader& reader) {
   if (reader.has("size")) defaults.size = readSize(reader);
   map.default_family = defaults.family.value_or("");
   map.default_size = defaults.size.value_or(0.0);
+  readBorder(reader, &defaults.border);
+  map.default_border = defaults.border;
   readDeviations(reader, &defaults.deviation, &defaults.orientation_deviation);
   map.default_deviation = defaults.deviation;
   map.default_orientation_deviation = defaults.orientation_deviation;
 
   std::set<std::string> names;
+  PictureReader pictures(reader.origin());
   for (const YamlReader& entry : reader.mappings("markers")) {
-    map.markers.push_back(readMarker(entry, defaults));
+    const auto number = static_cast<int>(map.markers.size());
+    map.markers.push_back(readMarker(entry, defaults, number, &pictures));
     const std::string& name = map.markers.back().name;
     if (!name.empty() && !names.insert(name).second) {
       entry.refuse("name", "a name that no other marker has");

@@ -8,6 +8,9 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
+#include <memory>
+#include <utility>
 
 #include "omnitag/common/error.h"
 #include "omnitag/marker/marker_map_file.h"
@@ -45,14 +48,24 @@ std::string orientationText(const Marker& marker) {
   return "orientation: " + list({q.x(), q.y(), q.z(), q.w()}, 8);
 }
 
+std::string quoted(const std::string& text) {
+  YAML::Emitter emitter;
+  emitter << YAML::DoubleQuoted << text;
+  return emitter.c_str();
+}
+
+/// What tells the marker from others.
+std::string identityText(const Marker& marker, const MarkerMap& defaults) {
+  if (!marker.picture) return "id: " + std::to_string(marker.id);
+  const std::string border = number(marker.picture->border);
+  return "pattern: " + quoted(marker.picture->name) +
+         (border == number(defaults.default_border) ? "" : ", border: " + border);
+}
+
 /// `defaults`: the map's, which an entry repeats only if it differs.
 std::string entryText(const Marker& marker, const MarkerMap& defaults) {
-  std::string text = "{id: " + std::to_string(marker.id);
-  if (!marker.name.empty()) {
-    YAML::Emitter name;
-    name << YAML::DoubleQuoted << marker.name;
-    text += std::string(", name: ") + name.c_str();
-  }
+  std::string text = "{" + identityText(marker, defaults);
+  if (!marker.name.empty()) text += ", name: " + quoted(marker.name);
   if (marker.family != defaults.default_family) text += ", family: " + marker.family;
   if (number(marker.size) != number(defaults.default_size))
     text += ", size: " + number(marker.size);
@@ -211,9 +224,15 @@ Span wholeOf(const std::string& text, const Span& item, bool is_in_brackets) {
   return {text[before] == ',' ? before : item.begin, item.end};
 }
 
+/// Whether both have the same id or the same picture, whose id changes with the entries before it.
+bool areAlike(const Marker& a, const Marker& b) {
+  if (!a.picture || !b.picture) return !a.picture && !b.picture && a.id == b.id;
+  return a.picture->name == b.picture->name && a.picture->border == b.picture->border;
+}
+
 bool isSame(const Marker& a, const Marker& b) {
   constexpr double kTolerance = 2e-6;  // what the digits leave
-  return a.family == b.family && a.id == b.id && a.name == b.name &&
+  return a.family == b.family && areAlike(a, b) && a.name == b.name &&
          std::abs(a.size - b.size) < kTolerance &&
          std::abs(a.deviation - b.deviation) < kTolerance &&
          std::abs(a.orientation_deviation - b.orientation_deviation) < kTolerance &&
@@ -238,24 +257,42 @@ void checkResult(const std::string& result, const MarkerMap& before,
   if (!is_right) throw InputError(refusal);
 }
 
+/// With pictures named relative to a file.
+std::vector<MapEntry> withPicturesFrom(const std::string& path, std::vector<MapEntry> entries) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::weakly_canonical(path).parent_path();
+  for (MapEntry& entry : entries) {
+    std::shared_ptr<const PatternPicture>& picture = entry.marker.picture;
+    if (!picture) continue;
+    PatternPicture named = *picture;
+    named.name = fs::weakly_canonical(picture->path).lexically_proximate(folder).string();
+    picture = std::make_shared<PatternPicture>(std::move(named));
+  }
+  return entries;
+}
+
 }  // namespace
 
-std::string newMapText(const std::string& frame_id, const std::vector<MapEntry>& entries) {
-  if (entries.empty()) throw InputError("a map needs a marker");
+std::string newMapText(const std::string& frame_id, const std::vector<MapEntry>& given,
+                       const std::string& path) {
+  if (given.empty()) throw InputError("a map needs a marker");
+  const std::vector<MapEntry> entries = withPicturesFrom(path, given);
   const Marker& first = entries.front().marker;
   MarkerMap defaults;
+  if (first.picture) defaults.default_border = first.picture->border;
   defaults.default_family = first.family;
   defaults.default_size = first.size;
   defaults.default_deviation = first.deviation;
   defaults.default_orientation_deviation = first.orientation_deviation;
   std::string text = "frame_id: " + frame_id + "\nfamily: " + first.family +
                      "\nsize: " + number(first.size) + "\ndeviation: " + number(first.deviation) +
-                     "\norientation_deviation: " + number(first.orientation_deviation) +
-                     "\nmarkers:\n";
+                     "\norientation_deviation: " + number(first.orientation_deviation);
+  if (first.picture) text += "\nborder: " + number(first.picture->border);
+  text += "\nmarkers:\n";
   for (const MapEntry& entry : entries) {
     text += "  - " + entryText(entry.marker, defaults) + remarkText(entry) + "\n";
   }
-  checkResult(text, {}, entries, "new map");
+  checkResult(text, {}, entries, path);
   return text;
 }
 

@@ -24,10 +24,11 @@ MarkerSelection::MarkerSelection(const std::string& text) : text_(text) {
   const std::size_t colon = text.rfind(':');
   const std::string family = colon == std::string::npos ? "" : text.substr(0, colon);
   const std::optional<int> id = idOf(colon == std::string::npos ? text : text.substr(colon + 1));
-  if (!id || (!family.empty() && tagFamilies().count(family) == 0)) return;
+  const bool is_known = family == kPictureFamily || tagFamilies().count(family) > 0;
+  if (!id || (!family.empty() && !is_known)) return;
   family_ = family;
   id_ = id;
-  if (!family_.empty() && *id_ >= tagCount(family_)) {
+  if (!family_.empty() && family_ != kPictureFamily && *id_ >= tagCount(family_)) {
     throw InputError("'" + text + "': expected an id of " + family_ + ", 0 to " +
                      std::to_string(tagCount(family_) - 1));
   }

@@ -7,19 +7,19 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
 #include "apriltag_family.h"
+#include "library_detector.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/marker/corner_refinement.h"
+#include "picture_matcher.h"
+#include "square_finder.h"
 
 namespace omnitag {
 namespace {
-
-struct DestroyDetector {
-  void operator()(apriltag_detector_t* detector) const { apriltag_detector_destroy(detector); }
-};
 
 struct DestroyDetections {
   void operator()(zarray_t* detections) const { apriltag_detections_destroy(detections); }
@@ -95,7 +95,10 @@ TagDetectorConfig readTagDetectorConfig(const YamlReader& reader) {
 }
 
 struct TagDetector::Library {
-  using Families = std::vector<AprilTagFamily>;
+  struct Families {
+    std::vector<AprilTagFamily> codes;
+    std::optional<PictureMatcher> matcher;
+  };
 
   Library(const TagDetectorConfig& config, std::shared_ptr<const Families> shared_families)
       : min_white_black_diff(config.min_white_black_diff),
@@ -103,20 +106,11 @@ struct TagDetector::Library {
         blurs(config.quad_sigma != 0.0 && config.quad_decimate <= 1.0),
         deglitches(config.deglitch && config.quad_decimate <= 1.0),
         smallest_side(8.0 * std::max(1.0, config.quad_decimate)),
-        families(std::move(shared_families)) {
-    detector->quad_decimate = static_cast<float>(config.quad_decimate);
-    detector->quad_sigma = static_cast<float>(config.quad_sigma);
-    detector->refine_edges = config.refine_edges;
-    detector->decode_sharpening = config.decode_sharpening;
-    detector->qtp.min_cluster_pixels = config.min_cluster_pixels;
-    detector->qtp.max_nmaxima = config.max_nmaxima;
-    // Which of the two is used depends on the library's version.
-    detector->qtp.critical_rad = static_cast<float>(config.critical_angle);
-    detector->qtp.cos_critical_rad = static_cast<float>(std::cos(config.critical_angle));
-    detector->qtp.max_line_fit_mse = static_cast<float>(config.max_line_fit_mse);
-    detector->qtp.deglitch = config.deglitch ? 1 : 0;
+        families(std::move(shared_families)),
+        detector(createLibraryDetector(config)) {
+    if (families->matcher) squares.emplace(config);
     // The library makes a family's decoding table unless it has one.
-    for (const AprilTagFamily& family : *families) {
+    for (const AprilTagFamily& family : families->codes) {
       apriltag_detector_add_family_bits(detector.get(), family.get(),
                                         affordableHamming(*family, config.max_hamming));
     }
@@ -128,11 +122,18 @@ struct TagDetector::Library {
     if (families.use_count() > 1) zarray_clear(detector->tag_families);
   }
 
-  static std::shared_ptr<const Families> create(const std::set<std::string>& names) {
+  static std::shared_ptr<const Families> create(const MarkerFamilies& wanted) {
     auto families = std::make_shared<Families>();
-    for (const std::string& name : names) families->push_back(createAprilTagFamily(name));
+    for (const std::string& name : wanted.codes) {
+      families->codes.push_back(createAprilTagFamily(name));
+    }
+    if (!wanted.pictures.empty()) families->matcher.emplace(wanted.pictures);
     return families;
   }
+
+  void decode(const cv::Mat& image, int min_contrast, std::vector<TagDetection>* found) const;
+  void matchPictures(const cv::Mat& image, int min_contrast,
+                     std::vector<TagDetection>* found) const;
 
   int min_white_black_diff;
   double min_decision_margin;
@@ -141,10 +142,11 @@ struct TagDetector::Library {
   double smallest_side;
   // The detector releases its families when it is destroyed: they must outlive it.
   std::shared_ptr<const Families> families;
-  std::unique_ptr<apriltag_detector_t, DestroyDetector> detector{apriltag_detector_create()};
+  LibraryDetector detector;
+  std::optional<SquareFinder> squares;
 };
 
-TagDetector::TagDetector(const TagDetectorConfig& config, const std::set<std::string>& families)
+TagDetector::TagDetector(const TagDetectorConfig& config, const MarkerFamilies& families)
     : library_(std::make_unique<Library>(config, Library::create(families))) {}
 
 TagDetector::TagDetector(const TagDetectorConfig& config, const TagDetector& other)
@@ -154,6 +156,49 @@ TagDetector::~TagDetector() = default;
 TagDetector::TagDetector(TagDetector&&) noexcept = default;
 TagDetector& TagDetector::operator=(TagDetector&&) noexcept = default;
 
+void TagDetector::Library::decode(const cv::Mat& image, int min_contrast,
+                                  std::vector<TagDetection>* found) const {
+  // The library blurs in place, and deglitches as if rows had hardly any padding.
+  const bool needs_copy = blurs || (deglitches && !image.isContinuous());
+  const cv::Mat input = needs_copy ? image.clone() : image;
+  image_u8_t library_image{input.cols, input.rows, static_cast<int>(input.step), input.data};
+
+  detector->qtp.min_white_black_diff = std::max(min_white_black_diff, min_contrast);
+  const std::unique_ptr<zarray_t, DestroyDetections> detections(
+      apriltag_detector_detect(detector.get(), &library_image));
+  for (int i = 0; i < zarray_size(detections.get()); ++i) {
+    apriltag_detection_t* detection = nullptr;
+    zarray_get(detections.get(), i, &detection);
+    if (detection->decision_margin < min_decision_margin) continue;
+    TagDetection tag = toTagDetection(*detection);
+    // The library's own refinement is off by up to 0.3 pixels in releases before 3.4.3.
+    if (detector->refine_edges) {
+      tag.corners = refineCorners(image, tag.corners, detection->family->width_at_border);
+    }
+    tag.center = centerOf(tag.corners);
+    found->push_back(std::move(tag));
+  }
+}
+
+void TagDetector::Library::matchPictures(const cv::Mat& image, int min_contrast,
+                                         std::vector<TagDetection>* found) const {
+  for (const Corners<Eigen::Vector2d>& square : squares->find(image, min_contrast)) {
+    // The widest border has this share of the edge.
+    constexpr int kModulesPerEdge = 4;
+    const Corners<Eigen::Vector2d> refined = refineCorners(image, square, kModulesPerEdge);
+    const std::optional<PictureMatch> match = families->matcher->match(image, refined);
+    if (!match) continue;
+    TagDetection tag;
+    tag.family = kPictureFamily;
+    tag.id = match->id;
+    tag.decision_margin = match->contrast;
+    tag.modules_per_edge = match->modules_per_edge;
+    tag.corners = match->corners;
+    tag.center = centerOf(tag.corners);
+    found->push_back(std::move(tag));
+  }
+}
+
 std::vector<TagDetection> TagDetector::detect(const cv::Mat& image, int min_contrast) const {
   constexpr int kLargestSide = std::numeric_limits<std::int16_t>::max();
   if (image.type() != CV_8UC1 || std::max(image.cols, image.rows) > kLargestSide) {
@@ -161,31 +206,10 @@ std::vector<TagDetection> TagDetector::detect(const cv::Mat& image, int min_cont
   }
   // The library reads outside images that are smaller than its 4 x 4 pixel tiles.
   if (std::min(image.cols, image.rows) < library_->smallest_side) return {};
-  if (library_->families->empty()) return {};
-
-  // The library blurs in place, and deglitches as if rows had hardly any padding.
-  const bool needs_copy = library_->blurs || (library_->deglitches && !image.isContinuous());
-  const cv::Mat input = needs_copy ? image.clone() : image;
-  image_u8_t library_image{input.cols, input.rows, static_cast<int>(input.step), input.data};
-
-  library_->detector->qtp.min_white_black_diff =
-      std::max(library_->min_white_black_diff, min_contrast);
-  const std::unique_ptr<zarray_t, DestroyDetections> detections(
-      apriltag_detector_detect(library_->detector.get(), &library_image));
-  std::vector<TagDetection> result;
-  for (int i = 0; i < zarray_size(detections.get()); ++i) {
-    apriltag_detection_t* detection = nullptr;
-    zarray_get(detections.get(), i, &detection);
-    if (detection->decision_margin < library_->min_decision_margin) continue;
-    TagDetection tag = toTagDetection(*detection);
-    // The library's own refinement is off by up to 0.3 pixels in releases before 3.4.3.
-    if (library_->detector->refine_edges) {
-      tag.corners = refineCorners(image, tag.corners, detection->family->width_at_border);
-    }
-    tag.center = centerOf(tag.corners);
-    result.push_back(std::move(tag));
-  }
-  return result;
+  std::vector<TagDetection> found;
+  if (!library_->families->codes.empty()) library_->decode(image, min_contrast, &found);
+  if (library_->squares) library_->matchPictures(image, min_contrast, &found);
+  return found;
 }
 
 }  // namespace omnitag

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
+#include <opencv2/core.hpp>
 
 #include "apriltag_family.h"
 #include "omnitag/common/error.h"
@@ -18,62 +19,26 @@ bool isWithinModule(const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
          static_cast<int>(low.y()) == static_cast<int>(high.y());
 }
 
-}  // namespace
+/// White around a picture's border that every sheet has, as a share of the edge.
+constexpr double kQuietZone = 0.0625;
 
-TagPattern::Window::Window(const Eigen::Vector2d& side_u, const Eigen::Vector2d& side_v,
-                           double blur_variance, const Eigen::Vector2d& sweep) {
-  // Pixels squared. A smaller variance only makes the pixel a little larger.
-  constexpr double kSharp = 0.05;
-  constexpr double kVarianceOfPixel = 1.0 / 12.0;  // along either side
-  const double variance = kVarianceOfPixel + blur_variance;
-  const double width = std::sqrt(variance / kVarianceOfPixel);
-  const double side = width * std::min(side_u.norm(), side_v.norm());
-  const double steps_needed = std::ceil(2.0 * sweep.norm() / side);
-  constexpr double kMostSteps = 8.0;
-  steps_ = static_cast<int>(std::clamp(steps_needed, 1.0, kMostSteps));
-  step_ = sweep / steps_;
-  const Eigen::Vector2d squares = side_u.cwiseAbs2() + side_v.cwiseAbs2();
-  is_blurred_ = blur_variance >= kSharp;
-  if (is_blurred_) {
-    const double mixed = variance * (side_u.x() * side_u.y() + side_v.x() * side_v.y());
-    const Eigen::Vector2d variances = variance * squares;
-    const double correlation = mixed / std::sqrt(variances.prod());
-    Eigen::Vector2d line = (std::abs(correlation) * variances).cwiseSqrt();
-    if (mixed < 0.0) line.y() = -line.y();
-    // Gauss-Hermite rules with three and with five points. The Gaussian at each point must be wide
-    // enough to fill the gap to the next.
-    constexpr double kStrong = 0.35;
-    add(Eigen::Vector2d::Zero(), std::abs(correlation) < kStrong ? 2.0 / 3.0 : 8.0 / 15.0);
-    const auto addBeside = [&](double deviations, double share) {
-      add(-deviations * line, share);
-      add(deviations * line, share);
-    };
-    if (std::abs(correlation) < kStrong) {
-      addBeside(std::sqrt(3.0), 1.0 / 6.0);
-    } else {
-      addBeside(std::sqrt(5.0 - std::sqrt(10.0)), (7.0 + 2.0 * std::sqrt(10.0)) / 60.0);
-      addBeside(std::sqrt(5.0 + std::sqrt(10.0)), (7.0 - 2.0 * std::sqrt(10.0)) / 60.0);
-    }
-    // Each step also includes the sweep within it.
-    extent_ = ((1.0 - std::abs(correlation)) * variances + step_.cwiseAbs2() / 12.0).cwiseSqrt();
-    constexpr double kMostOfIt = 3.0;
-    constexpr double kNearlyAllOfIt = 1.75;
-    const Eigen::Vector2d deviations = variances.cwiseSqrt();
-    reach_ = kMostOfIt * deviations + 0.5 * sweep.cwiseAbs();
-    core_ = kNearlyAllOfIt * deviations + 0.5 * sweep.cwiseAbs();
-  } else {
-    const Eigen::Vector2d sum = 0.25 * width * (side_u + side_v);
-    const Eigen::Vector2d difference = 0.25 * width * (side_u - side_v);
-    for (const Eigen::Vector2d& place : {sum, difference}) {
-      add(-place, 0.25);
-      add(place, 0.25);
-    }
-    extent_ = 0.5 * (0.25 * width * width * squares + step_.cwiseAbs2()).cwiseSqrt();
-    reach_ = 0.5 * (width * (side_u.cwiseAbs() + side_v.cwiseAbs()) + sweep.cwiseAbs());
-    core_ = reach_;
-  }
-  size_ = (width * width * squares + sweep.cwiseAbs2()).cwiseSqrt();
+double borderCells(const PatternPicture& picture) {
+  return picture.border * picture.side / (1.0 - 2.0 * picture.border);
 }
+
+/// The fewest modules of which a cell can consist such that the border is a whole number of them,
+/// give or take a hundredth of a cell or, at most, a twenty-fourth.
+int modulesPerCell(const PatternPicture& picture) {
+  constexpr double kTolerance = 0.01;
+  constexpr int kMost = 12;
+  for (int modules = 1; modules < kMost; ++modules) {
+    const double border = modules * borderCells(picture);
+    if (std::abs(border - std::round(border)) <= kTolerance * modules) return modules;
+  }
+  return kMost;
+}
+
+}  // namespace
 
 TagPattern::TagPattern(const std::string& family, int id)
     : TagPattern(*createAprilTagFamily(family), id) {}
@@ -92,40 +57,77 @@ TagPattern::TagPattern(const apriltag_family& family, int id) {
   const std::unique_ptr<image_u8_t, Free> image(
       apriltag_to_image(const_cast<apriltag_family_t*>(&family), id), std::free);
   const std::unique_ptr<std::uint8_t, Free> pixels(image->buf, std::free);
-  sums_.assign(cornerIndex(width_, width_) + 1, 0.0);
   for (int row = 0; row < width_; ++row) {
     for (int column = 0; column < width_; ++column) {
-      const double white = pixels.get()[row * image->stride + column] > 127 ? 1.0 : 0.0;
-      is_white_.push_back(white > 0.5 ? 1 : 0);
-      sums_[cornerIndex(column + 1, row + 1)] = white + sums_[cornerIndex(column, row + 1)] +
-                                                sums_[cornerIndex(column + 1, row)] -
-                                                sums_[cornerIndex(column, row)];
+      white_.push_back(pixels.get()[row * image->stride + column] > 127 ? 1.0 : 0.0);
     }
   }
-
-  compareNeighbours();
-
-  data_modules_ = static_cast<int>(family.nbits);
-  data_module_.assign(is_white_.size(), -1);
+  data_module_.assign(white_.size(), -1);
   const int border = (width_ - width_between_corners_) / 2;
-  for (int bit = 0; bit < data_modules_; ++bit) {
+  for (int bit = 0; bit < static_cast<int>(family.nbits); ++bit) {
     const int column = border + static_cast<int>(family.bit_x[bit]);
     const int row = border + static_cast<int>(family.bit_y[bit]);
     data_module_[moduleIndex(column, row)] = bit;
-    is_data_white_.push_back(is_white_[moduleIndex(column, row)]);
+    data_.push_back(2.0 * whiteAt(column, row) - 1.0);
   }
+  prepare();
+}
+
+TagPattern::TagPattern(const PatternPicture& picture) {
+  const int side = picture.side;
+  const int per_cell = modulesPerCell(picture);
+  const int border = cvRound(per_cell * borderCells(picture));
+  const int inside = per_cell * side;
+  width_between_corners_ = inside + 2 * border;
+  const int quiet = std::max(1, cvRound(kQuietZone * width_between_corners_));
+  width_ = width_between_corners_ + 2 * quiet;
+  data_dimensions_ = dimensionsOf(picture);
+  feature_width_ = std::min<double>(border, inside / std::sqrt(data_dimensions_));
+  white_.assign(moduleIndex(0, width_), 1.0);
+  data_module_.assign(white_.size(), -1);
+  for (int row = quiet; row < width_ - quiet; ++row) {
+    for (int column = quiet; column < width_ - quiet; ++column) {
+      const int x = column - quiet - border;
+      const int y = row - quiet - border;
+      const bool is_inside = std::min(x, y) >= 0 && std::max(x, y) < inside;
+      double& white = white_[moduleIndex(column, row)];
+      white = is_inside ? picture.whiteAt(x / per_cell, y / per_cell) : 0.0;
+      if (is_inside) data_module_[moduleIndex(column, row)] = y / per_cell * side + x / per_cell;
+    }
+  }
+  for (const double white : picture.white) data_.push_back(2.0 * white - 1.0);
+  prepare();
+}
+
+TagPattern::TagPattern(const Marker& marker)
+    : TagPattern(marker.picture ? TagPattern(*marker.picture)
+                                : TagPattern(marker.family, marker.id)) {}
+
+void TagPattern::prepare() {
+  sums_.assign(cornerIndex(width_, width_) + 1, 0.0);
+  for (int row = 0; row < width_; ++row) {
+    for (int column = 0; column < width_; ++column) {
+      sums_[cornerIndex(column + 1, row + 1)] =
+          whiteAt(column, row) + sums_[cornerIndex(column, row + 1)] +
+          sums_[cornerIndex(column + 1, row)] - sums_[cornerIndex(column, row)];
+    }
+  }
+  compareNeighbours();
 }
 
 void TagPattern::compareNeighbours() {
-  const auto colourOf = [this](int column, int row) {
-    return isWhite(std::clamp(column, 0, width_ - 1), std::clamp(row, 0, width_ - 1));
+  // Neighbouring cells of a picture hardly ever have the very same grey.
+  constexpr double kSame = 0.1;
+  const auto whiteNear = [this](int column, int row) {
+    return whiteAt(std::clamp(column, 0, width_ - 1), std::clamp(row, 0, width_ - 1));
   };
   for (int row = -1; row <= width_; ++row) {
     for (int column = -1; column <= width_; ++column) {
       unsigned unlike = 0;
       for (int neighbour = 0; neighbour < 9; ++neighbour) {
-        const bool is_like =
-            colourOf(column + neighbour % 3 - 1, row + neighbour / 3 - 1) == colourOf(column, row);
+        const double difference =
+            whiteNear(column + neighbour % 3 - 1, row + neighbour / 3 - 1) - whiteNear(column, row);
+        const bool is_like = std::abs(difference) < kSame;
         unlike |= is_like ? 0U : 1U << neighbour;
       }
       unlike_neighbours_.push_back(static_cast<std::uint16_t>(unlike));
@@ -133,12 +135,8 @@ void TagPattern::compareNeighbours() {
   }
 }
 
-bool TagPattern::isWhite(int column, int row) const {
-  return is_white_[moduleIndex(column, row)] != 0;
-}
-
-bool TagPattern::isWhiteAt(const Eigen::Vector2d& position) const {
-  return isWhite(moduleAt(position.x()), moduleAt(position.y()));
+double TagPattern::whiteAt(const Eigen::Vector2d& position) const {
+  return whiteAt(moduleAt(position.x()), moduleAt(position.y()));
 }
 
 TagPattern::Place TagPattern::placeOf(double coordinate) const {
@@ -147,7 +145,7 @@ TagPattern::Place TagPattern::placeOf(double coordinate) const {
 }
 
 TagPattern::Area TagPattern::whiteAbove(const Place& x, const Place& y) const {
-  // Within a module the area grows bilinearly, since the module is all black or all white.
+  // Within a module, which is of one colour, the area grows bilinearly.
   const double* const upper = &sums_[cornerIndex(x.module, y.module)];
   const double* const lower = upper + width_ + 1;
   const double right = upper[1] - upper[0];
@@ -160,7 +158,7 @@ TagPattern::Area TagPattern::whiteAbove(const Place& x, const Place& y) const {
 inline TagPattern::White TagPattern::averageBetween(const Eigen::Vector2d& low,
                                                     const Eigen::Vector2d& high,
                                                     double per_area) const {
-  if (isWithinModule(low, high)) return {isWhiteAt(low) ? 1.0 : 0.0, Eigen::Vector2d::Zero()};
+  if (isWithinModule(low, high)) return {whiteAt(low), Eigen::Vector2d::Zero()};
   const Place left = placeOf(low.x());
   const Place right = placeOf(high.x());
   const Place top = placeOf(low.y());
@@ -227,7 +225,7 @@ void TagPattern::appendDataShares(const Eigen::Vector2d& position, const Window&
 TagPattern::White TagPattern::averageOver(const Eigen::Vector2d& position,
                                           const Window& window) const {
   if (isWithinModule(position - window.reach_, position + window.reach_)) {
-    return {isWhiteAt(position) ? 1.0 : 0.0, Eigen::Vector2d::Zero()};
+    return {whiteAt(position), Eigen::Vector2d::Zero()};
   }
   const double per_area = 0.25 / window.extent_.prod();
   White white;
@@ -275,11 +273,10 @@ TagPattern::White TagPattern::averageOverGaussian(const Eigen::Vector2d& middle,
   for (int r = 0; r < rows.count; ++r) {
     double of_row = 0.0;
     double slope_of_row = 0.0;
-    const char* const modules = &is_white_[moduleIndex(columns.first, rows.first + r)];
+    const double* const modules = &white_[moduleIndex(columns.first, rows.first + r)];
     for (int c = 0; c < columns.count; ++c) {
-      if (modules[c] == 0) continue;
-      of_row += columns.shares[static_cast<std::size_t>(c)];
-      slope_of_row += columns.slopes[static_cast<std::size_t>(c)];
+      of_row += modules[c] * columns.shares[static_cast<std::size_t>(c)];
+      slope_of_row += modules[c] * columns.slopes[static_cast<std::size_t>(c)];
     }
     const auto row = static_cast<std::size_t>(r);
     white.share += rows.shares[row] * of_row;
@@ -292,8 +289,12 @@ TagPattern::White TagPattern::averageOverGaussian(const Eigen::Vector2d& middle,
 void TagPatterns::add(const MarkerMap& map) {
   std::map<std::string, AprilTagFamily> families;
   for (const Marker& marker : map.markers) {
-    const auto key = std::make_pair(marker.family, marker.id);
+    const Key key = keyOf(marker);
     if (patterns_.count(key) > 0) continue;
+    if (marker.picture) {
+      patterns_.emplace(key, TagPattern(*marker.picture));
+      continue;
+    }
     auto family = families.find(marker.family);
     if (family == families.end()) {
       family = families.emplace(marker.family, createAprilTagFamily(marker.family)).first;
@@ -303,7 +304,11 @@ void TagPatterns::add(const MarkerMap& map) {
 }
 
 const TagPattern& TagPatterns::of(const Marker& marker) const {
-  return patterns_.at({marker.family, marker.id});
+  return patterns_.at(keyOf(marker));
+}
+
+TagPatterns::Key TagPatterns::keyOf(const Marker& marker) {
+  return {marker.family, marker.id, marker.picture.get()};
 }
 
 }  // namespace omnitag

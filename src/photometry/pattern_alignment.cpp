@@ -11,8 +11,9 @@ namespace {
 constexpr double kConverged = 0.1;
 constexpr double kConvergedOnTheWay = 0.3;
 
-/// Modules. If pixels see less of the pattern than this, it is blurred by this much until it is
-/// nearly in place: only pixels that see an edge determine where it should be.
+/// Widths of the pattern's features. If pixels see less of the pattern than this, it is blurred by
+/// this much until it is nearly in place: only pixels that see an edge determine where it should
+/// be.
 constexpr double kBlurOnTheWay = 0.2;
 
 /// Black, contrast, and contrast times the change of the displacement and, row by row, of the
@@ -107,9 +108,9 @@ class Aligner {
 };
 
 /// Whether some pixels see less of the pattern than it is blurred by on the way.
-bool isSharp(const std::vector<Footprint>& footprints) {
-  return std::any_of(footprints.begin(), footprints.end(), [](const Footprint& footprint) {
-    return footprint.facet->window.size().minCoeff() < kBlurOnTheWay;
+bool isSharp(const std::vector<Footprint>& footprints, double blur) {
+  return std::any_of(footprints.begin(), footprints.end(), [blur](const Footprint& footprint) {
+    return footprint.facet->window.size().minCoeff() < blur;
   });
 }
 
@@ -123,9 +124,10 @@ std::optional<PatternFit> alignPattern(const cv::Mat& panorama,
   const auto converge = [&](double blur) {
     return is_stretched ? aligner.converge<kStretched>(blur) : aligner.converge<kDisplaced>(blur);
   };
+  const double blur = kBlurOnTheWay * pattern.featureWidth();
   const bool is_near =
-      !isSharp(footprints) || (aligner.converge<kDisplaced>(kBlurOnTheWay) &&
-                               (!is_stretched || aligner.converge<kStretched>(kBlurOnTheWay)));
+      !isSharp(footprints, blur) ||
+      (aligner.converge<kDisplaced>(blur) && (!is_stretched || aligner.converge<kStretched>(blur)));
   return is_near && converge(0.0) ? std::optional(aligner.fit()) : std::nullopt;
 }
 

@@ -57,9 +57,10 @@ struct PatternFit {
 };
 
 /// Least squares over the placement, and over grey = black + contrast * white, from a placement
-/// whose displacement is right to a quarter of a module. `is_stretched`: whether the marker may
-/// image larger, turned or slanted; otherwise it is only displaced. Nothing if the pixels leave an
-/// unknown undetermined, or if black is brighter than white.
+/// whose displacement is right to a quarter of a module (TagPattern::featureWidth()).
+/// `is_stretched`: whether the marker may image larger, turned or slanted; otherwise it is only
+/// displaced. Nothing if the pixels leave an unknown undetermined, or if black is brighter than
+/// white.
 std::optional<PatternFit> alignPattern(const cv::Mat& panorama,
                                        const std::vector<Footprint>& footprints,
                                        const TagPattern& pattern, const Placement& start,

@@ -33,7 +33,9 @@ std::optional<PatternComparison> PatternComparison::of(const cv::Mat& panorama,
   PatternComparison comparison;
   comparison.look(panorama, footprints, placement, pattern);
   constexpr std::size_t kFewest = kNuisances + 3;
-  if (comparison.pixels_.size() < kFewest || !comparison.compare()) return std::nullopt;
+  if (comparison.pixels_.size() < kFewest || !comparison.compare(pattern.dataDimensions())) {
+    return std::nullopt;
+  }
   return comparison;
 }
 
@@ -53,7 +55,7 @@ void PatternComparison::look(const cv::Mat& panorama, const std::vector<Footprin
                 for (std::size_t i = first; i < shares_.size(); ++i) {
                   const auto& [module, share] = shares_[i];
                   of_data += share;
-                  pixel.expected += pattern.isDataWhite(module) ? share : -share;
+                  pixel.expected += share * pattern.dataAt(module);
                 }
                 constexpr double kLeastData = 0.05;
                 if (of_data < kLeastData) {
@@ -72,7 +74,7 @@ void PatternComparison::look(const cv::Mat& panorama, const std::vector<Footprin
               });
 }
 
-bool PatternComparison::compare() {
+bool PatternComparison::compare(double data_dimensions) {
   // The rest works on what the nuisances do not explain.
   Eigen::Matrix<double, kNuisances, kNuisances> gram;
   gram.setZero();
@@ -110,11 +112,15 @@ bool PatternComparison::compare() {
   correlation_ = product_ / norms;
   // For random signs r, the correlation with the expected ones s has the variance |G s|^2 / (s'G s
   // tr G), G = A'A; for n independent dimensions it would be 1 / n.
-  dimensions_ = expected_squares_ * share_squares / along_expected.squaredNorm();
+  const double of_pixels = expected_squares_ * share_squares / along_expected.squaredNorm();
+  // Exactly so if what pixels see and the pictures' spectrum were Gaussian.
+  dimensions_ = 1.0 / (1.0 / of_pixels + 1.0 / data_dimensions);
+  are_modules_independent_ = std::isinf(data_dimensions);
   return true;
 }
 
 bool PatternComparison::isLikelierThanOthers(double log_ratio) const {
+  if (!are_modules_independent_) return false;
   // Half of the difference between black and white; random modules would have the same.
   const double amplitude = product_ / expected_squares_;
   if (!(amplitude > 0.0)) return false;

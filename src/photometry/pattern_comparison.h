@@ -30,7 +30,8 @@ class PatternComparison {
   /// modules that are black or white at random, each at the noise that suits it best. If they do
   /// show such modules, that happens at most once in as many cases (Markov's inequality). Unlike a
   /// correlation, this does not require strong, coarse features to be as sharp as weak, fine ones:
-  /// a blurred pattern is accepted by what the noise leaves of it.
+  /// a blurred pattern is accepted by what the noise leaves of it. Never of a picture, whose cells
+  /// are not independent.
   bool isLikelierThanOthers(double log_ratio) const;
 
  private:
@@ -51,7 +52,8 @@ class PatternComparison {
   PatternComparison() = default;
   void look(const cv::Mat& panorama, const std::vector<Footprint>& footprints,
             const Placement& placement, const TagPattern& pattern);
-  bool compare();
+  /// `data_dimensions`: TagPattern::dataDimensions().
+  bool compare(double data_dimensions);
 
   /// In `shares_`, each pixel's shares follow those of the pixel before. After compare(), grey
   /// levels and expected values are without what the nuisances explain.
@@ -64,6 +66,7 @@ class PatternComparison {
   double expected_squares_ = 0.0;
   double correlation_ = 0.0;
   double dimensions_ = 0.0;
+  bool are_modules_independent_ = true;
 };
 
 }  // namespace omnitag

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "omnitag/common/correlation_threshold.h"
 #include "omnitag/marker/marker_reader.h"
 #include "omnitag/photometry/marker_patch.h"
 #include "pattern_alignment.h"
@@ -23,14 +24,14 @@ struct Sample {
   double white;
 };
 
-/// About how many pixels of a marker are considered, by the width of a module in pixels. More would
-/// only be slower; but few pixels of wide modules see an edge, and a marker that may be stretched
-/// has twice as many unknowns.
-std::size_t pixelsFor(double module, bool may_be_stretched) {
+/// About how many pixels of a marker are considered, by the width of its features in pixels. More
+/// would only be slower; but few pixels of wide modules see an edge, and a marker that may be
+/// stretched has twice as many unknowns.
+std::size_t pixelsFor(double feature, bool may_be_stretched) {
   constexpr double kFewest = 150.0;
   constexpr double kPerWidth = 33.0;
   constexpr double kMost = 500.0;
-  const double pixels = std::clamp(kPerWidth * module, kFewest, kMost);
+  const double pixels = std::clamp(kPerWidth * feature, kFewest, kMost);
   return static_cast<std::size_t>(may_be_stretched ? 1.5 * pixels : pixels);
 }
 
@@ -38,15 +39,15 @@ std::size_t pixelsFor(double module, bool may_be_stretched) {
 /// be farther away may also image larger, turned or slanted.
 constexpr double kLeastMargin = 3.0;
 
-/// Width of a module where it is predicted, in pixels.
-double moduleOf(const PredictedMarker& predicted, const TagPattern& pattern) {
-  return meanEdge(predicted.corners) / pattern.widthBetweenCorners();
+/// Width of the pattern's features where it is predicted, in pixels.
+double featureOf(const PredictedMarker& predicted, const TagPattern& pattern) {
+  return pattern.featureWidth() * meanEdge(predicted.corners) / pattern.widthBetweenCorners();
 }
 
-/// Pixels over which the pattern varies: a module, widened by the lens's blur.
-double blurredModuleOf(const PredictedMarker& predicted, const TagPattern& pattern,
-                       const MountedCamera& camera) {
-  return std::hypot(moduleOf(predicted, pattern),
+/// Pixels over which the pattern varies: a feature, widened by the lens's blur.
+double blurredFeatureOf(const PredictedMarker& predicted, const TagPattern& pattern,
+                        const MountedCamera& camera) {
+  return std::hypot(featureOf(predicted, pattern),
                     2.0 * std::sqrt(camera.lensVariance(predicted.center)));
 }
 
@@ -255,26 +256,21 @@ RecognitionConfig readRecognitionConfig(const YamlReader& reader) {
   return config;
 }
 
-double correlationThreshold(double dimensions, double rate) {
-  if (dimensions <= 1.0) return 1.0;
-  return std::sqrt(1.0 - std::min(1.0, std::pow(2.0 * rate, 2.0 / (dimensions - 1.0))));
-}
-
 double largestMargin(const PredictedMarker& predicted, const TagPattern& pattern,
                      const MountedCamera& camera, const RecognitionConfig& config) {
-  return std::max(kLeastMargin, config.max_margin * blurredModuleOf(predicted, pattern, camera));
+  return std::max(kLeastMargin, config.max_margin * blurredFeatureOf(predicted, pattern, camera));
 }
 
 std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& marker,
                                      const TagPattern& pattern, const MountedCamera& camera,
                                      const Pose& map_from_base, const PredictedMarker& predicted,
                                      const RecognitionConfig& config) {
-  const double module = moduleOf(predicted, pattern);
+  const double feature = featureOf(predicted, pattern);
   const double margin = std::max(predicted.tangential_margin, predicted.radial_margin);
   if (margin > largestMargin(predicted, pattern, camera, config)) return std::nullopt;
   MarkerPatch::Choice choice;
   const bool may_be_stretched = margin > kLeastMargin;
-  choice.max_considered = pixelsFor(module, may_be_stretched);
+  choice.max_considered = pixelsFor(feature, may_be_stretched);
   choice.tolerance = 0.02;
   choice.facets = 3;
   const MarkerPatch patch(marker, pattern, camera, map_from_base, choice);
@@ -282,8 +278,9 @@ std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& mark
   constexpr std::size_t kFewestPixels = 24;
   if (footprints.size() < kFewestPixels) return std::nullopt;
 
-  // Alignment converges from a quarter of a module.
-  const int step = std::max(1, static_cast<int>(0.3 * blurredModuleOf(predicted, pattern, camera)));
+  // Alignment converges from a quarter of a feature.
+  const int step =
+      std::max(1, static_cast<int>(0.3 * blurredFeatureOf(predicted, pattern, camera)));
   const SearchArea area(predicted, camera.model());
   const std::vector<Place> places = area.places(step);
   const auto recognizedFrom = [&](const Place& place) -> std::optional<Recognition> {

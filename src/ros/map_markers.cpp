@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 
 #include "omnitag/marker/tag_pattern.h"
 #include "omnitag/ros/conversions.h"
@@ -56,11 +57,12 @@ class Sheet {
 /// More would make the message too large for RViz; the faces are then white.
 constexpr std::size_t kMostWithPatterns = 200;
 
-std_msgs::ColorRGBA moduleColor(bool is_white) {
-  return is_white ? color(0.95, 0.95, 0.95) : color(0.08, 0.08, 0.08);
+std_msgs::ColorRGBA greyOf(double white) {
+  const double level = 0.08 + 0.87 * white;
+  return color(level, level, level);
 }
 
-/// The modules row by row, neighbours of one colour together.
+/// The modules row by row, neighbours of about one colour together.
 void addPattern(const TagPattern& pattern, Sheet* sheet) {
   const double module = 2.0 / pattern.widthBetweenCorners();
   const double edge = 0.5 * module * pattern.width();
@@ -68,10 +70,13 @@ void addPattern(const TagPattern& pattern, Sheet* sheet) {
     const double top = edge - row * module;
     int first = 0;
     for (int column = 1; column <= pattern.width(); ++column) {
-      const bool is_white = pattern.isWhite(first, row);
-      if (column < pattern.width() && pattern.isWhite(column, row) == is_white) continue;
+      constexpr double kSame = 0.1;
+      const double white = pattern.whiteAt(first, row);
+      if (column < pattern.width() && std::abs(pattern.whiteAt(column, row) - white) < kSame) {
+        continue;
+      }
       sheet->addRectangle({first * module - edge, top - module, column * module - edge, top}, 0.0,
-                          moduleColor(is_white));
+                          greyOf(white));
       first = column;
     }
   }
@@ -85,11 +90,11 @@ void addTag(const Marker& marker, bool with_pattern, visualization_msgs::Marker*
   constexpr double kThickness = 0.01;
   Sheet sheet(marker, triangles);
   if (with_pattern) {
-    addPattern(TagPattern(marker.family, marker.id), &sheet);
+    addPattern(TagPattern(marker), &sheet);
   } else {
-    sheet.addFrame(kMargin, kBorder, moduleColor(true));
-    sheet.addFrame(kBorder, kInside, moduleColor(false));
-    sheet.addRectangle({-kInside, -kInside, kInside, kInside}, 0.0, moduleColor(true));
+    sheet.addFrame(kMargin, kBorder, greyOf(1.0));
+    sheet.addFrame(kBorder, kInside, greyOf(0.0));
+    sheet.addRectangle({-kInside, -kInside, kInside, kInside}, 0.0, greyOf(1.0));
   }
   sheet.addRectangle({-kMargin, -kMargin, kMargin, kMargin}, -kThickness, color(0.45, 0.45, 0.5));
 }

@@ -64,7 +64,7 @@ TEST(ArucoFamilyTest, HasTheMarkersOfItsDictionary) {
           const bool is_around =
               std::min(row, column) < 1 || std::max(row, column) > sample.side + 2;
           const bool is_white = is_around || drawing.at<std::uint8_t>(row - 1, column - 1) > 127;
-          EXPECT_EQ(pattern.isWhite(column, row), is_white)
+          EXPECT_EQ(pattern.whiteAt(column, row) > 0.5, is_white)
               << sample.name << " " << id << ": column " << column << ", row " << row;
         }
       }

@@ -251,5 +251,64 @@ TEST(MarkerMapFileTest, MarkersHangAboutWhereItSays) {
   EXPECT_THROW(parseMarkerMap("orientation_deviation: 3\n" + markers, "map.yaml"), InputError);
 }
 
+/// Of a map in the package's folder of maps.
+std::string patternMap(const std::string& entries, const std::string& defaults = "") {
+  return "{family: artoolkit, size: 0.5, " + defaults + " markers: [" + entries + "]}";
+}
+
+MarkerMap parsePatternMap(const std::string& text) {
+  return parseMarkerMap(text, std::string(PACKAGE_DIR) + "/maps/patterns.yaml");
+}
+
+constexpr const char* kMoon = "{pattern: patterns/moon.patt, position: [1, 0, 1], yaw: 0}";
+
+TEST(MarkerMapFile, APatternsIdIsTheFirstEntryThatHasIt) {
+  const std::string snake = "{pattern: patterns/snake.patt, position: [0, 0, 1], yaw: 0}";
+  const std::string thin =
+      "{pattern: patterns/moon.patt, border: 0.1, position: [2, 0, 1], yaw: 0}";
+  const std::string code = "{family: tag36h11, id: 7, position: [3, 0, 1], yaw: 0}";
+  const MarkerMap map = parsePatternMap(
+      patternMap(code + ", " + snake + ", " + kMoon + ", " + snake + ", " + thin + ", " + kMoon));
+  ASSERT_EQ(map.markers.size(), 6u);
+  std::vector<int> ids;
+  for (const Marker& marker : map.markers) ids.push_back(marker.id);
+  EXPECT_EQ(ids, (std::vector<int>{7, 1, 2, 1, 4, 2}));
+  EXPECT_EQ(map.markers[0].picture, nullptr);
+  EXPECT_EQ(map.markers[1].picture, map.markers[3].picture);
+  EXPECT_EQ(map.markers[2].picture->border, 0.25);
+  EXPECT_EQ(map.markers[4].picture->border, 0.1);
+  EXPECT_EQ(map.markers[4].picture->white, map.markers[2].picture->white);
+  EXPECT_EQ(map.markers[2].family, "artoolkit");
+}
+
+TEST(MarkerMapFile, TheBorderOfAllPatternsMayBeSaidOnce) {
+  const MarkerMap map = parsePatternMap(patternMap(kMoon, "border: 0.2,"));
+  EXPECT_EQ(map.markers[0].picture->border, 0.2);
+}
+
+TEST(MarkerMapFile, PatternsAndIdsAreNotMixedUp) {
+  const auto refusal = [](const std::string& text) -> std::string {
+    try {
+      parsePatternMap(text);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::string place = "position: [0, 0, 1], yaw: 0}";
+  const auto expectRefused = [&](const std::string& entry, const std::string& words) {
+    const std::string told = refusal(patternMap(entry));
+    EXPECT_NE(told.find(words), std::string::npos) << told;
+  };
+  expectRefused("{id: 3, " + place, "id: expected a pattern instead");
+  expectRefused("{pattern: patterns/moon.patt, id: 3, " + place, "id: expected a pattern instead");
+  expectRefused("{" + place, "pattern: expected the path of a pattern file");
+  expectRefused("{family: tag36h11, id: 3, pattern: patterns/moon.patt, " + place,
+                "pattern: expected none");
+  expectRefused("{family: tag36h11, id: 3, border: 0.2, " + place, "border: expected none");
+  expectRefused("{pattern: patterns/moon.patt, border: 0.5, " + place, "border: expected");
+  expectRefused("{pattern: nowhere.patt, " + place, "nowhere.patt: cannot be read");
+}
+
 }  // namespace
 }  // namespace omnitag

@@ -133,7 +133,8 @@ TEST(MarkerMapWriterTest, WritesANewMap) {
   MapEntry named = entry(2, 1.0, 0.0);
   named.marker.name = "door: \"left\"";
   named.marker.size = 0.5;
-  const MarkerMap map = parseMarkerMap(newMapText("hall", {entry(1, 0.5, 0.2), named}), "new");
+  const MarkerMap map =
+      parseMarkerMap(newMapText("hall", {entry(1, 0.5, 0.2), named}, "new"), "new");
   EXPECT_EQ(map.frame_id, "hall");
   ASSERT_EQ(map.markers.size(), 2U);
   EXPECT_EQ(map.markers[1].name, named.marker.name);
@@ -199,6 +200,44 @@ TEST_F(ReplaceFileTest, LeavesTheFileWhereItCannotBeReplaced) {
   EXPECT_THROW(replaceFile(path("m.yaml"), "two\n"), InputError);
   EXPECT_EQ(textOf(path("m.yaml")), "one\n");
   EXPECT_THROW(replaceFile(path("missing/m.yaml"), "two\n"), InputError);
+}
+
+TEST(MarkerMapWriter, PatternsAreWrittenRelativeToTheNewFile) {
+  const std::string maps = std::string(PACKAGE_DIR) + "/maps/";
+  const MarkerMap map = parseMarkerMap(
+      "{family: artoolkit, size: 0.5, markers: ["
+      "{pattern: patterns/moon.patt, position: [1, 0, 1], yaw: 0},"
+      "{pattern: patterns/snake.patt, border: 0.2, position: [2, 0, 1], yaw: 0}]}",
+      maps + "seed.yaml");
+  const std::string path = maps + "patterns/new.yaml";
+  const std::string text = newMapText("map", {{map.markers[0], ""}, {map.markers[1], ""}}, path);
+  EXPECT_NE(text.find("pattern: \"moon.patt\""), std::string::npos) << text;
+  const MarkerMap again = parseMarkerMap(text, path);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(again.markers[i].picture->white, map.markers[i].picture->white);
+    EXPECT_EQ(again.markers[i].picture->border, map.markers[i].picture->border);
+  }
+}
+
+TEST(MarkerMapWriter, PatternsKeepTheirPathsWhenTheirEntriesChange) {
+  const std::string origin = std::string(PACKAGE_DIR) + "/maps/seed.yaml";
+  const std::string text =
+      "family: artoolkit\nsize: 0.5\nborder: 0.2\nmarkers:\n"
+      "  - {pattern: patterns/moon.patt, position: [1, 0, 1], yaw: 0}\n"
+      "  - {pattern: patterns/snake.patt, position: [2, 0, 1], yaw: 0}\n"
+      "  - {pattern: patterns/moon.patt, position: [3, 0, 1], yaw: 0}\n";
+  MarkerMap map = parseMarkerMap(text, origin);
+  Marker moved = map.markers[2];
+  moved.map_from_marker.translation().x() = 3.5;
+  // Without the first entry, its pattern gets another id.
+  const std::string changed =
+      withChanges(text, {{true, std::nullopt}, {}, {false, moved}}, {{map.markers[0], ""}}, origin);
+  const MarkerMap after = parseMarkerMap(changed, origin);
+  ASSERT_EQ(after.markers.size(), 3u);
+  EXPECT_EQ(after.markers[1].picture->name, "patterns/moon.patt");
+  EXPECT_EQ(after.markers[1].center().x(), 3.5);
+  EXPECT_EQ(after.markers[1].id, 1);
+  EXPECT_EQ(after.markers[2].id, 1);
 }
 
 }  // namespace

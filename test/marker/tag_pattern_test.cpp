@@ -31,7 +31,7 @@ TEST(TagPatternTest, IsTheTagAsTheLibraryDrawsIt) {
       for (int row = 0; row < bitmap.total_width; ++row) {
         for (int column = 0; column < bitmap.total_width; ++column) {
           const auto index = static_cast<std::size_t>(row * bitmap.total_width + column);
-          EXPECT_EQ(pattern.isWhite(column, row), bitmap.white[index])
+          EXPECT_EQ(pattern.whiteAt(column, row) > 0.5, bitmap.white[index])
               << family << " " << id << ": column " << column << ", row " << row;
         }
       }
@@ -270,7 +270,7 @@ TEST(TagPatternTest, DataModulesAreThoseWhichDifferAmongTheTagsOfAFamily) {
       for (int column = 0; column < first.width(); ++column) {
         const bool differs =
             std::any_of(patterns.begin(), patterns.end(), [&](const TagPattern& pattern) {
-              return pattern.isWhite(column, row) != first.isWhite(column, row);
+              return pattern.whiteAt(column, row) != first.whiteAt(column, row);
             });
         const std::optional<int> module = dataModuleAt(first, column, row);
         EXPECT_EQ(module.has_value(), differs)
@@ -278,7 +278,7 @@ TEST(TagPatternTest, DataModulesAreThoseWhichDifferAmongTheTagsOfAFamily) {
         if (!module) continue;
         ++places[static_cast<std::size_t>(*module)];
         for (const TagPattern& pattern : patterns) {
-          EXPECT_EQ(pattern.isDataWhite(*module), pattern.isWhite(column, row)) << family;
+          EXPECT_EQ(pattern.dataAt(*module), 2.0 * pattern.whiteAt(column, row) - 1.0) << family;
         }
       }
     }
@@ -293,7 +293,7 @@ TEST(TagPatternTest, DataModulesStandInTheOrderOfTheCodesBits) {
     const TagPattern pattern("tag36h11", id);
     ASSERT_EQ(pattern.dataModules(), 36);
     for (int bit = 0; bit < 36; ++bit) {
-      EXPECT_EQ(pattern.isDataWhite(bit), ((family->codes[id] >> (35 - bit)) & 1U) != 0)
+      EXPECT_EQ(pattern.dataAt(bit) > 0.0, ((family->codes[id] >> (35 - bit)) & 1U) != 0)
           << id << ", bit " << bit;
     }
   }
@@ -353,8 +353,7 @@ TEST(TagPatternTest, DataSharesAddUpToTheAverageOfWhatTheLayoutLeavesOpen) {
     const Eigen::VectorXd shares = sharesOf(a, one);
     double expected = 0.0;
     for (int module = 0; module < a.dataModules(); ++module) {
-      expected += shares[module] * (static_cast<int>(a.isDataWhite(module)) -
-                                    static_cast<int>(b.isDataWhite(module)));
+      expected += shares[module] * (0.5 * (a.dataAt(module) - b.dataAt(module)));
     }
     const Eigen::Vector2d size(one.side_u.x(), one.side_v.y());
     EXPECT_NEAR(a.average(one.middle, size).share - b.average(one.middle, size).share, expected,
@@ -399,7 +398,7 @@ double blurredShare(const TagPattern& pattern, const Parallelogram& pixel, doubl
       };
       const double share = weight(u) * weight(v);
       whole += share;
-      if (pattern.isWhite(module(place.x()), module(place.y()))) white += share;
+      white += share * pattern.whiteAt(module(place.x()), module(place.y()));
     }
   }
   return white / whole;
@@ -476,8 +475,7 @@ TEST(TagPatternTest, DataSharesOfABlurredWindowAddUpToItsAverage) {
     pattern.appendDataShares(one.middle, window, &shares);
     double expected = 0.0;
     for (const TagPattern::DataShare& share : shares) {
-      expected += share.share * ((pattern.isDataWhite(share.module) ? 1.0 : 0.0) -
-                                 (other.isDataWhite(share.module) ? 1.0 : 0.0));
+      expected += share.share * 0.5 * (pattern.dataAt(share.module) - other.dataAt(share.module));
     }
     EXPECT_NEAR(
         pattern.averageOver(one.middle, window).share - other.averageOver(one.middle, window).share,
@@ -500,7 +498,7 @@ TEST(TagPatternsTest, HoldThePatternOfEveryMarker) {
     const TagPattern& pattern = patterns.of(marker);
     ASSERT_EQ(pattern.width(), bitmap.total_width);
     for (int i = 0; i < bitmap.total_width * bitmap.total_width; ++i) {
-      EXPECT_EQ(pattern.isWhite(i % bitmap.total_width, i / bitmap.total_width),
+      EXPECT_EQ(pattern.whiteAt(i % bitmap.total_width, i / bitmap.total_width) > 0.5,
                 bitmap.white[static_cast<std::size_t>(i)]);
     }
   }

@@ -337,7 +337,7 @@ TEST_P(MarkerPatchTest, ConsidersAboutAsManyPixelsAsAskedForOnAGrid) {
 /// Whether a pixel and those within two pixels of it see but one colour.
 bool seesOneColour(const Scene& scene, const Seen& footprint, double reach) {
   const Eigen::Matrix2d by_pixel = scene.pixelByPosition(footprint.position).inverse();
-  std::set<bool> colours;
+  std::set<double> colours;
   const int width = scene.pattern.width();
   constexpr int kSamples = 40;
   for (int i = 0; i <= kSamples; ++i) {
@@ -346,7 +346,7 @@ bool seesOneColour(const Scene& scene, const Seen& footprint, double reach) {
       const Eigen::Vector2d position = footprint.position + reach * by_pixel * offset;
       if (position.minCoeff() < 0.0 || position.maxCoeff() >= width) continue;
       colours.insert(
-          scene.pattern.isWhite(static_cast<int>(position.x()), static_cast<int>(position.y())));
+          scene.pattern.whiteAt(static_cast<int>(position.x()), static_cast<int>(position.y())));
     }
   }
   return colours.size() < 2;

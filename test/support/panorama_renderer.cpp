@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
@@ -43,22 +44,55 @@ TagBitmap tagBitmap(const std::string& family, int id) {
 
 namespace {
 
+/// What is printed on a board, row by row: the share of white of its modules.
+struct Print {
+  int width = 0;
+  std::vector<double> white;
+};
+
 struct Board {
   Eigen::Isometry3d marker_from_map;
   double module;  // m
-  TagBitmap bitmap;
+  Print print;
   std::array<double, 3> center;  // m, in the map
   double square_radius;          // m^2, of the sphere that holds it
 };
 
+/// A picture within a black and a white border. `border`: cells.
+Print printOf(const PatternPicture& picture, int border) {
+  const int white_border = border / 2;
+  const int before = border + white_border;
+  Print print;
+  print.width = picture.side + 2 * before;
+  for (int row = 0; row < print.width; ++row) {
+    for (int column = 0; column < print.width; ++column) {
+      const int from_edge =
+          std::min({row, column, print.width - 1 - row, print.width - 1 - column});
+      const bool is_picture = from_edge >= before;
+      const double around = from_edge < white_border ? 1.0 : 0.0;
+      print.white.push_back(is_picture ? picture.whiteAt(column - before, row - before) : around);
+    }
+  }
+  return print;
+}
+
 Board boardOf(const Marker& marker) {
-  TagBitmap bitmap = tagBitmap(marker.family, marker.id);
-  const double module = marker.size / bitmap.width_at_border;
-  const double edge = module * bitmap.total_width;
+  double module = 0.0;
+  Print print;
+  if (marker.picture) {
+    const double cells = marker.picture->side / (1.0 - 2.0 * marker.picture->border);
+    module = marker.size / cells;
+    print = printOf(*marker.picture, static_cast<int>(std::lround(marker.picture->border * cells)));
+  } else {
+    const TagBitmap bitmap = tagBitmap(marker.family, marker.id);
+    module = marker.size / bitmap.width_at_border;
+    print = {bitmap.total_width, {bitmap.white.begin(), bitmap.white.end()}};
+  }
+  const double edge = module * print.width;
   const Eigen::Vector3d center = marker.center();
   return {marker.map_from_marker.inverse(),
           module,
-          std::move(bitmap),
+          std::move(print),
           {center.x(), center.y(), center.z()},
           0.51 * edge * edge};
 }
@@ -91,15 +125,15 @@ std::optional<double> greyAlong(const std::vector<Board>& boards, const Ray& ray
     if (origin.z() <= 0.0 || direction.z() >= 0.0) continue;
     const double distance = -origin.z() / direction.z();
     const Eigen::Vector3d hit = origin + distance * direction;
-    const double half = 0.5 * board.bitmap.total_width;
+    const double half = 0.5 * board.print.width;
     const double column = hit.x() / board.module + half;
     const double row = half - hit.y() / board.module;
-    const int width = board.bitmap.total_width;
+    const int width = board.print.width;
     if (column < 0 || row < 0 || column >= width || row >= width || distance >= nearest) continue;
     nearest = distance;
     const auto index =
         static_cast<std::size_t>(static_cast<int>(row) * width + static_cast<int>(column));
-    grey = board.bitmap.white[index] ? 220.0 : 30.0;
+    grey = 30.0 + 190.0 * board.print.white[index];
   }
   return grey;
 }

@@ -24,7 +24,8 @@ TagBitmap tagBitmap(const std::string& family, int id);
 
 /// The panorama of a robot among markers before grey: a line of sight for every sample of every
 /// pixel, met with the markers' planes. Of the rows asked for; the others are black. Does not see
-/// markers that are narrower than two pixels.
+/// markers that are narrower than two pixels. The borders of pictures must be whole numbers of
+/// cells.
 cv::Mat renderPanorama(const MarkerMap& map, const MountedCamera& camera, const Pose& map_from_base,
                        int samples_per_axis = 3, const cv::Range& rows = cv::Range::all());
 

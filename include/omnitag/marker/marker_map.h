@@ -3,8 +3,11 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <vector>
+
+#include "omnitag/marker/pattern_picture.h"
 
 namespace omnitag {
 
@@ -18,7 +21,10 @@ using Corners = std::array<Point, 4>;
 /// looks at the upright marker, z out of its face toward that person.
 struct Marker {
   std::string family;
+  /// For a picture, the first entry of the map that has it.
   int id = 0;
+  /// What is within the border; null for families of codes.
+  std::shared_ptr<const PatternPicture> picture = nullptr;
   /// Unique in the map if given.
   std::string name;
   /// m, edge of the square between the corners that the library reports.
@@ -43,6 +49,7 @@ struct MarkerMap {
   /// For markers without their own; empty and 0 if there are none.
   std::string default_family = {};
   double default_size = 0.0;
+  double default_border = 0.25;
   /// For markers without their own; see Marker.
   double default_deviation = 0.0;
   double default_orientation_deviation = 0.0;

@@ -14,8 +14,10 @@ struct MapEntry {
   std::string remark;
 };
 
-/// The text of a new map file. The first marker's family, size and deviations become its defaults.
-std::string newMapText(const std::string& frame_id, const std::vector<MapEntry>& entries);
+/// The text of a new map file, to be written to `path`. The first marker's family, size and
+/// deviations become its defaults. Throws InputError if it would not be read back as these markers.
+std::string newMapText(const std::string& frame_id, const std::vector<MapEntry>& entries,
+                       const std::string& path);
 
 /// The text of a map file with entries added at the end of its list `markers`, in its style. The
 /// existing text is kept byte for byte. `origin` takes the place of the file name in errors.

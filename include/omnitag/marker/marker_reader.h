@@ -3,7 +3,6 @@
 #include <memory>
 #include <opencv2/core/mat.hpp>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -43,8 +42,11 @@ class MarkerReader {
   /// `working_distance`: m, as in ViewWarper. `threads`: how many share the reading of several
   /// views. Throws InputError for an unknown family.
   MarkerReader(std::shared_ptr<const CameraModel> camera, double working_distance,
-               const TagDetectorConfig& config, const std::set<std::string>& families,
-               int threads = 1);
+               const TagDetectorConfig& config, const MarkerFamilies& families, int threads = 1);
+
+  /// Reads these families from now on. Throws InputError for an unknown one; the families are then
+  /// as before.
+  void setFamilies(const TagDetectorConfig& config, const MarkerFamilies& families);
 
   /// The markers in one view's image. A marker is left out if the view cuts it, or if it reaches
   /// beyond what the panorama shows of the world.
@@ -63,6 +65,7 @@ class MarkerReader {
                                   const TagDetector& detector) const;
 
   ViewWarper warper_;
+  int threads_;
   /// One for each thread.
   std::vector<TagDetector> detectors_;
 };

@@ -3,11 +3,11 @@
 #include <Eigen/Core>
 #include <memory>
 #include <opencv2/core/mat.hpp>
-#include <set>
 #include <string>
 #include <vector>
 
 #include "omnitag/common/yaml_reader.h"
+#include "omnitag/marker/marker_families.h"
 #include "omnitag/marker/marker_map.h"
 
 namespace omnitag {
@@ -35,7 +35,8 @@ struct TagDetectorConfig {
   /// Wrong bits that are corrected, 3 at most. Families with very many ids get fewer, so that the
   /// library's decoding table stays under 64 MB.
   int max_hamming = 2;
-  /// Grey levels; detections whose bits differ less from their threshold are not reported.
+  /// Grey levels; detections whose bits differ less from their threshold are not reported. Pictures
+  /// have no such bits.
   double min_decision_margin = 10.0;
 };
 
@@ -48,8 +49,9 @@ struct TagDetection {
   std::string family;
   int id = 0;
   int hamming = 0;
+  /// Grey levels; of a picture, the standard deviation within its border.
   double decision_margin = 0.0;
-  /// Between two corners.
+  /// Between two corners; as if the border of a picture were one wide.
   int modules_per_edge = 0;
   Corners<Eigen::Vector2d> corners;
   Eigen::Vector2d center;
@@ -58,12 +60,12 @@ struct TagDetection {
 /// Where the diagonals of a quadrilateral meet.
 Eigen::Vector2d centerOf(const Corners<Eigen::Vector2d>& corners);
 
-/// Finds AprilTags and ArUco markers in grey images. Not safe to use from two threads at once: give
-/// each thread its own.
+/// Finds AprilTags, ArUco markers and pictures in grey images. Not safe to use from two threads at
+/// once: give each thread its own.
 class TagDetector {
  public:
   /// Throws InputError for an unknown family.
-  TagDetector(const TagDetectorConfig& config, const std::set<std::string>& families);
+  TagDetector(const TagDetectorConfig& config, const MarkerFamilies& families);
   /// With the families of another detector, whose decoding tables (many megabytes) the two share.
   /// `max_hamming` remains the other detector's.
   TagDetector(const TagDetectorConfig& config, const TagDetector& other);

@@ -5,28 +5,36 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <string>
-#include <utility>
+#include <tuple>
 #include <vector>
 
 #include "omnitag/common/grid_index.h"
 #include "omnitag/marker/marker_map.h"
+#include "omnitag/marker/pattern_picture.h"
+#include "omnitag/marker/pattern_window.h"
 
 struct apriltag_family;
 
 namespace omnitag {
 
-/// The black and white modules of a tag, with everything that the family's layout fixes around
-/// them, as the AprilTag library draws it. Any part of it can be averaged.
+/// What is printed on a marker: black and white modules, or the grey ones of a picture, with
+/// everything that the family's layout fixes around them. Any part of it can be averaged.
 ///
 /// Positions are in modules from the upper left corner of the drawing, x to the right and y down
-/// for a person who looks at the upright tag.
+/// for a person who looks at the upright marker.
 class TagPattern {
  public:
-  /// Throws InputError for an unknown family, or an id that the family does not have.
+  /// As the AprilTag library draws it. Throws InputError for an unknown family, or an id that the
+  /// family does not have.
   TagPattern(const std::string& family, int id);
   TagPattern(const apriltag_family& family, int id);
+  /// A picture's cells consist of as many modules as make its border a whole number of them.
+  explicit TagPattern(const PatternPicture& picture);
+  /// Throws InputError as above.
+  explicit TagPattern(const Marker& marker);
 
   /// Modules across the whole drawing, and between the corners that the library reports, which are
   /// centred in it.
@@ -43,69 +51,18 @@ class TagPattern {
   /// within the drawing.
   White average(const Eigen::Vector2d& position, const Eigen::Vector2d& size) const;
 
-  /// What a pixel sees: a parallelogram given by its sides (modules), blurred by a Gaussian of this
-  /// variance (pixels squared), and swept along a displacement (modules). If it is sharp, the
-  /// parallelogram is cut into four, each of which is averaged as if its sides ran along the
-  /// modules. If it is blurred, all of it is a Gaussian, composed of Gaussians along the modules'
-  /// axes at a few places on a line, which carry the correlation. The sweep is made in steps of
-  /// half a side, if these are not too many.
-  class Window {
-   public:
-    Window() = default;
-    Window(const Eigen::Vector2d& side_u, const Eigen::Vector2d& side_v, double blur_variance = 0.0,
-           const Eigen::Vector2d& sweep = Eigen::Vector2d::Zero());
-
-    /// How far it reaches from its middle along the modules' axes.
-    const Eigen::Vector2d& reach() const { return reach_; }
-
-    /// How far nearly all of it reaches from its middle; all of it if it is sharp. Beyond the
-    /// drawing, the drawing's edge is continued.
-    const Eigen::Vector2d& core() const { return core_; }
-
-    bool isBlurred() const { return is_blurred_; }
-
-    /// The size of a rectangle along the modules' axes that approximates all of it.
-    const Eigen::Vector2d& size() const { return size_; }
-
-   private:
-    friend class TagPattern;
-    /// One of the rectangles or Gaussians that it is made of.
-    struct Place {
-      Eigen::Vector2d from_middle = Eigen::Vector2d::Zero();
-      double share = 0.0;
-    };
-    void add(const Eigen::Vector2d& from_middle, double share) {
-      places_[place_count_++] = {from_middle, share};
-    }
-
-    /// Calls `visit` with the middle of each place, at each step of the sweep, and its share.
-    template <typename Visit>
-    void visit(const Eigen::Vector2d& position, const Visit& visit) const {
-      const double per_step = 1.0 / steps_;
-      for (int i = 0; i < steps_; ++i) {
-        const Eigen::Vector2d middle = position + (i - 0.5 * (steps_ - 1)) * step_;
-        for (std::size_t k = 0; k < place_count_; ++k) {
-          visit(middle + places_[k].from_middle, per_step * places_[k].share);
-        }
-      }
-    }
-
-    Eigen::Vector2d reach_ = Eigen::Vector2d::Zero();
-    Eigen::Vector2d core_ = Eigen::Vector2d::Zero();
-    Eigen::Vector2d size_ = Eigen::Vector2d::Zero();
-    std::array<Place, 5> places_{};
-    std::size_t place_count_ = 0;
-    /// At each place: half the sides of rectangles, the standard deviations of Gaussians.
-    Eigen::Vector2d extent_ = Eigen::Vector2d::Zero();
-    Eigen::Vector2d step_ = Eigen::Vector2d::Zero();
-    int steps_ = 1;
-    bool is_blurred_ = false;
-  };
+  /// What a pixel sees.
+  using Window = PatternWindow;
 
   /// Average over a window about a position; its core must lie within the drawing.
   White averageOver(const Eigen::Vector2d& position, const Window& window) const;
 
-  bool isWhite(int column, int row) const;
+  /// A module's share of white.
+  double whiteAt(int column, int row) const { return white_[moduleIndex(column, row)]; }
+
+  /// Modules over which the pattern hardly varies: 1 for codes, whose modules are independent. A
+  /// picture in as many independent parts has parts of this width.
+  double featureWidth() const { return feature_width_; }
 
   /// Whether everything within `reach` (modules along either axis) of a position, as far as the
   /// drawing has it, is of one colour. Only adjacent modules are checked: false if the reach is
@@ -125,8 +82,13 @@ class TagPattern {
     return (columns * rows & unlike) == 0U;
   }
 
-  /// The number of modules that distinguish the tags of a family; the layout fixes the others.
-  int dataModules() const { return data_modules_; }
+  /// The number of modules that distinguish the markers of a family, or of a picture's cells; the
+  /// layout fixes the others.
+  int dataModules() const { return static_cast<int>(data_.size()); }
+
+  /// The number of independent ways in which the data modules of such markers vary: infinite for
+  /// codes, each of whose modules is independent, however many there are; dimensionsOf() a picture.
+  double dataDimensions() const { return data_dimensions_; }
 
   /// A data module, by its number in the order of the family's bits, and its share in a window.
   struct DataShare {
@@ -139,10 +101,8 @@ class TagPattern {
   void appendDataShares(const Eigen::Vector2d& position, const Window& window,
                         std::vector<DataShare>* shares) const;
 
-  /// Whether a data module is white.
-  bool isDataWhite(int module) const {
-    return is_data_white_[static_cast<std::size_t>(module)] != 0;
-  }
+  /// What a data module shows, from -1 (black) to 1 (white).
+  double dataAt(int module) const { return data_[static_cast<std::size_t>(module)]; }
 
  private:
   /// White area above and to the left of a position, in modules squared, and its derivatives.
@@ -165,6 +125,8 @@ class TagPattern {
     std::array<double, kMost> shares{};
     std::array<double, kMost> slopes{};
   };
+  /// Works out what the modules' shares of white imply.
+  void prepare();
   Profile profileOf(double middle, double deviation) const;
   White averageOverGaussian(const Eigen::Vector2d& middle, const Eigen::Vector2d& deviations) const;
   void compareNeighbours();
@@ -173,7 +135,7 @@ class TagPattern {
   /// `per_area`: 1 / the area between.
   White averageBetween(const Eigen::Vector2d& low, const Eigen::Vector2d& high,
                        double per_area) const;
-  bool isWhiteAt(const Eigen::Vector2d& position) const;
+  double whiteAt(const Eigen::Vector2d& position) const;
   int moduleAt(double coordinate) const {
     return std::clamp(static_cast<int>(coordinate), 0, width_ - 1);
   }
@@ -182,10 +144,11 @@ class TagPattern {
 
   int width_ = 0;
   int width_between_corners_ = 0;
-  int data_modules_ = 0;
-  /// Row by row, 1 for white.
-  std::vector<char> is_white_;
-  /// White modules above and to the left of each corner of the grid.
+  double feature_width_ = 1.0;
+  double data_dimensions_ = std::numeric_limits<double>::infinity();
+  /// Row by row, the share of white.
+  std::vector<double> white_;
+  /// White area above and to the left of each corner of the grid.
   std::vector<double> sums_;
   /// For each module, and for those around the drawing, which equal the nearest ones: a bit for
   /// each of the 3 x 3 neighbours, row by row, that has another colour.
@@ -193,7 +156,7 @@ class TagPattern {
   /// Number of each data module, row by row; -1 for the others.
   std::vector<int> data_module_;
   /// One for each data module.
-  std::vector<char> is_data_white_;
+  std::vector<double> data_;
 };
 
 /// The patterns of a map's markers, each drawn once.
@@ -208,7 +171,11 @@ class TagPatterns {
   const TagPattern& of(const Marker& marker) const;
 
  private:
-  std::map<std::pair<std::string, int>, TagPattern> patterns_;
+  /// A map that is changed may have another picture under the same id.
+  using Key = std::tuple<std::string, int, const PatternPicture*>;
+  static Key keyOf(const Marker& marker);
+
+  std::map<Key, TagPattern> patterns_;
 };
 
 }  // namespace omnitag

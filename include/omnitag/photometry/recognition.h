@@ -14,7 +14,7 @@ namespace omnitag {
 
 /// How markers are recognized where they are predicted.
 struct RecognitionConfig {
-  /// In widths of a module, including the lens's blur: markers that may be farther from their
+  /// In widths of a module, or of a picture's independent parts, including the lens's blur: markers that may be farther from their
   /// predicted place are searched for with the decoder.
   double max_margin = 9.0;
   /// Upper limit of the probability that something else is taken for the predicted marker.
@@ -42,11 +42,6 @@ struct Recognition {
   /// sufficient factor to show it than another pattern, each at the noise that it leaves.
   bool is_accepted = false;
 };
-
-/// The correlation with a given pattern that a random pattern, which varies in `dimensions`
-/// independent ways, reaches in at most `rate` of all cases: the cap of half-angle acos(t) has at
-/// most the share (1 - t^2)^((n - 1) / 2) / 2 of the sphere in n dimensions.
-double correlationThreshold(double dimensions, double rate);
 
 /// Largest distance from its predicted place, in pixels, at which a marker is recognized.
 double largestMargin(const PredictedMarker& predicted, const TagPattern& pattern,

@@ -8,7 +8,6 @@
 #include <memory>
 #include <opencv2/core/mat.hpp>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -17,6 +16,7 @@
 #include "omnitag/adjustment/odometry_at.h"
 #include "omnitag/camera/camera_model.h"
 #include "omnitag/localization/frame_readings.h"
+#include "omnitag/marker/marker_families.h"
 #include "omnitag/ros/parameters.h"
 
 namespace omnitag {
@@ -30,7 +30,7 @@ struct DriveOptions {
   /// base_from_camera, in place of the bags'.
   std::optional<Eigen::Isometry3d> mounting;
   /// Families of the markers that are looked for.
-  std::set<std::string> families;
+  MarkerFamilies families;
   /// How many images are read, spread over all bags.
   std::size_t images = 0;
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -53,6 +54,10 @@ void transform(const Pose& other_from_map, BuiltMap* map) {
     each.is_exact = false;
   }
   for (Pose& pose : map->trajectory) pose = other_from_map * pose;
+}
+
+std::filesystem::path folderOf(const std::string& path) {
+  return std::filesystem::weakly_canonical(path).parent_path();
 }
 
 }  // namespace
@@ -107,7 +112,8 @@ void printMap(const BuiltMap& map) {
   for (const std::string& remark : map.remarks) std::printf("note: %s\n", remark.c_str());
 }
 
-std::string mapText(const std::string& seed_path, const std::string& frame, const BuiltMap& map) {
+std::string mapText(const std::string& seed_path, const std::string& frame, const BuiltMap& map,
+                    const std::string& path) {
   std::vector<MapEntry> all;
   std::vector<MapEntry> added;
   std::vector<EntryChange> changes;
@@ -121,9 +127,14 @@ std::string mapText(const std::string& seed_path, const std::string& frame, cons
       changes.push_back({false, isFound(each) ? std::optional(entry.marker) : std::nullopt});
     }
   }
-  if (seed_path.empty()) return newMapText(frame, all);
+  if (seed_path.empty()) return newMapText(frame, all, path);
   const std::string text = readTextFile(seed_path);
-  if (parseMarkerMap(text, seed_path).frame_id != frame) return newMapText(frame, all);
+  const bool has_pictures =
+      std::any_of(all.begin(), all.end(), [](const MapEntry& each) { return each.marker.picture; });
+  const bool is_beside = folderOf(seed_path) == folderOf(path);
+  if ((has_pictures && !is_beside) || parseMarkerMap(text, seed_path).frame_id != frame) {
+    return newMapText(frame, all, path);
+  }
   const bool is_changed = std::any_of(changes.begin(), changes.end(),
                                       [](const EntryChange& change) { return change.moved; });
   return is_changed ? withChanges(text, changes, added, seed_path)

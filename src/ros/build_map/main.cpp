@@ -4,7 +4,6 @@
 #include <fstream>
 #include <iostream>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,6 +17,7 @@
 #include "omnitag/common/error.h"
 #include "omnitag/common/file_replacement.h"
 #include "omnitag/marker/map_constraint.h"
+#include "omnitag/marker/marker_families.h"
 #include "omnitag/marker/marker_map_file.h"
 #include "options.h"
 
@@ -48,16 +48,10 @@ MapBuilderConfig builderConfig(const BuildOptions& options, const LocalizerParam
   return config;
 }
 
-std::set<std::string> familiesOf(const BuildOptions& options, const MarkerMap& seed) {
-  std::set<std::string> families;
-  for (const Marker& marker : seed.markers) families.insert(marker.family);
-  if (!options.family.empty()) {
-    families.insert(options.family);
-  } else if (!seed.default_family.empty()) {
-    families.insert(seed.default_family);
-  } else if (families.empty()) {
-    families.insert("tag36h11");
-  }
+MarkerFamilies familiesToRead(const BuildOptions& options, const MarkerMap& seed) {
+  MarkerFamilies families = familiesOf(seed);
+  if (!options.family.empty()) families.codes.insert(options.family);
+  if (families.isEmpty()) families.codes.insert("tag36h11");
   return families;
 }
 
@@ -95,7 +89,7 @@ void run(const BuildOptions& options) {
                options.image_topic,
                parameters,
                {},
-               familiesOf(options, seed),
+               familiesToRead(options, seed),
                static_cast<std::size_t>(options.max_images)});
   BuiltMap built;
   std::string camera_text;
@@ -116,8 +110,8 @@ void run(const BuildOptions& options) {
   // Makes every result before writing any.
   const std::string frame =
       options.alignment.frame.empty() ? seed.frame_id : options.alignment.frame;
-  const std::string text =
-      mapText(options.alignment.isNone() ? options.seed : std::string(), frame, built);
+  const std::string text = mapText(options.alignment.isNone() ? options.seed : std::string(), frame,
+                                   built, options.output);
   drawMap(built, options.drawing);
   if (!options.trajectory.empty()) writeTrajectory(built, options.trajectory);
   if (!camera_text.empty()) writeAtomically(options.output_camera, camera_text);

@@ -2,7 +2,6 @@
 #include <exception>
 #include <iostream>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 
@@ -15,6 +14,7 @@
 #include "omnitag/common/error.h"
 #include "omnitag/common/file_replacement.h"
 #include "omnitag/marker/map_constraint.h"
+#include "omnitag/marker/marker_families.h"
 #include "omnitag/marker/marker_map_file.h"
 #include "options.h"
 #include "parameter_output.h"
@@ -29,11 +29,10 @@ LocalizerParameters parametersOf(const CalibrationOptions& options) {
   return parameters;
 }
 
-std::set<std::string> familiesOf(const CalibrationOptions& options, const MarkerMap& map) {
-  std::set<std::string> families;
-  for (const Marker& marker : map.markers) families.insert(marker.family);
-  if (!options.family.empty()) families.insert(options.family);
-  if (families.empty()) families.insert("tag36h11");
+MarkerFamilies familiesToRead(const CalibrationOptions& options, const MarkerMap& map) {
+  MarkerFamilies families = familiesOf(map);
+  if (!options.family.empty()) families.codes.insert(options.family);
+  if (families.isEmpty()) families.codes.insert("tag36h11");
   return families;
 }
 
@@ -56,7 +55,7 @@ void run(const CalibrationOptions& options) {
   const LocalizerParameters parameters = parametersOf(options);
   const JointRequest request = requestOf(options, parameters);
   Drive drive({options.bags, options.image_topic, parameters, options.mounting,
-               familiesOf(options, request.seed), static_cast<std::size_t>(options.images)});
+               familiesToRead(options, request.seed), static_cast<std::size_t>(options.images)});
   std::optional<ParameterOutput> parameter_file;
   if (!options.output_params.empty()) parameter_file.emplace(options.output_params);
 
@@ -68,7 +67,7 @@ void run(const CalibrationOptions& options) {
   if (!options.output_map.empty()) {
     const std::string& frame = options.alignment.frame;
     text = mapText(options.alignment.isNone() ? options.map : std::string(),
-                   frame.empty() ? request.seed.frame_id : frame, found.map);
+                   frame.empty() ? request.seed.frame_id : frame, found.map, options.output_map);
   }
   writePicture(options.picture, residualPicture(found.camera, *camera, drive.imageOf(0)));
   writeAtomically(options.output, calibratedFile(found.camera, request.guess, frames));

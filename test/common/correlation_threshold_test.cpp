@@ -5,7 +5,7 @@
 #include <random>
 
 #include "omnitag/common/angle.h"
-#include "omnitag/photometry/recognition.h"
+#include "omnitag/common/correlation_threshold.h"
 
 namespace omnitag {
 namespace {

@@ -1,0 +1,118 @@
+#include "omnitag/marker/pattern_picture.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <opencv2/core.hpp>
+#include <random>
+#include <string>
+
+#include "../support/sample_pictures.h"
+#include "omnitag/common/error.h"
+
+namespace omnitag {
+namespace {
+
+class PatternFileTest : public testing::Test {
+ protected:
+  ~PatternFileTest() override { std::remove(path_.c_str()); }
+
+  PatternPicture load(const std::string& text) const {
+    std::ofstream(path_) << text;
+    return loadPatternPicture(path_);
+  }
+
+  /// What it says of a file with this text.
+  std::string refusal(const std::string& text) const {
+    try {
+      load(text);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  const std::string path_ = testing::TempDir() + "pattern_file_test.patt";
+};
+
+/// Four blocks with these three planes.
+std::string blocks(const std::string& planes) { return planes + planes + planes + planes; }
+
+TEST_F(PatternFileTest, TheFirstBlockIsThePictureInItsLuma) {
+  const std::string blue = "255 0 0 0\n0 0 0 0\n0 0 0 0\n0 0 0 100\n";
+  const std::string green = "0 255 0 0\n0 0 0 0\n0 0 0 0\n0 0 0 100\n";
+  const std::string red = "0 0 255 0\n0 0 0 0\n0 0 0 0\n0 0 0 100\n\n";
+  std::string turned;
+  for (int i = 0; i < 3 * 3 * 16; ++i) turned += "7 ";
+  const PatternPicture picture = load(blue + green + red + turned);
+  EXPECT_EQ(picture.side, 4);
+  EXPECT_NEAR(picture.whiteAt(0, 0), 0.114, 1e-12);
+  EXPECT_NEAR(picture.whiteAt(1, 0), 0.587, 1e-12);
+  EXPECT_NEAR(picture.whiteAt(2, 0), 0.299, 1e-12);
+  EXPECT_NEAR(picture.whiteAt(3, 3), 100.0 / 255.0, 1e-12);
+  EXPECT_EQ(picture.whiteAt(3, 0), 0.0);
+}
+
+TEST_F(PatternFileTest, WhatIsNoPatternIsRefusedByName) {
+  EXPECT_NE(refusal("1 2 3\n").find(path_ + ": expected 4 blocks"), std::string::npos);
+  EXPECT_NE(refusal("").find("found 0 numbers"), std::string::npos);
+  EXPECT_NE(refusal("1 2 three\n").find("found 'three'"), std::string::npos);
+  EXPECT_NE(refusal("1 256\n").find("found '256'"), std::string::npos);
+  EXPECT_NE(refusal("1 -1\n").find("found '-1'"), std::string::npos);
+  std::string even;
+  for (int i = 0; i < 3 * 16; ++i) even += i % 2 == 0 ? "120 " : "122 ";
+  EXPECT_NE(refusal(blocks(even)).find("contrast"), std::string::npos);
+  EXPECT_THROW(loadPatternPicture("/nowhere/pattern.patt"), InputError);
+}
+
+TEST(PatternPictureTest, CorrelatesWithItselfTurnedAlone) {
+  for (const std::string& name : test::pictureNames()) {
+    const PatternPicture upright = *test::picture(name);
+    PatternPicture turned = upright;
+    const int last = upright.side - 1;
+    for (int row = 0; row < upright.side; ++row) {
+      for (int column = 0; column < upright.side; ++column) {
+        // A quarter clockwise: what was at the left is at the top.
+        turned.white[static_cast<std::size_t>(row * upright.side + column)] =
+            0.2 + 0.5 * upright.whiteAt(row, last - column);
+      }
+    }
+    EXPECT_NEAR(correlationOf(upright, turned, 1), 1.0, 1e-9) << name;
+    for (const int quarters : {0, 2, 3}) {
+      EXPECT_LT(correlationOf(upright, turned, quarters), 0.7) << name;
+    }
+  }
+}
+
+TEST(PatternPictureTest, RandomPicturesOfItsSpectrumVaryInSoManyWays) {
+  std::mt19937 generator(3);
+  std::normal_distribution<double> normal;
+  for (const std::string& name : test::pictureNames()) {
+    const PatternPicture picture = *test::picture(name);
+    cv::Mat cells(picture.side, picture.side, CV_64F,
+                  const_cast<double*>(picture.white.data()));  // only read
+    cells = cells - cv::mean(cells)[0];
+    cv::Mat spectrum;
+    cv::dft(cells, spectrum, cv::DFT_COMPLEX_OUTPUT);
+    constexpr int kTrials = 4000;
+    double products = 0.0;
+    double norms = 0.0;
+    for (int i = 0; i < kTrials; ++i) {
+      // White noise that is filtered by the picture has its spectrum, and no phase of it.
+      cv::Mat noise(picture.side, picture.side, CV_64F);
+      for (double& value : cv::Mat_<double>(noise)) value = normal(generator);
+      cv::Mat filtered;
+      cv::dft(noise, filtered, cv::DFT_COMPLEX_OUTPUT);
+      cv::mulSpectrums(filtered, spectrum, filtered, 0);
+      cv::dft(filtered, filtered, cv::DFT_INVERSE | cv::DFT_REAL_OUTPUT | cv::DFT_SCALE);
+      products += std::pow(cells.dot(filtered), 2);
+      norms += cells.dot(cells) * filtered.dot(filtered);
+    }
+    EXPECT_NEAR(products / norms * dimensionsOf(picture), 1.0, 0.1) << name;
+  }
+}
+
+}  // namespace
+}  // namespace omnitag
