@@ -1,5 +1,6 @@
 #include "calibration_checks.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -61,6 +62,21 @@ void checkMotion(const std::vector<Pose>& poses) {
       rounded(kLeastMotion, 1) +
       " m: drive toward markers and away from them, so that they are seen high and low "
       "in the image");
+}
+
+void checkViews(const std::vector<Pose>& poses) {
+  constexpr double kLeastAngle = radians(20.0);
+  double largest = 0.0;
+  for (const Pose& pose : poses) {
+    const Eigen::Matrix3d between =
+        poses.front().toIsometry().linear().transpose() * pose.toIsometry().linear();
+    largest = std::max(largest, Eigen::AngleAxisd(between).angle());
+  }
+  if (largest >= kLeastAngle) return;
+  throw InputError("the board was seen from one side only: its images differ by " +
+                   rounded(degrees(largest), 0) + " degrees, expected at least " +
+                   rounded(degrees(kLeastAngle), 0) +
+                   ": hold it in other places of the image, near and far, and tilt it");
 }
 
 }  // namespace omnitag

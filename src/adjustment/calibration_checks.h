@@ -19,4 +19,7 @@ void checkCoverage(const std::vector<CalibrationFrame>& frames, const ImagePlane
 /// The robot must have moved.
 void checkMotion(const std::vector<Pose>& poses);
 
+/// A board must have been seen from different directions.
+void checkViews(const std::vector<Pose>& poses);
+
 }  // namespace omnitag

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "calibration_report.h"
+#include "omnitag/adjustment/field_coverage.h"
 #include "omnitag/adjustment/observability.h"
 #include "omnitag/common/error.h"
 #include "outliers.h"
@@ -111,6 +112,9 @@ CalibrationResult resultOf(const CalibrationOutcome& outcome, const ResidualSumm
   result.placement = all.placement;
   result.rim_radius = rimOf(model.camera(), result);
   result.remarks = outcome.fit.remarks;
+  std::vector<Eigen::Vector2d> corners;
+  for (const CornerResidual& corner : result.residuals) corners.push_back(corner.pixel);
+  result.remarks.push_back(describe(fieldCoverage(model.mounted(bundle.values).model(), corners)));
   addMoved(bundle, &result.remarks);
   for (const PlaceConstraint& constraint : bundle.constraints) {
     const auto words = contradiction(constraint, result.markers_found);

@@ -203,6 +203,7 @@ class Calibrator {
 
   std::string whyHeld(Eigen::Index index) const {
     const std::string& name = fit_.nameOf(index);
+    if (config_.is_free && model().isOfMounting(index)) return "a board does not tell it";
     if (fit_.isFixed(name)) return "as told";
     if (name == "conic_constant" && impliesConic() && !doubts_profile_) {
       return "the guess's profile fits";

@@ -10,6 +10,7 @@
 #include "calibration_report.h"
 #include "omnitag/adjustment/calibration_data.h"
 #include "omnitag/adjustment/pose_from_bearings.h"
+#include "omnitag/adjustment/pose_from_corners.h"
 #include "omnitag/common/error.h"
 #include "outliers.h"
 
@@ -49,7 +50,8 @@ CameraFit::CameraFit(const CameraTemplate& guess, const MarkerMap& map,
   const MountedCamera camera = model().mounted(bundle.values);
   if (!config.is_rough) checkCoverage(data.frames, camera.model().imagePlane());
   for (const CalibrationFrame& frame : data.frames) {
-    const auto pose = poseFromBearings(map, camera, frame);
+    const auto pose =
+        config.is_free ? poseFromCorners(map, camera, frame) : poseFromBearings(map, camera, frame);
     if (!pose) continue;
     for (const MarkerObservation& observation : frame.observations) {
       bundle.observations.push_back(
@@ -58,16 +60,26 @@ CameraFit::CameraFit(const CameraTemplate& guess, const MarkerMap& map,
     bundle.frames.push_back({mounting, *pose, false, frame.stamp});
   }
   if (bundle.frames.size() < kMinFrames) {
-    throw InputError("bearings to the markers agree with the map in " +
-                     std::to_string(bundle.frames.size()) + " of " +
-                     std::to_string(data.frames.size()) + " images only, expected at least " +
-                     std::to_string(kMinFrames) +
+    throw InputError((config.is_free ? "corners" : "bearings to the markers") +
+                     std::string(" agree with the map in ") + std::to_string(bundle.frames.size()) +
+                     " of " + std::to_string(data.frames.size()) +
+                     " images only, expected at least " + std::to_string(kMinFrames) +
                      ": look at the map, at lens.cx and lens.cy (the centre of the image's circle) "
                      "and at which way the optical axis points");
   }
   std::vector<Pose> poses;
   for (const Bundle::Frame& frame : bundle.frames) poses.push_back(frame.map_from_base);
-  checkMotion(poses);
+  if (config.is_free) {
+    checkViews(poses);
+  } else {
+    checkMotion(poses);
+  }
+}
+
+bool CameraFit::isFixed(const std::string& name) const {
+  const auto index = model().indexOf(name);
+  const bool is_gauge = config_.is_free && index && model().isOfMounting(*index);
+  return is_gauge || config_.fixed.count(name) > 0;
 }
 
 const std::string& CameraFit::nameOf(Eigen::Index index) const {
@@ -98,7 +110,8 @@ BundleConfig CameraFit::configOf(const Indices& free, Moving moving) const {
   config.free = free;
   config.adjusts_poses = moving != Moving::kCamera;
   config.adjusts_markers = moving == Moving::kAll;
-  if (moving == Moving::kAll) {
+  config.is_free = config_.is_free;
+  if (!config_.is_free && moving == Moving::kAll) {
     // Both have a part due to the mounting and one due to the floor.
     config.height_deviation = std::sqrt(2.0) * config_.floor.height_deviation;
     config.lean_deviation = std::sqrt(2.0) * config_.floor.lean_deviation;

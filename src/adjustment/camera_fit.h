@@ -22,8 +22,8 @@ class CameraFit {
  public:
   using Indices = std::vector<Eigen::Index>;
 
-  /// Takes initial poses from bearings. Keeps references to `config` and `progress`. Throws
-  /// InputError as calibrateCamera() does.
+  /// Takes initial poses from bearings, of a free camera from corners. Keeps references to `config`
+  /// and `progress`. Throws InputError as calibrateCamera() does.
   CameraFit(const CameraTemplate& guess, const MarkerMap& map,
             const std::vector<FrameReadings>& frames, const CalibrationConfig& config,
             const CalibrationProgress& progress);
@@ -31,7 +31,8 @@ class CameraFit {
   const CalibrationModel& model() const { return *bundle.model; }
   Eigen::VectorXd guess() const { return model().guess(); }
   const std::string& nameOf(Eigen::Index index) const;
-  bool isFixed(const std::string& name) const { return config_.fixed.count(name) > 0; }
+  /// Whether a parameter is not to be estimated.
+  bool isFixed(const std::string& name) const;
   /// The parameters with those names that exist and may change.
   Indices indicesOf(std::initializer_list<const char*> names) const;
 

@@ -11,10 +11,11 @@ namespace omnitag {
 
 std::vector<MarkerReading> alignReadings(const cv::Mat& panorama, const MarkerMap& map,
                                          const TagPatterns& patterns, const MountedCamera& camera,
+                                         const PosePrior& standing,
                                          std::vector<MarkerReading> readings) {
   const EstimatorConfig estimation;
   const Relocalization found =
-      relocalize(map, camera, readings, PosePrior::upright(), estimation, RelocalizationConfig());
+      relocalize(map, camera, readings, standing, estimation, RelocalizationConfig());
   std::vector<MarkerReading> aligned;
   if (!found.map_from_base) return aligned;
   for (std::size_t i = 0; i < readings.size(); ++i) {

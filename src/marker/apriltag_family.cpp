@@ -16,6 +16,7 @@
 #include <array>
 #include <set>
 
+#include "aprilgrid_family.h"
 #include "aruco_family.h"
 #include "omnitag/common/error.h"
 #include "omnitag/marker/tag_family.h"
@@ -49,14 +50,17 @@ AprilTagFamily createAprilTagFamily(const std::string& name) {
   for (const FamilyFunctions& family : kFamilies) {
     if (name == family.name) return {family.create(), family.destroy};
   }
+  if (name == kAprilGridFamily) return createAprilGridFamily();
   if (arucoDictionaries().count(name) > 0) return createArucoFamily(name);
-  throw InputError("expected a family of the AprilTag library or a dictionary of OpenCV, found '" +
-                   name + "'");
+  throw InputError(
+      "expected a family of the AprilTag library, aprilgrid or a dictionary of OpenCV, found '" +
+      name + "'");
 }
 
 const std::set<std::string>& tagFamilies() {
   static const std::set<std::string> names = [] {
     std::set<std::string> result = arucoDictionaries();
+    result.insert(kAprilGridFamily);
     for (const FamilyFunctions& family : kFamilies) result.insert(family.name);
     return result;
   }();

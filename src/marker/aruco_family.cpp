@@ -10,9 +10,10 @@
 
 #include <cstdint>
 #include <map>
-#include <memory>
 #include <utility>
 #include <vector>
+
+#include "code_family.h"
 
 namespace omnitag {
 namespace {
@@ -68,15 +69,6 @@ std::vector<Cell> cellsInOrder(int side) {
   return cells;
 }
 
-/// The data that a family's pointers refer to.
-struct Storage {
-  std::string name;
-  std::vector<std::uint64_t> codes;
-  std::vector<std::uint32_t> columns;
-  std::vector<std::uint32_t> rows;
-  apriltag_family_t family{};
-};
-
 }  // namespace
 
 const std::set<std::string>& arucoDictionaries() {
@@ -95,8 +87,8 @@ AprilTagFamily createArucoFamily(const std::string& name) {
   const int side = dictionary.markerSize;
   const std::vector<Cell> cells = cellsInOrder(side);
 
-  auto storage = std::make_shared<Storage>();
-  storage->name = name;
+  CodeFamily family;
+  family.name = name;
   for (int id = 0; id < dictionary.bytesList.rows; ++id) {
     const cv::Mat bits =
         cv::aruco::Dictionary::getBitsFromByteList(dictionary.bytesList.row(id), side);
@@ -104,25 +96,16 @@ AprilTagFamily createArucoFamily(const std::string& name) {
     for (const Cell& cell : cells) {
       code = code << 1U | static_cast<std::uint64_t>(bits.at<std::uint8_t>(cell.row, cell.column));
     }
-    storage->codes.push_back(code);
+    family.codes.push_back(code);
   }
   for (const Cell& cell : cells) {
     // Counted from the corner of the black border.
-    storage->columns.push_back(static_cast<std::uint32_t>(cell.column + 1));
-    storage->rows.push_back(static_cast<std::uint32_t>(cell.row + 1));
+    family.columns.push_back(static_cast<std::uint32_t>(cell.column + 1));
+    family.rows.push_back(static_cast<std::uint32_t>(cell.row + 1));
   }
-  apriltag_family_t& family = storage->family;
-  family.ncodes = static_cast<std::uint32_t>(storage->codes.size());
-  family.codes = storage->codes.data();
-  family.width_at_border = side + 2;
-  family.total_width = side + 4;
-  family.reversed_border = false;
-  family.nbits = static_cast<std::uint32_t>(cells.size());
-  family.bit_x = storage->columns.data();
-  family.bit_y = storage->rows.data();
-  family.h = static_cast<std::uint32_t>(2 * dictionary.maxCorrectionBits + 1);
-  family.name = storage->name.data();
-  return {&family, [storage](apriltag_family_t* /*family*/) mutable { storage.reset(); }};
+  family.border_width = side + 2;
+  family.distance = 2 * dictionary.maxCorrectionBits + 1;
+  return libraryFamily(std::move(family));
 }
 
 }  // namespace omnitag

@@ -73,15 +73,16 @@ class PictureReader {
     double border = default_border;
     readBorder(reader, &border);
     const std::string name = reader.text("pattern");
+    const std::string path = std::filesystem::weakly_canonical(folder_ / name).string();
     const auto found = std::find_if(pictures_.begin(), pictures_.end(), [&](const Entry& each) {
-      return each.picture->name == name && each.picture->border == border;
+      return each.picture->path == path && each.picture->border == border;
     });
     if (found != pictures_.end()) {
       marker->id = found->first_entry;
       marker->picture = found->picture;
       return;
     }
-    auto picture = std::make_shared<PatternPicture>(pictureOf(reader, name));
+    auto picture = std::make_shared<PatternPicture>(pictureOf(reader, path));
     picture->name = name;
     picture->border = border;
     marker->id = entry;
@@ -95,9 +96,9 @@ class PictureReader {
     std::shared_ptr<const PatternPicture> picture;
   };
 
-  PatternPicture pictureOf(const YamlReader& reader, const std::string& name) const {
+  static PatternPicture pictureOf(const YamlReader& reader, const std::string& path) {
     try {
-      return loadPatternPicture((folder_ / name).string());
+      return loadPatternPicture(path);
     } catch (const InputError& error) {
       throw InputError(reader.where("pattern") + ": " + error.what());
     }

@@ -2,8 +2,10 @@
 
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <opencv2/core.hpp>
+#include <sstream>
 
 #include "omnitag/common/error.h"
 #include "omnitag/common/format.h"
@@ -22,19 +24,18 @@ std::vector<double> valuesOf(const std::string& path) {
   std::ifstream file(path);
   if (!file) throw InputError(path + ": cannot be read");
   std::vector<double> values;
-  std::string word;
-  while (file >> word) {
-    std::size_t end = 0;
-    double value = -1.0;
-    try {
-      value = std::stod(word, &end);
-    } catch (const std::exception&) {
-      end = 0;
+  std::string line;
+  for (int number = 1; std::getline(file, line); ++number) {
+    std::istringstream words(line);
+    for (std::string word; words >> word;) {
+      char* end = nullptr;
+      const double value = std::strtod(word.c_str(), &end);
+      if (*end != '\0' || !(value >= 0.0 && value <= 255.0)) {
+        throw InputError(format("%s:%d: expected numbers from 0 to 255, found '%s'", path.c_str(),
+                                number, word.c_str()));
+      }
+      values.push_back(value);
     }
-    if (end != word.size() || !(value >= 0.0 && value <= 255.0)) {
-      throw InputError(path + ": expected numbers from 0 to 255, found '" + word + "'");
-    }
-    values.push_back(value);
   }
   return values;
 }

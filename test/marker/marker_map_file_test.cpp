@@ -281,6 +281,13 @@ TEST(MarkerMapFile, APatternsIdIsTheFirstEntryThatHasIt) {
   EXPECT_EQ(map.markers[2].family, "artoolkit");
 }
 
+TEST(MarkerMapFile, APatternIsTheSameHoweverItsPathIsSpelt) {
+  const MarkerMap map = parsePatternMap(
+      patternMap(std::string(kMoon) +
+                 ", {pattern: patterns/../patterns/moon.patt, position: [1, 2, 1], yaw: 0}"));
+  EXPECT_EQ(map.markers[1].id, 0);
+}
+
 TEST(MarkerMapFile, TheBorderOfAllPatternsMayBeSaidOnce) {
   const MarkerMap map = parsePatternMap(patternMap(kMoon, "border: 0.2,"));
   EXPECT_EQ(map.markers[0].picture->border, 0.2);

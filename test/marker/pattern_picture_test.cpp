@@ -58,7 +58,9 @@ TEST_F(PatternFileTest, TheFirstBlockIsThePictureInItsLuma) {
 TEST_F(PatternFileTest, WhatIsNoPatternIsRefusedByName) {
   EXPECT_NE(refusal("1 2 3\n").find(path_ + ": expected 4 blocks"), std::string::npos);
   EXPECT_NE(refusal("").find("found 0 numbers"), std::string::npos);
-  EXPECT_NE(refusal("1 2 three\n").find("found 'three'"), std::string::npos);
+  EXPECT_NE(
+      refusal("1 2\n3 three\n").find(path_ + ":2: expected numbers from 0 to 255, found 'three'"),
+      std::string::npos);
   EXPECT_NE(refusal("1 256\n").find("found '256'"), std::string::npos);
   EXPECT_NE(refusal("1 -1\n").find("found '-1'"), std::string::npos);
   std::string even;

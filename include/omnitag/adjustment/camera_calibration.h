@@ -25,7 +25,9 @@ struct CalibrationConfig {
   bool is_rough = false;
   /// Pixels: a calibration is refused if its corners are farther off (RMS).
   double max_residual = 1.0;
-  /// How far the robot may lean, and its height vary.
+  /// Whether the camera moves freely, as before a board: then nothing of its mounting is estimated.
+  /// Otherwise, how far the robot may lean, and its height vary.
+  bool is_free = false;
   FloorConfig floor;
   /// Priors of the places of the map's markers; if empty, the markers' own.
   std::vector<std::optional<PlacePrior>> priors;
@@ -80,7 +82,8 @@ using CalibrationProgress = std::function<void(const std::string& step, int iter
 /// Estimates a camera and its mounting (height, roll and pitch) from markers of known place that
 /// were read along a drive.
 ///
-/// Bearings, which do not depend on how the optics image elevation, give the initial poses. Then
+/// Bearings, which do not depend on how the optics image elevation, give the initial poses on a
+/// floor; of a free camera, corners do, for which the guess must be right to some percent. Then
 /// parameters are released in steps: the radial scale; the centre and the lean; the mirror's shape.
 /// Corners that are far off count less and less. Finally, parameters that the images do not
 /// determine are held at the guess.

@@ -44,9 +44,21 @@ std::string summaryOf(const char* name, const ResidualSummary& summary) {
                 summary.counted, summary.left_out);
 }
 
+std::string mountingReport(const Eigen::Isometry3d& base_from_camera,
+                           const MountingFrames& frames) {
+  return "\nMounting (the optical axis leans by " +
+         format("%.2f", degrees(leanOf(base_from_camera))) +
+         " deg), for tf:\n  rosrun tf2_ros static_transform_publisher " +
+         publisherArguments(base_from_camera) + " " + frames.base + " " + frames.camera +
+         "\nand for bags whose /tf_static is older: --mounting " + mountingText(base_from_camera) +
+         "\nIts x, y and yaw are the guess's: images cannot tell them from the robot's own place "
+         "and heading.\n";
+}
+
 }  // namespace
 
-std::string calibrationReport(const CalibrationResult& result, const MountingFrames& frames) {
+std::string calibrationReport(const CalibrationResult& result,
+                              const std::optional<MountingFrames>& frames) {
   std::string report =
       format("%-26s %12s %12s   %s\n", "parameter", "guess", "calibrated", "standard deviation");
   for (const CalibratedParameter& parameter : result.parameters) report += lineOf(parameter) + "\n";
@@ -58,22 +70,14 @@ std::string calibrationReport(const CalibrationResult& result, const MountingFra
   report +=
       format("left of the camera (px)    principal point %.3f, scale %.3f, tilt %.3f, rim %.3f\n",
              left.principal_point, left.scale, left.tilt, left.rim);
-  report +=
-      "\nMounting (the optical axis leans by " +
-      format("%.2f", degrees(leanOf(result.base_from_camera))) +
-      " deg), for tf:\n  rosrun tf2_ros static_transform_publisher " +
-      publisherArguments(result.base_from_camera) + " " + frames.base + " " + frames.camera +
-      "\nand for bags whose /tf_static is older: --mounting " +
-      mountingText(result.base_from_camera) +
-      "\nIts x, y and yaw are the guess's: images cannot tell them from the robot's own place "
-      "and heading.\n";
+  if (frames) report += mountingReport(result.base_from_camera, *frames);
   if (!result.remarks.empty()) report += "\n";
   for (const std::string& remark : result.remarks) report += remark + "\n";
   return report;
 }
 
 std::string calibratedFile(const CalibrationResult& result, const CameraTemplate& guess,
-                           const MountingFrames& frames) {
+                           const std::optional<MountingFrames>& frames) {
   return "# Calibrated by calibrate_camera from the guess " + guess.origin() + ".\n#\n" +
          asComment(calibrationReport(result, frames)) +
          guess.text(result.camera_values, result.rim_radius, result.uncertainty);

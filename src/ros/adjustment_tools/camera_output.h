@@ -1,6 +1,7 @@
 #pragma once
 
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <string>
 
 #include "omnitag/adjustment/camera_calibration.h"
@@ -14,12 +15,13 @@ struct MountingFrames {
 };
 
 /// The final report: each parameter with its deviation, the residuals, the mounting and how to use
-/// it, remarks.
-std::string calibrationReport(const CalibrationResult& result, const MountingFrames& frames);
+/// it (unless nothing of it was estimated: no `frames`), remarks.
+std::string calibrationReport(const CalibrationResult& result,
+                              const std::optional<MountingFrames>& frames);
 
 /// The camera file, with the report as comments.
 std::string calibratedFile(const CalibrationResult& result, const CameraTemplate& guess,
-                           const MountingFrames& frames);
+                           const std::optional<MountingFrames>& frames);
 
 /// Writes a file completely or not at all, in place of an existing one. Throws InputError.
 void writeAtomically(const std::string& path, const std::string& content);

@@ -61,7 +61,8 @@ class JointRun {
     find("images once more, by all pixels", [&](const cv::Mat& image, double stamp,
                                                 std::vector<MarkerReading> readings) {
       const MountedCamera then = time ? cameraAt(found, *time, odometry_, motion(), stamp) : found;
-      return alignReadings(image, map, patterns, then, std::move(readings));
+      const PosePrior standing = config_.is_free ? PosePrior{} : PosePrior::upright();
+      return alignReadings(image, map, patterns, then, standing, std::move(readings));
     });
     fillMap();
     return std::move(result_);

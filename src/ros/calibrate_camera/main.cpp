@@ -13,6 +13,7 @@
 #include "omnitag/adjustment/residual_picture.h"
 #include "omnitag/common/error.h"
 #include "omnitag/common/file_replacement.h"
+#include "omnitag/marker/board_file.h"
 #include "omnitag/marker/map_constraint.h"
 #include "omnitag/marker/marker_families.h"
 #include "omnitag/marker/marker_map_file.h"
@@ -39,7 +40,10 @@ MarkerFamilies familiesToRead(const CalibrationOptions& options, const MarkerMap
 JointRequest requestOf(const CalibrationOptions& options, const LocalizerParameters& parameters) {
   JointRequest request{
       CameraTemplate::fromFile(options.camera), {}, {}, {}, !options.odom_frame.empty()};
-  if (!options.map.empty()) {
+  if (!options.board.empty()) {
+    request.seed = loadBoard(options.board);
+    request.calibration.is_free = true;
+  } else if (!options.map.empty()) {
     request.seed = loadMarkerMap(options.map);
     request.growth.constraints = loadConstraints(options.map);
   }
@@ -54,7 +58,10 @@ JointRequest requestOf(const CalibrationOptions& options, const LocalizerParamet
 void run(const CalibrationOptions& options) {
   const LocalizerParameters parameters = parametersOf(options);
   const JointRequest request = requestOf(options, parameters);
-  Drive drive({options.bags, options.image_topic, parameters, options.mounting,
+  const bool is_board = !options.board.empty();
+  // Before a board, the camera itself is what moves.
+  const auto mounting = is_board ? Eigen::Isometry3d::Identity() : options.mounting;
+  Drive drive({options.bags, options.image_topic, parameters, mounting,
                familiesToRead(options, request.seed), static_cast<std::size_t>(options.images)});
   std::optional<ParameterOutput> parameter_file;
   if (!options.output_params.empty()) parameter_file.emplace(options.output_params);
@@ -62,7 +69,9 @@ void run(const CalibrationOptions& options) {
   JointResult found = runJointly(request, &drive);
   align(options.alignment, drive, &found.map);
   const auto camera = found.model(request.guess);
-  const MountingFrames frames{drive.baseFrame(), drive.cameraFrame()};
+  const auto frames = is_board
+                          ? std::nullopt
+                          : std::optional(MountingFrames{drive.baseFrame(), drive.cameraFrame()});
   std::string text;
   if (!options.output_map.empty()) {
     const std::string& frame = options.alignment.frame;

@@ -15,7 +15,8 @@ namespace {
 namespace po = boost::program_options;
 
 const char* const kUsage =
-    "usage: calibrate_camera --bag B.bag [--bag B2.bag] (--map M.yaml | --size S)\n"
+    "usage: calibrate_camera --bag B.bag [--bag B2.bag] (--map M.yaml | --size S | --board "
+    "B.yaml)\n"
     "                        --camera GUESS.yaml --output C.yaml [--output-map M2.yaml] [options]\n"
     "\n"
     "Estimates the lens, the mirror and how the camera is mounted (height, roll, pitch) from a\n"
@@ -24,6 +25,10 @@ const char* const kUsage =
     "has\n"
     "the image's circle right. What the images do not tell is held as the guess has it, and said.\n"
     "Where the recording cannot calibrate a camera, no file is written. Needs no roscore.\n"
+    "\n"
+    "With --board, the lens and the mirror alone, from a board that is held before the camera, or\n"
+    "past which the camera is carried: near and far, tilted, in all parts of the image. The guess\n"
+    "must be right to some percent.\n"
     "\n"
     "With --odom-frame, it also estimates how long after its stamp an image is exposed and how "
     "long\n"
@@ -35,6 +40,19 @@ std::set<std::string> splitNames(const std::string& text) {
   std::set<std::string> names;
   for (std::string name; std::getline(stream, name, ',');) names.insert(name);
   return names;
+}
+
+/// A board has its own frame, in which no robot stands.
+void checkBoardOptions(const CalibrationOptions& options) {
+  const auto refuse = [](const char* option, bool is_given) {
+    if (is_given) throw InputError(std::string(option) + ": not together with --board");
+  };
+  refuse("--map", !options.map.empty());
+  refuse("--size", options.size != 0.0);
+  refuse("--family", !options.family.empty());
+  refuse("--mounting", options.mounting.has_value());
+  refuse("--odom-frame", !options.odom_frame.empty());
+  refuse("--output-map", !options.output_map.empty());
 }
 
 }  // namespace
@@ -49,6 +67,8 @@ std::optional<CalibrationOptions> parseCalibrationOptions(int argc, char** argv)
       "marker map, as exact as its deviations say; without, give --size")(
       "size", po::value<double>(&options.size)->value_name("S"),
       "of markers that the map does not have (m): use them, too")(
+      "board", textOption(&options.board, "B.yaml"),
+      "calibration board: Kalibr's AprilGrid (its target file), or a ChArUco board")(
       "family", textOption(&options.family, "F"), "of these; default: the map's, else tag36h11")(
       "output-map", textOption(&options.output_map, "M2.yaml"),
       "marker map to write, with what the drive tells of the markers' places")(
@@ -82,8 +102,11 @@ std::optional<CalibrationOptions> parseCalibrationOptions(int argc, char** argv)
       "stays");
   addAlignmentOptions(&options.alignment, &description);
   if (!parseCommandLine(argc, argv, kUsage, description)) return std::nullopt;
-  if (options.map.empty() && options.size == 0.0) {
-    throw InputError("--size: expected the size of the markers (m), as there is no --map");
+  if (!options.board.empty()) {
+    checkBoardOptions(options);
+  } else if (options.map.empty() && options.size == 0.0) {
+    throw InputError(
+        "--size: expected the size of the markers (m), as there is neither --map nor --board");
   }
   if (!std::isfinite(options.size) || options.size < 0.0) {
     throw InputError("--size: expected a number > 0");
@@ -102,7 +125,7 @@ std::optional<CalibrationOptions> parseCalibrationOptions(int argc, char** argv)
   if (!options.output_params.empty() && options.odom_frame.empty()) {
     throw InputError("--output-params: needs --odom-frame, without which no times are estimated");
   }
-  std::vector<std::string> inputs = {options.camera, options.map};
+  std::vector<std::string> inputs = {options.camera, options.map, options.board};
   inputs.insert(inputs.end(), options.bags.begin(), options.bags.end());
   // --output-params may be the file of --params, since its other contents stay.
   checkOutputs(inputs, {{"--output", options.output},

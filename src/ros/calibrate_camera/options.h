@@ -16,6 +16,8 @@ struct CalibrationOptions {
   std::vector<std::string> bags;
   /// Empty: only the size of the markers is known.
   std::string map;
+  /// A calibration board in place of the map; empty if there is none.
+  std::string board;
   std::string camera;
   std::string output;
   /// Of the residuals; filled in if it was not given.

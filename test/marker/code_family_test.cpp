@@ -125,5 +125,25 @@ TEST(ArucoFamilyTest, CorrectsNoMoreThanIsSafe) {
   }
 }
 
+TEST(AprilGridFamily, IsTheCodeOfTag36h11InABorderOfTwoModules) {
+  EXPECT_EQ(tagCount("aprilgrid"), tagCount("tag36h11"));
+  for (const int id : {0, 1, 35, 586}) {
+    const TagPattern single("tag36h11", id);
+    const TagPattern pattern("aprilgrid", id);
+    ASSERT_EQ(pattern.widthBetweenCorners(), 10);
+    ASSERT_EQ(pattern.width(), 12);
+    for (int row = 0; row < 12; ++row) {
+      for (int column = 0; column < 12; ++column) {
+        const int from_edge = std::min({row, column, 11 - row, 11 - column});
+        const double expected = from_edge == 0  ? 1.0
+                                : from_edge < 3 ? 0.0
+                                                : single.whiteAt(column - 1, row - 1);
+        EXPECT_EQ(pattern.whiteAt(column, row), expected)
+            << id << ": column " << column << ", row " << row;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace omnitag

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "omnitag/camera/camera_model.h"
+
+namespace omnitag {
+
+/// How much of a camera's field some pixels cover: cells of rings and sectors of the same area.
+struct FieldCoverage {
+  /// Of the cells that have a pixel, from 0 to 1.
+  double share = 0.0;
+  /// The empty parts in words, such as "the rim at the upper left"; none if there are no large
+  /// ones.
+  std::vector<std::string> missing;
+};
+
+FieldCoverage fieldCoverage(const CameraModel& camera, const std::vector<Eigen::Vector2d>& pixels);
+
+/// In a line for the user, with what to do about it.
+std::string describe(const FieldCoverage& coverage);
+
+}  // namespace omnitag

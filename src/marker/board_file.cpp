@@ -1,0 +1,101 @@
+#include "omnitag/marker/board_file.h"
+
+#include "aprilgrid_family.h"
+#include "omnitag/common/yaml_reader.h"
+#include "omnitag/marker/tag_family.h"
+
+namespace omnitag {
+namespace {
+
+/// Columns or rows of a board.
+constexpr Interval kCount{1.0, 100.0};
+
+Marker markerAt(const std::string& family, int id, double size, const Eigen::Vector2d& center) {
+  Marker marker;
+  marker.family = family;
+  marker.id = id;
+  marker.size = size;
+  marker.map_from_marker.translation().head<2>() = center;
+  return marker;
+}
+
+void checkIds(const YamlReader& reader, const std::string& key, const MarkerMap& board) {
+  const Marker& last = board.markers.back();
+  const int ids = tagCount(last.family);
+  if (last.id >= ids) {
+    reader.refuse(key, "so few that " + last.family + " has enough ids, " + std::to_string(ids));
+  }
+}
+
+/// As Kalibr's kalibr_create_target_pdf draws it: ids run from the lower left to the right, row by
+/// row upward.
+MarkerMap readAprilGrid(const YamlReader& reader) {
+  reader.allowOnly({"target_type", "tagCols", "tagRows", "tagSize", "tagSpacing"});
+  const int columns = reader.integer("tagCols", kCount);
+  const int rows = reader.integer("tagRows", kCount);
+  const double size = reader.number("tagSize", kPositive);
+  constexpr Interval kSpacing{0.0, 10.0, false};
+  const double step = size * (1.0 + reader.number("tagSpacing", kSpacing));
+  MarkerMap board;
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      const Eigen::Vector2d lower_left(column * step, row * step);
+      board.markers.push_back(markerAt(kAprilGridFamily, row * columns + column, size,
+                                       lower_left + Eigen::Vector2d::Constant(0.5 * size)));
+    }
+  }
+  checkIds(reader, "tagRows", board);
+  return board;
+}
+
+/// As OpenCV's CharucoBoard draws it: ids run over the white squares from the upper left to the
+/// right, row by row downward. The upper left square is black; on a legacy board it is white if
+/// there is an even number of rows.
+MarkerMap readCharuco(const YamlReader& reader) {
+  reader.allowOnly(
+      {"target_type", "columns", "rows", "square_size", "marker_size", "dictionary", "legacy"});
+  const int columns = reader.integer("columns", kCount);
+  const int rows = reader.integer("rows", kCount);
+  const double square = reader.number("square_size", kPositive);
+  const double size = reader.number("marker_size", kPositive);
+  if (size >= square) reader.refuse("marker_size", "less than square_size");
+  const std::string dictionary = reader.text("dictionary");
+  if (dictionary.rfind("DICT_", 0) != 0 || tagFamilies().count(dictionary) == 0) {
+    reader.refuse("dictionary", "one of OpenCV's, such as DICT_5X5_100");
+  }
+  bool is_legacy = false;
+  reader.read("legacy", &is_legacy);
+  const int first_white = is_legacy && rows % 2 == 0 ? 0 : 1;
+  MarkerMap board;
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      if ((row + column) % 2 != first_white) continue;
+      const Eigen::Vector2d center((column + 0.5) * square, (rows - row - 0.5) * square);
+      const auto id = static_cast<int>(board.markers.size());
+      board.markers.push_back(markerAt(dictionary, id, size, center));
+    }
+  }
+  if (board.markers.empty()) reader.refuse("columns", "so many that there is a white square");
+  checkIds(reader, "rows", board);
+  return board;
+}
+
+MarkerMap readBoard(const YamlReader& reader) {
+  const std::string type = reader.text("target_type");
+  if (type != "aprilgrid" && type != "charuco") {
+    reader.refuse("target_type", "aprilgrid or charuco");
+  }
+  MarkerMap board = type == "aprilgrid" ? readAprilGrid(reader) : readCharuco(reader);
+  board.frame_id = "board";
+  return board;
+}
+
+}  // namespace
+
+MarkerMap loadBoard(const std::string& path) { return readBoard(YamlReader::fromFile(path)); }
+
+MarkerMap parseBoard(const std::string& text, const std::string& origin) {
+  return readBoard(YamlReader::fromText(text, origin));
+}
+
+}  // namespace omnitag
