@@ -1,4 +1,8 @@
-"""Tag patterns: AprilTags from the installed AprilTag library, ArUco markers from OpenCV."""
+"""Tag patterns: AprilTags from the installed AprilTag library, ArUco markers from OpenCV.
+
+The family `aprilgrid` is Kalibr's AprilGrid tags: the codes of tag36h11 within a black border of two
+modules instead of one, as kalibr_create_target_pdf draws them by default.
+"""
 
 import ctypes
 import functools
@@ -13,8 +17,10 @@ _ARUCO = tuple("DICT_{0}X{0}_{1}".format(side, count)
                for side in (4, 5, 6, 7) for count in (50, 100, 250, 1000)) + (
     "DICT_ARUCO_ORIGINAL", "DICT_APRILTAG_16h5", "DICT_APRILTAG_25h9", "DICT_APRILTAG_36h10",
     "DICT_APRILTAG_36h11", "DICT_ARUCO_MIP_36h12")
+APRILGRID = "aprilgrid"
+_APRILGRID_CODES = "tag36h11"
 FAMILIES = ("tag16h5", "tag25h9", "tag36h10", "tag36h11", "tagCircle21h7", "tagCircle49h12",
-            "tagCustom48h12", "tagStandard41h12", "tagStandard52h13") + _ARUCO
+            "tagCustom48h12", "tagStandard41h12", "tagStandard52h13", APRILGRID) + _ARUCO
 
 
 class _FamilyStruct(ctypes.Structure):
@@ -101,6 +107,9 @@ def tag_family(name: str) -> TagFamily:
         dictionary = _aruco_dictionary(name)
         return TagFamily(name, len(dictionary.bytesList), dictionary.markerSize + 2,
                          dictionary.markerSize + 4)
+    if name == APRILGRID:
+        codes = tag_family(_APRILGRID_CODES)
+        return TagFamily(name, codes.number_of_ids, codes.width_at_border + 2, codes.total_width + 2)
     family = _family_pointer(name).contents
     return TagFamily(name, int(family.ncodes), int(family.width_at_border),
                      int(family.total_width))
@@ -114,6 +123,14 @@ def tag_bitmap(family_name: str, tag_id: int) -> TagBitmap:
             family.number_of_ids - 1, family_name, tag_id))
     if family_name in _ARUCO:
         return TagBitmap(family, tag_id, _aruco_modules(family, tag_id))
+    if family_name == APRILGRID:
+        black = _apriltag_modules(_APRILGRID_CODES, tag_id)[1:-1, 1:-1]
+        return TagBitmap(family, tag_id, np.pad(np.pad(black, 1, constant_values=False), 1,
+                                                constant_values=True))
+    return TagBitmap(family, tag_id, _apriltag_modules(family_name, tag_id))
+
+
+def _apriltag_modules(family_name: str, tag_id: int) -> np.ndarray:
     pointer = _library().apriltag_to_image(_family_pointer(family_name), tag_id)
     image = pointer.contents
     pixels = np.ctypeslib.as_array(image.buf, shape=(image.height, image.stride))
@@ -123,4 +140,4 @@ def tag_bitmap(family_name: str, tag_id: int) -> TagBitmap:
     libc.free.argtypes = [ctypes.c_void_p]
     libc.free(image.buf)
     libc.free(pointer)
-    return TagBitmap(family, tag_id, modules)
+    return modules
