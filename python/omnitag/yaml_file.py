@@ -80,6 +80,13 @@ class Value:
             raise self.error("a finite number")
         return number
 
+    def boolean(self) -> bool:
+        """`true` or `false`."""
+        text = self._node.value if self._is_plain() else ""
+        if text not in ("true", "false"):
+            raise self.error("true or false")
+        return text == "true"
+
     def reals(self, count: int) -> List[float]:
         """A list of `count` finite numbers."""
         expected = "a list of {} numbers".format(count)

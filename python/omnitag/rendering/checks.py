@@ -43,11 +43,3 @@ def share(value: Value) -> float:
     if not 0.0 <= number <= 1.0:
         raise value.error("a number from 0 to 1")
     return number
-
-
-def boolean(value: Value) -> bool:
-    """true or false."""
-    text = value.text()
-    if text not in ("true", "false"):
-        raise value.error("true or false")
-    return text == "true"

@@ -4,7 +4,7 @@ from typing import List, NamedTuple, Optional, Sequence, Union
 
 import numpy as np
 
-from omnitag.rendering.checks import boolean, not_negative, positive, seed
+from omnitag.rendering.checks import not_negative, positive, seed
 from omnitag.rendering.path import SmoothPath
 from omnitag.rendering.poses import Pose
 from omnitag.rendering.route import Frame
@@ -59,7 +59,7 @@ def read_odometry(value: Value) -> Odometry:
     return Odometry(
         frame_id=entry["frame_id"].text() if "frame_id" in entry else usual.frame_id,
         seed=seed(entry["seed"]) if "seed" in entry else usual.seed,
-        lean=boolean(entry["lean"]) if "lean" in entry else usual.lean, **given)
+        lean=entry["lean"].boolean() if "lean" in entry else usual.lean, **given)
 
 
 def odometry_samples(odometry: Odometry, frames: Sequence[Frame], rows: Sequence[int],
