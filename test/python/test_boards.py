@@ -93,7 +93,8 @@ class BoardFileTest(FileTest):
         # Squares of a gap's width at each corner of each tag.
         np.testing.assert_allclose(
             sorted((square.left, square.bottom, square.width) for square in board.squares),
-            [(x, y, 0.005) for x in (-0.005, 0.020, 0.045, 0.070) for y in (-0.005, 0.020, 0.045)], atol=1e-12)
+            [(x, y, 0.005) for x in (-0.005, 0.020, 0.045, 0.070) for y in (-0.005, 0.020, 0.045)],
+            atol=1e-12)
         np.testing.assert_allclose((board.left, board.bottom, board.width, board.height),
                                    (-0.005, -0.005, 0.080, 0.055))
 

@@ -1,6 +1,6 @@
 """Sizes of paper, and blank pages."""
 
-from typing import Dict, Tuple
+from typing import Dict, Optional, Tuple
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -31,22 +31,36 @@ _SERIES = (_ISO_A, _ISO_B, _US, _US_ARCH)
 PAPERS = {name: size for series in _SERIES for name, size in series.items()}
 
 
-def page_size(least: Tuple[float, float], paper: str, what: str) -> Tuple[float, float]:
+def page_size(least: Tuple[float, float], paper: str, what: str,
+              turned: bool = False) -> Tuple[float, float]:
     """Width and height in mm of a page that holds `least`; the paper `fit` is exactly that size.
 
-    Raises InputError, whose message begins with `what`, if the paper is too small.
+    `turned`: the paper may also lie on its side. Raises InputError, whose message begins with `what`, if
+    the paper is too small.
     """
     if paper == "fit":
         return least
-    if _holds(PAPERS[paper], least):
-        return PAPERS[paper]
+    page = fitting_page(least, paper, turned)
+    if page:
+        return page
     alike = next(series for series in _SERIES if paper in series)
-    enough = next((name for name in alike if _holds(PAPERS[name], least)), "fit")
+    enough = next((name for name in alike if fitting_page(least, name, turned)), "fit")
     (width, height), (paper_width, paper_height) = least, PAPERS[paper]
     raise InputError(
         "{} needs {:.0f} x {:.0f} mm of paper, {} has {:g} x {:g}; the smallest paper that fits is "
         "{}, and --poster cuts it over several sheets".format(
             what, width, height, paper, paper_width, paper_height, enough))
+
+
+def fitting_page(least: Tuple[float, float], paper: str,
+                 turned: bool = False) -> Optional[Tuple[float, float]]:
+    """The paper's width and height in mm if it holds `least`, else None.
+
+    `turned`: the paper may also lie on its side.
+    """
+    width, height = PAPERS[paper]
+    sides = [(width, height), (height, width)] if turned else [(width, height)]
+    return next((size for size in sides if size[0] >= least[0] and size[1] >= least[1]), None)
 
 
 def blank_page(size: Tuple[float, float]) -> Tuple[Figure, Axes]:
@@ -62,7 +76,3 @@ def blank_page(size: Tuple[float, float]) -> Tuple[Figure, Axes]:
 def points(millimetres: float) -> float:
     """The font size whose letters are about this high."""
     return millimetres / MM_PER_INCH * 72.0 * 1.3
-
-
-def _holds(paper: Tuple[float, float], least: Tuple[float, float]) -> bool:
-    return paper[0] >= least[0] and paper[1] >= least[1]

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from omnitag.printing.paper import MARGIN, MM_PER_INCH, points
 
-OVERLAP = 10.0  # mm that neighbouring sheets share: cut off one of them, for gluing over the other
+OVERLAP = 10.0  # mm that neighbouring sheets share: cut off one of them, so that no gap is left
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,12 @@ def tiles(page: Tuple[float, float], paper: Tuple[float, float]) -> List[Tile]:
 
 
 def tile_figure(tile: Tile) -> Figure:
-    """An empty sheet with lines to cut along; its axes have the page's coordinates."""
+    """An empty sheet; its axes have the page's coordinates.
+
+    It has lines to cut along at the left and the top, where there are neighbours. Their cut edges come to
+    lie on lines at the right and the bottom, at the end of what is printed: the sheets meet there, and
+    the margin is for the glue.
+    """
     width, height = tile.paper
     figure = Figure(figsize=(width / MM_PER_INCH, height / MM_PER_INCH))
     printed = tile.printed
@@ -51,13 +56,17 @@ def tile_figure(tile: Tile) -> Figure:
     right, top = tile.left + printed[0], tile.bottom + printed[1]
     axes.set(xlim=(tile.left, right), ylim=(tile.bottom, top))
     axes.set_axis_off()
-    cut = {"color": "0.6", "linewidth": 0.4}
+    line = {"color": "0.6", "linewidth": 0.4}
     if tile.column > 0:
-        axes.plot([tile.left + OVERLAP] * 2, [tile.bottom, top], **cut)
+        axes.plot([tile.left + OVERLAP] * 2, [tile.bottom, top], **line)
     if tile.row > 0:
-        axes.plot([tile.left, right], [top - OVERLAP] * 2, **cut)
-    figure.text(MARGIN / width, 0.3 * MARGIN / height, tile.name + ": cut along the lines, glue over "
-                "the sheets to the left and above", fontsize=points(2.2), color="0.4")
+        axes.plot([tile.left, right], [top - OVERLAP] * 2, **line)
+    if tile.column < tile.columns - 1:
+        axes.plot([right] * 2, [tile.bottom, top], **line)
+    if tile.row < tile.rows - 1:
+        axes.plot([tile.left, right], [tile.bottom] * 2, **line)
+    figure.text(MARGIN / width, 0.3 * MARGIN / height, tile.name + ": cut along the lines at the left and "
+                "the top, glue onto the lines of the sheets there", fontsize=points(2.2), color="0.4")
     return figure
 
 

@@ -5,16 +5,15 @@ from typing import Dict, List, Tuple
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch, Rectangle
 from matplotlib.path import Path
 
 from omnitag.marker_drawing import Drawing, Square, drawing_of
 from omnitag.marker_map import Marker
-from omnitag.printing.paper import MARGIN, blank_page, points
+from omnitag.printing.paper import MARGIN, points
+from omnitag.printing.ruler import RULER_LENGTH, draw_ruler
 
 CAPTION_HEIGHT = 42.0  # mm, below the cut line
-RULER_LENGTH = 100.0  # mm
 SMALLEST_WIDTH = RULER_LENGTH + 30.0  # mm, of a page without margins, for the ruler to fit
 
 
@@ -56,13 +55,6 @@ def sheets(markers: Tuple[Marker, ...]) -> List[Sheet]:
             for same in served.values()]
 
 
-def draw_page(sheet: Sheet, size: Tuple[float, float]) -> Figure:
-    """The page as a figure whose data coordinates are millimetres from its lower left corner."""
-    figure, axes = blank_page(size)
-    draw_on(axes, sheet, size)
-    return figure
-
-
 def draw_on(axes: Axes, sheet: Sheet, size: Tuple[float, float]) -> None:
     """Draw on a page of that width and height, in millimetres from its lower left corner."""
     width, height = size
@@ -74,7 +66,7 @@ def draw_on(axes: Axes, sheet: Sheet, size: Tuple[float, float]) -> None:
     _draw_note(axes, sheet, 0.5 * width, bottom)
     _draw_dimension(axes, sheet, 0.5 * width, bottom - 5.0)
     _draw_caption(axes, sheet, 0.5 * width, bottom - 13.0)
-    _draw_ruler(axes, 0.5 * (width - RULER_LENGTH), bottom - CAPTION_HEIGHT + 6.0)
+    draw_ruler(axes, 0.5 * (width - RULER_LENGTH), bottom - CAPTION_HEIGHT + 6.0)
 
 
 def _draw_marker(axes: Axes, sheet: Sheet, x: float, y: float) -> None:
@@ -131,13 +123,3 @@ def _draw_caption(axes: Axes, sheet: Sheet, centre: float, y: float) -> None:
     axes.text(centre, y, title, fontsize=points(4.6), fontweight="bold", ha="center", va="top")
     axes.text(centre, y - 7.5, explanation, fontsize=points(2.6), color="0.25", ha="center",
               va="top", linespacing=1.3)
-
-
-def _draw_ruler(axes: Axes, left: float, y: float) -> None:
-    """A scale to check with a ruler: a tick every 10 mm."""
-    axes.plot([left, left + RULER_LENGTH], [y, y], color="black", linewidth=0.5)
-    for x in np.arange(0.0, RULER_LENGTH + 1.0, 10.0):
-        axes.plot([left + x, left + x], [y, y + (4.0 if x % 50.0 == 0.0 else 2.5)], color="black",
-                  linewidth=0.5)
-    axes.text(left + 0.5 * RULER_LENGTH, y - 1.2, "this line is {:g} mm long".format(RULER_LENGTH),
-              fontsize=points(2.6), color="0.25", ha="center", va="top")
