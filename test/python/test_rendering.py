@@ -234,6 +234,9 @@ class MarkersTest(unittest.TestCase):
     def test_rolled_and_oblique(self):
         self.check("tag36h11", self.in_front_of_the_camera(rotation_from_yaw_and_roll(-2.9, 1.0)))
 
+    def test_a_border_of_two_modules(self):
+        self.check("aprilgrid", self.in_front_of_the_camera(rotation_from_yaw_and_roll(-2.5)))
+
     def test_pattern_beyond_its_border(self):
         self.check("tagStandard41h12",
                    self.in_front_of_the_camera(rotation_from_yaw_and_roll(-2.5)))
