@@ -62,9 +62,9 @@ def tile_figure(tile: Tile) -> Figure:
     if tile.row > 0:
         axes.plot([tile.left, right], [top - OVERLAP] * 2, **line)
     if tile.column < tile.columns - 1:
-        axes.plot([right] * 2, [tile.bottom, top], **line)
+        axes.plot([right] * 2, [tile.bottom, top], clip_on=False, **line)
     if tile.row < tile.rows - 1:
-        axes.plot([tile.left, right], [tile.bottom] * 2, **line)
+        axes.plot([tile.left, right], [tile.bottom] * 2, clip_on=False, **line)
     figure.text(MARGIN / width, 0.3 * MARGIN / height, tile.name + ": cut along the lines at the left and "
                 "the top, glue onto the lines of the sheets there", fontsize=points(2.2), color="0.4")
     return figure
