@@ -14,6 +14,10 @@ from omnitag.marker_map import load_marker_map
 from omnitag.printing.board_page import BoardSheet
 from omnitag.printing.paper import PAPERS
 from omnitag.printing.poster import tiles
+from omnitag.rendering.free_space import FreeSpace
+from omnitag.rendering.povray import render
+from omnitag.rendering.scene import board_bitmaps, marker_bitmaps, world_scene
+from omnitag.rendering.world import load_world
 from omnitag.tag_bitmap import tag_bitmap, tag_family
 
 BOARDS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "config", "boards")
@@ -38,6 +42,18 @@ dictionary: {dictionary}
 
 # The codes of some ids in Kalibr's kalibr_create_target_pdf.
 KALIBR_CODES = {0: 0xD5D628584, 1: 0xD97F18B49, 5: 0xF31DAB3AC, 100: 0x50F1D3251, 586: 0xE83BE4B73}
+
+
+WORLD = """\
+marker_map: map.yaml
+camera: {frame_id: eye, position: [0, 0, 1.1], orientation: [1, 0, 0, 0]}
+images: {start: 0, noise: 0}
+ambient: 1
+lights: []
+materials: [{name: paint, grey: 0.5}]
+room: {x: [-2, 2], y: [-2, 2], height: 3, floor: paint, walls: paint, ceiling: paint}
+boards: {thickness: 0.02, quiet_modules: 2, black: 0.2, white: 0.8, back: paint}
+"""
 
 
 def kalibr_s_tag(code):
@@ -168,6 +184,24 @@ class BoardFileTest(FileTest):
             load_board("none.yaml")
 
 
+def cells_of_the_aprilgrid():
+    """(55, 80), True is black: cells of 1 mm of APRILGRID, by Kalibr's rule; row 0 is the lowest.
+
+    Its tags are 20 mm wide, at a pitch of 25 mm, with squares of 5 mm between their corners and at the
+    rim.
+    """
+    codes = [0xD5D628584, 0xD97F18B49, 0xDD280910E, 0xE479E9C98, 0xEBCBCA822, 0xF31DAB3AC]
+    black = np.zeros((55, 80), dtype=bool)
+    for row in range(2):
+        for column in range(3):
+            tag = np.kron(kalibr_s_tag(codes[3 * row + column])[::-1], np.ones((2, 2), dtype=bool))
+            black[5 + 25 * row:25 + 25 * row, 5 + 25 * column:25 + 25 * column] = tag
+    for row in range(3):
+        for column in range(4):
+            black[25 * row:25 * row + 5, 25 * column:25 * column + 5] = True
+    return black
+
+
 def opencv_s_board(columns, rows, dictionary, pixels, legacy):
     """OpenCV's drawing with squares of 10 and markers of 7 times `pixels`, or None if it has none.
 
@@ -217,21 +251,9 @@ class PrintedBoardTest(FileTest):
     def test_every_cell_of_an_aprilgrid(self):
         picture = self.picture(APRILGRID, "--paper", "fit")
         sheet = BoardSheet(load_board(self.path("b.yaml")))
-        # Modules are 2 mm and gaps 5 mm: cells of 1 mm, from the lower left square at the rim. As the
-        # rule has it: tags of 20 at a pitch of 25, squares of 5 between their corners, white elsewhere.
-        black = np.zeros((55, 80), dtype=bool)
-        for row in range(2):
-            for column in range(3):
-                code = [0xD5D628584, 0xD97F18B49, 0xDD280910E, 0xE479E9C98, 0xEBCBCA822,
-                        0xF31DAB3AC][3 * row + column]
-                tag = np.kron(kalibr_s_tag(code)[::-1], np.ones((2, 2), dtype=bool))
-                black[5 + 25 * row:25 + 25 * row, 5 + 25 * column:25 + 25 * column] = tag
-        for row in range(3):
-            for column in range(4):
-                black[25 * row:25 * row + 5, 25 * column:25 * column + 5] = True
         x, y = np.meshgrid(np.arange(80) + 0.5, np.arange(55) + 0.5)
         seen = self.sample(picture, sheet, 1e-3 * x - 0.005, 1e-3 * y - 0.005)
-        np.testing.assert_array_equal(seen, np.where(black, 0.0, 1.0))
+        np.testing.assert_array_equal(seen, np.where(cells_of_the_aprilgrid(), 0.0, 1.0))
 
     def test_true_scale(self):
         # Lines of the picture across the board: where it changes from white to black.
@@ -370,6 +392,72 @@ class PrintedBoardTest(FileTest):
         for arguments in (("--board", path), ("--board", path, "--map", path, *output), output,
                           ("--board", path, "--checklist", *output)):
             self.assertEqual(self.run_tool("print_markers", *arguments).returncode, 2)
+
+
+class RenderedBoardTest(FileTest):
+    """In a room, head-on and without perspective."""
+
+    PIXELS_PER_MM = 4
+
+    def world(self, more, board=APRILGRID):
+        self.write("map.yaml", "family: aprilgrid\nsize: 0.2\nmarkers:\n"
+                               "  - {id: 0, position: [1.9, 0, 1], yaw: 0}\n")
+        self.write("b.yaml", board)
+        return load_world(self.write("world.yaml", WORLD + "calibration_boards: [{board: b.yaml, "
+                                     + more + "}]\n"))
+
+    def picture(self, world, width, height, moment=0):
+        """What is seen at x = -1.9, y = 0.3, z = 1.2 by who looks along -x, upright; sizes in mm."""
+        camera = """camera {{ orthographic location <0, 300, 1200> direction <-1, 0, 0>
+            right <0, {}, 0> up <0, 0, {}> }}
+            """.format(width, height)
+        bitmaps = {**marker_bitmaps(world.hung_markers.ever(), world.boards),
+                   **board_bitmaps(world.hung_boards, world.boards)}
+        return render(camera + world_scene(world, moment), bitmaps, self.PIXELS_PER_MM * width,
+                      self.PIXELS_PER_MM * height)
+
+    def test_every_cell_of_an_aprilgrid(self):
+        # Turned by a quarter: the board's x is up, and its y to the left.
+        world = self.world("position: [-1.9, 0.3, 1.2], yaw: 0, roll: {}".format(np.pi / 2))
+        picture = self.picture(world, 65, 90)
+        # The board's rim is two modules of 2 mm, then the wall.
+        cells = np.where(cells_of_the_aprilgrid(), 0.2, 0.8)
+        cells = np.pad(np.pad(cells, 4, constant_values=0.8), 1, constant_values=0.5)
+        upright = np.rot90(cells[::-1])
+        centres = self.PIXELS_PER_MM // 2
+        for shift in (-1, 0):
+            seen = picture[centres + shift::self.PIXELS_PER_MM, centres + shift::self.PIXELS_PER_MM]
+            np.testing.assert_allclose(seen, upright, atol=1e-4)
+
+    def test_charuco(self):
+        world = self.world("position: [-1.9, 0.3, 1.2], yaw: 0",
+                           CHARUCO.format(columns=3, rows=2, dictionary="DICT_5X5_100"))
+        picture = self.picture(world, 60, 40)
+        # Where squares begin, at the upper left, there is no marker.
+        expected = np.array([[0.2, 0.8, 0.2], [0.8, 0.2, 0.8]])
+        np.testing.assert_allclose(picture[4::80, 4::80], expected, atol=1e-4)
+        modules = tag_bitmap("DICT_5X5_100", 0).modules[1:-1, 1:-1]
+        marker = picture[3 * 4 + 4:17 * 4:8, 23 * 4 + 4:37 * 4:8]
+        np.testing.assert_allclose(marker, np.where(modules, 0.8, 0.2), atol=1e-4)
+
+    def test_for_a_while(self):
+        world = self.world("position: [-1.9, 0.3, 1.2], yaw: 0, during: [[1, 2]]")
+        for seconds, light in ((0, 0.5), (1, 0.8)):
+            picture = self.picture(world, 2, 2, seconds * 10**9)
+            # The board's middle is in the gap between its rows, before a wall of 0.5.
+            self.assertAlmostEqual(float(picture[4, 4]), light, places=3)
+
+    def test_a_route_keeps_off_it(self):
+        space = FreeSpace(self.world("position: [0.5, 0.3, 1.2], yaw: 0"))
+        self.assertLess(space.clearance(0.495, 0.3), 0.0)
+        self.assertGreater(space.clearance(0.6, 0.3), 0.05)
+
+    def test_errors(self):
+        with self.assert_error("world.yaml:9: ", "calibration_boards[0].board", "a board file",
+                               "b.yaml:1: target_type"):
+            self.world("position: [0, 0, 0], yaw: 0", "target_type: circlegrid\n")
+        with self.assert_error("world.yaml:9: ", "'yaw' or 'orientation'"):
+            self.world("position: [0, 0, 0]")
 
 
 if __name__ == "__main__":

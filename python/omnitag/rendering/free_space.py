@@ -7,7 +7,7 @@ import numpy as np
 
 from omnitag.command_line import InputError
 from omnitag.rendering.route import Frame
-from omnitag.rendering.scene import board_width
+from omnitag.rendering.scene import board_size, board_width
 from omnitag.rendering.world import Cylinder, World
 
 # The robot can drive under what starts above this, such as lamps and signs.
@@ -34,6 +34,10 @@ class FreeSpace:
             half = 0.5 * board_width(marker, world.boards)
             self._add_block(marker.map_from_marker, (-half, -half, -world.boards.thickness),
                             (half, half, 0))
+        for hung in world.hung_boards:
+            width, height = board_size(hung.board, world.boards)
+            self._add_block(hung.map_from_board, (-width / 2, -height / 2, -world.boards.thickness),
+                            (width / 2, height / 2, 0))
 
     def clearance(self, x: float, y: float) -> float:
         """Metres to the nearest wall or obstacle; negative inside an obstacle or outside the room."""

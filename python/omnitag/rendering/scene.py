@@ -4,8 +4,10 @@ from typing import Dict, Iterable, List, Tuple
 
 import numpy as np
 
+from omnitag.board_file import Board
 from omnitag.marker_drawing import drawing_of
 from omnitag.marker_map import Marker
+from omnitag.rendering.hung_boards import HungBoard
 from omnitag.rendering.povray import MILLIMETRES, matrix, point, vector
 from omnitag.rendering.world import (
     Boards, Box, Light, Material, Room, Shape, World, present)
@@ -27,12 +29,14 @@ _PATTERNS = {
 def world_scene(world: World, moment: int) -> str:
     """Everything except the robot at `moment`, in nanoseconds on the route's clock.
 
-    The markers refer to `marker_bitmaps`.
+    The markers refer to `marker_bitmaps`, calibration boards to `board_bitmaps`.
     """
     parts = [_settings(), *map(_light, world.lights), _room(world.room, world.ambient),
              shapes_scene(present(world.furniture, moment), np.eye(4), world.ambient)]
     parts += [marker_scene(marker, world.boards, world.ambient)
               for marker in world.hung_markers.at(moment)]
+    parts += [board_scene(board, world.boards, world.ambient)
+              for board in present(world.hung_boards, moment)]
     return "".join(parts)
 
 
@@ -44,6 +48,12 @@ def shapes_scene(shapes: Iterable[Shape], map_from_parent: np.ndarray, ambient: 
 def marker_bitmaps(markers: Iterable[Marker], boards: Boards) -> Dict[str, np.ndarray]:
     """The image files that the markers refer to, by name; 8 or 16 bit, one pixel per cell."""
     return {name: bitmap for marker in markers for name, bitmap, _ in _bitmaps(marker, boards)}
+
+
+def board_bitmaps(hung: Iterable[HungBoard], boards: Boards) -> Dict[str, np.ndarray]:
+    """The image files that calibration boards refer to, by name; 16 bit, one pixel per module."""
+    return {name: bitmap for each in hung for marker in _board_markers(each.board)
+            for name, bitmap, _ in _bare_bitmaps(marker, boards)}
 
 
 def marker_scene(marker: Marker, boards: Boards, ambient: float) -> str:
@@ -69,9 +79,86 @@ def marker_scene(marker: Marker, boards: Boards, ambient: float) -> str:
 """
 
 
+def board_scene(hung: HungBoard, boards: Boards, ambient: float) -> str:
+    """A calibration board: its black squares and markers exactly in its plane, upon white, and its back."""
+    half = 0.5 * np.array(board_size(hung.board, boards))
+    x, y = half
+    parts = [_rectangle(-half, half, -_FACE_GAP, _plain(boards.white, ambient)),
+             *_squares(hung.board, boards, ambient), *_board_faces(hung.board, boards, ambient)]
+    return f"""union {{
+  {"".join(parts)}
+  box {{
+    {point((-x, -y, -boards.thickness))}, {point((x, y, -2.0 * _FACE_GAP))}
+    {_texture(boards.back, ambient)}
+  }}
+  {matrix(hung.map_from_board)}
+}}
+"""
+
+
+def board_size(board: Board, boards: Boards) -> Tuple[float, float]:
+    """Width and height in metres of a calibration board with the white around it."""
+    module = max(marker.size * drawing_of(marker, 0).module for marker in _board_markers(board))
+    rim = 2.0 * boards.quiet_modules * module
+    return board.width + rim, board.height + rim
+
+
 def board_width(marker: Marker, boards: Boards) -> float:
     """Metres along each edge of the marker's board."""
     return marker.size * drawing_of(marker, boards.quiet_modules).width
+
+
+def _board_markers(board: Board) -> List[Marker]:
+    """The markers at their places on the board."""
+    markers = []
+    for marker in board.markers:
+        board_from_marker = np.eye(4)
+        board_from_marker[:2, 3] = marker.x, marker.y
+        markers.append(Marker(marker.id, marker.family, "", marker.size, board_from_marker))
+    return markers
+
+
+def _bare_bitmaps(marker: Marker, boards: Boards) -> List[Tuple[str, np.ndarray, float]]:
+    """As `_bitmaps`, without a white zone, which would cover squares; as black as these are."""
+    return [("bare_" + name, bitmap, width)
+            for name, bitmap, width in _bitmaps(marker, boards._replace(quiet_modules=0), True)]
+
+
+def _squares(board: Board, boards: Boards, ambient: float) -> List[str]:
+    """The black squares, seen from the board's middle."""
+    black = _plain(boards.black, ambient)
+    lower = [np.array([square.left, square.bottom]) - _middle(board) for square in board.squares]
+    return [_rectangle(corner, corner + square.width, 0.0, black)
+            for corner, square in zip(lower, board.squares)]
+
+
+def _board_faces(board: Board, boards: Boards, ambient: float) -> List[str]:
+    """The markers without a white zone, seen from the board's middle."""
+    faces = []
+    for marker in _board_markers(board):
+        (name, _, width), = _bare_bitmaps(marker, boards)
+        half = np.full(2, 0.5 * width)
+        face = _rectangle(-half, half, 0.0, _picture(name, width, ambient))
+        x, y = marker.position[:2] - _middle(board)
+        faces.append(f"object {{ {face} translate {point((x, y, 0.0))} }}\n")
+    return faces
+
+
+def _middle(board: Board) -> np.ndarray:
+    """(2,), in m: the middle of a board, from the board's own origin."""
+    return np.array([board.left + 0.5 * board.width, board.bottom + 0.5 * board.height])
+
+
+def _rectangle(lower: np.ndarray, upper: np.ndarray, z: float, face: str) -> str:
+    """A rectangle parallel to the x-y plane, in metres."""
+    (x, y), (x_upper, y_upper) = lower, upper
+    corners = ", ".join(point(corner) for corner in (
+        (x, y, z), (x_upper, y, z), (x_upper, y_upper, z), (x, y_upper, z), (x, y, z)))
+    return f"polygon {{ 5, {corners} {face} }}\n"
+
+
+def _plain(grey: float, ambient: float) -> str:
+    return f"pigment {{ rgb {grey:.6g} }} {_finish(ambient)}"
 
 
 def _settings() -> str:
@@ -144,11 +231,15 @@ def _picture(name: str, width: float, ambient: float) -> str:
     {_finish(ambient)}"""
 
 
-def _bitmaps(marker: Marker, boards: Boards) -> List[Tuple[str, np.ndarray, float]]:
-    """Name, (n, n) image and width in metres of each square of a marker, the lowest first."""
+def _bitmaps(marker: Marker, boards: Boards,
+             exact: bool = False) -> List[Tuple[str, np.ndarray, float]]:
+    """Name, (n, n) image and width in metres of each square of a marker, the lowest first.
+
+    `exact`: black and white are rendered as exactly as greys.
+    """
     drawing = drawing_of(marker, boards.quiet_modules)
     # POV-Ray takes a third of the greys of 8-bit images for the next darker one.
-    white, depth = (65535, np.uint16) if drawing.has_greys else (255, np.uint8)
+    white, depth = (65535, np.uint16) if exact or drawing.has_greys else (255, np.uint8)
     bitmaps = []
     for index, square in enumerate(drawing.squares):
         greys = boards.black + (boards.white - boards.black) * square.cells

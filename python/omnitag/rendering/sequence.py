@@ -14,7 +14,7 @@ from omnitag.rendering.optics import camera_scene
 from omnitag.rendering.path import SmoothPath
 from omnitag.rendering.povray import DEFAULT_SAMPLES, render
 from omnitag.rendering.route import Frame
-from omnitag.rendering.scene import marker_bitmaps, shapes_scene, world_scene
+from omnitag.rendering.scene import board_bitmaps, marker_bitmaps, shapes_scene, world_scene
 from omnitag.rendering.turning import FINENESS
 from omnitag.rendering.world import World, present
 
@@ -41,7 +41,8 @@ def render_frames(world: World, camera: Camera, frames: Sequence[Frame],
     """
     if world.effects.turn:
         camera = finer(camera, FINENESS)
-    bitmaps = marker_bitmaps(world.hung_markers.ever(), world.boards)
+    bitmaps = {**marker_bitmaps(world.hung_markers.ever(), world.boards),
+               **board_bitmaps(world.hung_boards, world.boards)}
     path = path or SmoothPath(frames)
 
     def frame_light(parts: Tuple[SubFrame, ...]) -> np.ndarray:

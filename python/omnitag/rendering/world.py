@@ -1,7 +1,7 @@
 """The world file: the room with its furniture, lights and markers, and the mounting of the camera."""
 
 import os
-from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple, TypeVar, Union
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from omnitag.rendering import effects, shutter
 from omnitag.rendering.checks import not_negative, positive, share
 from omnitag.rendering.effects import Effects, read_effects
 from omnitag.rendering.floor import LEVEL, Floor, read_floor
+from omnitag.rendering.hung_boards import HungBoard, read_hung_boards
 from omnitag.rendering.hung_markers import HungMarkers, read_hung_markers
 from omnitag.rendering.odometry import Odometry, read_odometry
 from omnitag.rendering.poses import upright_transform
@@ -18,8 +19,8 @@ from omnitag.rendering.stretches import Stretches, read_during
 from omnitag.yaml_file import Mapping, Value, read_yaml
 
 KEYS = ("marker_map", "camera", "images", "ambient", "lights", "materials", "room", "boards",
-        "furniture", "robot", "displaced_markers", "missing_markers", "decoys", "odometry",
-        "floor")
+        "furniture", "robot", "displaced_markers", "missing_markers", "decoys",
+        "calibration_boards", "odometry", "floor")
 IMAGE_KEYS = ("start", "noise", *effects.KEYS, *shutter.KEYS)
 PATTERNS = ("plain", "checker", "brick", "wood", "granite", "clouds")
 QUATERNION_TOLERANCE = 1e-3
@@ -58,6 +59,8 @@ class Cylinder(NamedTuple):
 
 
 Shape = Union[Box, Cylinder]
+Passing = TypeVar("Passing", Box, Cylinder, Shape, HungBoard)
+"""What may be present for a while."""
 
 
 class Light(NamedTuple):
@@ -135,6 +138,7 @@ class World(NamedTuple):
     effects: Effects = Effects()
     shutter: Shutter = Shutter()
     floor: Floor = LEVEL
+    hung_boards: Tuple[HungBoard, ...] = ()
 
 
 def load_world(path: str, map_path: Optional[str] = None,
@@ -166,7 +170,8 @@ def load_world(path: str, map_path: Optional[str] = None,
         odometry=read_odometry(root["odometry"]) if "odometry" in root else None,
         effects=read_effects(images),
         shutter=read_shutter(images),
-        floor=read_floor(root["floor"]) if "floor" in root else LEVEL)
+        floor=read_floor(root["floor"]) if "floor" in root else LEVEL,
+        hung_boards=read_hung_boards(root))
 
 
 def _root(path: str) -> Mapping:
@@ -178,8 +183,8 @@ def _root(path: str) -> Mapping:
     return root.over(read_yaml(base_path).mapping(KEYS))
 
 
-def present(shapes: Iterable[Shape], moment: int) -> List[Shape]:
-    """The shapes that are present at `moment`, in nanoseconds on the route's clock."""
+def present(shapes: Iterable[Passing], moment: int) -> List[Passing]:
+    """The shapes or boards that are present at `moment`, in nanoseconds on the route's clock."""
     return [shape for shape in shapes if shape.during.cover(moment)]
 
 
