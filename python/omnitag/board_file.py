@@ -63,12 +63,12 @@ class Board:
 def load_board(path: str) -> Board:
     """Read a board file, Kalibr's for an AprilGrid; raises InputError naming file, line and key."""
     value = read_yaml(path)
-    root = value.mapping((TYPE_KEY, *APRILGRID_KEYS, *CHARUCO_KEYS))
-    kind = root[TYPE_KEY].text()
+    kind_value = value.any_mapping()[TYPE_KEY]
+    kind = kind_value.text()
     readers: Dict[str, Tuple[Sequence[str], Callable[[str, Mapping], Board]]] = {
         APRILGRID: (APRILGRID_KEYS, _aprilgrid), CHARUCO: (CHARUCO_KEYS, _charuco)}
     if kind not in readers:
-        raise root[TYPE_KEY].error("one of " + ", ".join(readers))
+        raise kind_value.error("one of " + ", ".join(readers))
     keys, read = readers[kind]
     return read(os.path.basename(path), value.mapping((TYPE_KEY, *keys)))
 
