@@ -7,8 +7,9 @@
 namespace omnitag {
 namespace {
 
-/// Columns or rows of a board.
-constexpr Interval kCount{1.0, 100.0};
+/// Columns or rows.
+constexpr Interval kTags{1.0, 600.0};
+constexpr Interval kSquares{2.0, 600.0};
 
 Marker markerAt(const std::string& family, int id, double size, const Eigen::Vector2d& center) {
   Marker marker;
@@ -19,22 +20,18 @@ Marker markerAt(const std::string& family, int id, double size, const Eigen::Vec
   return marker;
 }
 
-void checkIds(const YamlReader& reader, const std::string& key, const MarkerMap& board) {
-  const Marker& last = board.markers.back();
-  const int ids = tagCount(last.family);
-  if (last.id >= ids) {
-    reader.refuse(key, "so few that " + last.family + " has enough ids, " + std::to_string(ids));
-  }
+bool hasEnoughIds(const MarkerMap& board) {
+  return board.markers.back().id < tagCount(board.markers.back().family);
 }
 
 /// As Kalibr's kalibr_create_target_pdf draws it: ids run from the lower left to the right, row by
 /// row upward.
 MarkerMap readAprilGrid(const YamlReader& reader) {
   reader.allowOnly({"target_type", "tagCols", "tagRows", "tagSize", "tagSpacing"});
-  const int columns = reader.integer("tagCols", kCount);
-  const int rows = reader.integer("tagRows", kCount);
+  const int columns = reader.integer("tagCols", kTags);
+  const int rows = reader.integer("tagRows", kTags);
   const double size = reader.number("tagSize", kPositive);
-  constexpr Interval kSpacing{0.0, 10.0, false};
+  constexpr Interval kSpacing{0.0, 1.0, false};
   const double step = size * (1.0 + reader.number("tagSpacing", kSpacing));
   MarkerMap board;
   for (int row = 0; row < rows; ++row) {
@@ -44,7 +41,10 @@ MarkerMap readAprilGrid(const YamlReader& reader) {
                                        lower_left + Eigen::Vector2d::Constant(0.5 * size)));
     }
   }
-  checkIds(reader, "tagRows", board);
+  if (!hasEnoughIds(board)) {
+    reader.refuse("tagRows", "few enough for the " + std::to_string(tagCount(kAprilGridFamily)) +
+                                 " ids of the tags");
+  }
   return board;
 }
 
@@ -54,8 +54,8 @@ MarkerMap readAprilGrid(const YamlReader& reader) {
 MarkerMap readCharuco(const YamlReader& reader) {
   reader.allowOnly(
       {"target_type", "columns", "rows", "square_size", "marker_size", "dictionary", "legacy"});
-  const int columns = reader.integer("columns", kCount);
-  const int rows = reader.integer("rows", kCount);
+  const int columns = reader.integer("columns", kSquares);
+  const int rows = reader.integer("rows", kSquares);
   const double square = reader.number("square_size", kPositive);
   const double size = reader.number("marker_size", kPositive);
   if (size >= square) reader.refuse("marker_size", "less than square_size");
@@ -75,8 +75,10 @@ MarkerMap readCharuco(const YamlReader& reader) {
       board.markers.push_back(markerAt(dictionary, id, size, center));
     }
   }
-  if (board.markers.empty()) reader.refuse("columns", "so many that there is a white square");
-  checkIds(reader, "rows", board);
+  if (!hasEnoughIds(board)) {
+    reader.refuse("dictionary",
+                  "one with " + std::to_string(board.markers.size()) + " ids or more");
+  }
   return board;
 }
 

@@ -70,6 +70,7 @@ TagPattern::TagPattern(const apriltag_family& family, int id) {
     data_module_[moduleIndex(column, row)] = bit;
     data_.push_back(2.0 * whiteAt(column, row) - 1.0);
   }
+  data_area_ = static_cast<double>(data_.size());
   prepare();
 }
 
@@ -81,6 +82,7 @@ TagPattern::TagPattern(const PatternPicture& picture) {
   width_between_corners_ = inside + 2 * border;
   const int quiet = std::max(1, cvRound(kQuietZone * width_between_corners_));
   width_ = width_between_corners_ + 2 * quiet;
+  data_area_ = inside * inside;
   data_dimensions_ = dimensionsOf(picture);
   feature_width_ = std::min<double>(border, inside / std::sqrt(data_dimensions_));
   white_.assign(moduleIndex(0, width_), 1.0);

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "omnitag/common/angle.h"
 #include "omnitag/common/symmetric_matrix.h"
 
 namespace omnitag {
@@ -33,7 +34,7 @@ std::optional<PatternComparison> PatternComparison::of(const cv::Mat& panorama,
   PatternComparison comparison;
   comparison.look(panorama, footprints, placement, pattern);
   constexpr std::size_t kFewest = kNuisances + 3;
-  if (comparison.pixels_.size() < kFewest || !comparison.compare(pattern.dataDimensions())) {
+  if (comparison.pixels_.size() < kFewest || !comparison.compare(pattern)) {
     return std::nullopt;
   }
   return comparison;
@@ -69,12 +70,13 @@ void PatternComparison::look(const cv::Mat& panorama, const std::vector<Footprin
                 const Eigen::Vector2d place = footprint.position / pattern.width();
                 pixel.nuisances << 1.0, place.x(), place.y(), white - data_white, of_data;
                 pixel.grey = panorama.ptr<std::uint8_t>(footprint.row)[footprint.column];
+                window_areas_ += window.size().prod();
                 pixel.shares_end = static_cast<std::ptrdiff_t>(shares_.size());
                 pixels_.push_back(pixel);
               });
 }
 
-bool PatternComparison::compare(double data_dimensions) {
+bool PatternComparison::compare(const TagPattern& pattern) {
   // The rest works on what the nuisances do not explain.
   Eigen::Matrix<double, kNuisances, kNuisances> gram;
   gram.setZero();
@@ -112,11 +114,20 @@ bool PatternComparison::compare(double data_dimensions) {
   correlation_ = product_ / norms;
   // For random signs r, the correlation with the expected ones s has the variance |G s|^2 / (s'G s
   // tr G), G = A'A; for n independent dimensions it would be 1 / n.
-  const double of_pixels = expected_squares_ * share_squares / along_expected.squaredNorm();
-  // Exactly so if what pixels see and the pictures' spectrum were Gaussian.
-  dimensions_ = 1.0 / (1.0 / of_pixels + 1.0 / data_dimensions);
-  are_modules_independent_ = std::isinf(data_dimensions);
+  dimensions_ = expected_squares_ * share_squares / along_expected.squaredNorm();
+  are_modules_independent_ = std::isinf(pattern.dataDimensions());
+  if (!are_modules_independent_) dimensions_ = dimensionsOfPicture(pattern);
   return true;
+}
+
+double PatternComparison::dimensionsOfPicture(const TagPattern& pattern) const {
+  // The variance of a square window along either side is a twelfth of its area. White noise behind
+  // a Gaussian of the variance v has N / (2 pi v) dimensions, N: its area; together with the
+  // picture's own as if its spectrum were Gaussian, too.
+  const auto pixels = static_cast<double>(pixels_.size());
+  const double variance = window_areas_ / pixels / 12.0;
+  const double of_pixels = std::min(pixels, pattern.dataArea() / (2.0 * kPi * variance));
+  return 1.0 / (1.0 / pattern.dataDimensions() + 1.0 / of_pixels);
 }
 
 bool PatternComparison::isLikelierThanOthers(double log_ratio) const {

@@ -52,8 +52,8 @@ class PatternComparison {
   PatternComparison() = default;
   void look(const cv::Mat& panorama, const std::vector<Footprint>& footprints,
             const Placement& placement, const TagPattern& pattern);
-  /// `data_dimensions`: TagPattern::dataDimensions().
-  bool compare(double data_dimensions);
+  bool compare(const TagPattern& pattern);
+  double dimensionsOfPicture(const TagPattern& pattern) const;
 
   /// In `shares_`, each pixel's shares follow those of the pixel before. After compare(), grey
   /// levels and expected values are without what the nuisances explain.
@@ -66,6 +66,8 @@ class PatternComparison {
   double expected_squares_ = 0.0;
   double correlation_ = 0.0;
   double dimensions_ = 0.0;
+  /// Sum over the pixels of the windows' areas, in modules squared.
+  double window_areas_ = 0.0;
   bool are_modules_independent_ = true;
 };
 

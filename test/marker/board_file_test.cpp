@@ -76,11 +76,15 @@ TEST(BoardFile, WhatIsNoBoardIsRefusedByItsKey) {
   expectRefused("{tagCols: 6}", "target_type");
   expectRefused("{target_type: checkerboard}", "target_type: expected aprilgrid or charuco");
   expectRefused("{" + grid + "tagRows: 0}", "tagRows");
-  expectRefused("{" + grid + "tagRows: 100}", "tagRows: expected so few");
+  expectRefused("{" + grid + "tagRows: 100}", "tagRows: expected few enough");
   expectRefused("{" + grid + "tagRows: 6, columns: 3}", "columns");
   const std::string charuco = "target_type: charuco, columns: 5, rows: 7, square_size: 0.04, ";
   expectRefused("{" + charuco + "marker_size: 0.04, dictionary: DICT_4X4_50}", "marker_size");
   expectRefused("{" + charuco + "marker_size: 0.03, dictionary: tag36h11}", "dictionary");
+  expectRefused(
+      "{target_type: charuco, columns: 12, rows: 12, square_size: 0.04, marker_size: 0.03, "
+      "dictionary: DICT_4X4_50}",
+      "dictionary: expected one with 72 ids or more");
 }
 
 }  // namespace

@@ -254,8 +254,7 @@ TEST(TagDetector, SharedTablesOutliveEitherDetector) {
   TagDetectorConfig reduced;
   reduced.quad_decimate = 2.0;
   const cv::Mat image = renderOne(12);
-  auto first =
-      std::make_unique<TagDetector>(TagDetectorConfig(), std::set<std::string>{"tag36h11"});
+  auto first = std::make_unique<TagDetector>(TagDetectorConfig(), MarkerFamilies{"tag36h11"});
   auto second = std::make_unique<TagDetector>(reduced, *first);
   EXPECT_EQ(second->detect(image).size(), 1U);
   first.reset();

@@ -86,6 +86,10 @@ class TagPattern {
   /// layout fixes the others.
   int dataModules() const { return static_cast<int>(data_.size()); }
 
+  /// The area of all data modules, in modules squared: of a picture, whose cells consist of
+  /// several, more than their number.
+  double dataArea() const { return data_area_; }
+
   /// The number of independent ways in which the data modules of such markers vary: infinite for
   /// codes, each of whose modules is independent, however many there are; dimensionsOf() a picture.
   double dataDimensions() const { return data_dimensions_; }
@@ -145,6 +149,7 @@ class TagPattern {
   int width_ = 0;
   int width_between_corners_ = 0;
   double feature_width_ = 1.0;
+  double data_area_ = 0.0;
   double data_dimensions_ = std::numeric_limits<double>::infinity();
   /// Row by row, the share of white.
   std::vector<double> white_;
