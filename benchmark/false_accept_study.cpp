@@ -1,10 +1,12 @@
 // How often something else is taken for a marker that is predicted somewhere: every marker in view
-// of a sequence is taken for each other id of its family, and the map's markers are looked for
-// where a random pose predicts them, amid clutter and plain walls. Prints, for the markers as they
-// are, how many are recognized, by the width of their modules.
+// of a sequence is taken for each other id of its family, or each other picture of the map in each
+// of four turns, and the map's markers are looked for where a random pose predicts them, amid
+// clutter and plain walls. Prints, for the markers as they are, how many are recognized, by the
+// width of their modules.
 //
 //   false_accept_study [BAG CAMERA MAP]     a bag of render_sequence; the shipped one by default
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +15,7 @@
 #include <vector>
 
 #include "omnitag/common/angle.h"
+#include "omnitag/marker/marker_families.h"
 #include "omnitag/marker/tag_family.h"
 #include "omnitag/photometry/recognition.h"
 #include "program.h"
@@ -45,6 +48,38 @@ struct Count {
   }
 };
 
+/// What a marker may be taken for.
+struct Member {
+  int id;
+  int quarters;
+  TagPattern pattern;
+};
+
+/// All ids of the family of a map's first marker, or all pictures of the map, in four turns.
+std::vector<Member> membersLike(const MarkerMap& map) {
+  std::vector<Member> members;
+  const Marker& first = map.markers.front();
+  if (!first.picture) {
+    for (int id = 0; id < tagCount(first.family); ++id) {
+      members.push_back({id, 0, TagPattern(first.family, id)});
+    }
+    return members;
+  }
+  for (const auto& [id, picture] : familiesOf(map).pictures) {
+    for (int quarters = 0; quarters < 4; ++quarters) {
+      members.push_back({id, quarters, TagPattern(*picture)});
+    }
+  }
+  return members;
+}
+
+/// The marker, turned counter-clockwise.
+Marker turned(Marker marker, int quarters) {
+  marker.map_from_marker.rotate(
+      Eigen::AngleAxisd(radians(90.0) * quarters, Eigen::Vector3d::UnitZ()));
+  return marker;
+}
+
 constexpr std::array<double, 10> kWidths = {0.0, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 4.0};
 
 void run(const RecordedSequence& sequence) {
@@ -59,9 +94,8 @@ void run(const RecordedSequence& sequence) {
       kPositionDeviation * kPositionDeviation, heading_deviation * heading_deviation;
   std::mt19937 generator(5);
   std::normal_distribution<double> normal(0.0, 1.0);
-  const std::string family = sequence.map.markers.front().family;
-  std::vector<TagPattern> patterns;
-  for (int id = 0; id < tagCount(family); ++id) patterns.emplace_back(family, id);
+  const std::vector<Member> members = membersLike(sequence.map);
+  const TagPatterns patterns(sequence.map);
 
   std::array<Count, kWidths.size()> right;
   Count other_id;
@@ -73,21 +107,19 @@ void run(const RecordedSequence& sequence) {
     belief.pose = {truth.x + kPositionDeviation * normal(generator),
                    truth.y + kPositionDeviation * normal(generator),
                    truth.yaw + heading_deviation * normal(generator)};
-    const auto lookFor = [&](const PoseEstimate& pose, const PredictedMarker& marker,
-                             const TagPattern& pattern) {
-      return recognize(frame.image, sequence.map.markers[marker.map_entry], pattern, camera,
-                       pose.pose, marker, config);
+    const auto lookFor = [&](const PoseEstimate& pose, const PredictedMarker& marker) {
+      const Marker& mapped = sequence.map.markers[marker.map_entry];
+      return recognize(frame.image, mapped, patterns.of(mapped), camera, pose.pose, marker, config);
     };
     for (const PredictedMarker& marker : predictMarkers(sequence.map, camera, belief, visibility)) {
-      const int true_id = sequence.map.markers[marker.map_entry].id;
-      const TagPattern& pattern = patterns[static_cast<std::size_t>(true_id)];
+      const Marker& mapped = sequence.map.markers[marker.map_entry];
       const double width = tangentialWidth(marker, sequence);
       const auto bin = std::upper_bound(kWidths.begin(), kWidths.end(), width) - kWidths.begin();
-      right[static_cast<std::size_t>(bin - 1)].add(lookFor(belief, marker, pattern));
-      for (int id = 0; id < static_cast<int>(patterns.size()); ++id) {
-        if (id != true_id) {
-          other_id.add(lookFor(belief, marker, patterns[static_cast<std::size_t>(id)]));
-        }
+      right[static_cast<std::size_t>(bin - 1)].add(lookFor(belief, marker));
+      for (const Member& member : members) {
+        if (member.id == mapped.id && member.quarters == 0) continue;
+        other_id.add(recognize(frame.image, turned(mapped, member.quarters), member.pattern, camera,
+                               belief.pose, marker, config));
       }
     }
     constexpr int kWrongPoses = 60;
@@ -102,8 +134,7 @@ void run(const RecordedSequence& sequence) {
         const Marker& mapped = sequence.map.markers[marker.map_entry];
         const auto true_place = camera.pixelFromMap(truth, mapped.center());
         if (true_place && (*true_place - marker.center).norm() < kClear) continue;
-        const int id = mapped.id;
-        elsewhere.add(lookFor(wrong, marker, patterns[static_cast<std::size_t>(id)]));
+        elsewhere.add(lookFor(wrong, marker));
       }
     }
   }

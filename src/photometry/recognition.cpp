@@ -35,6 +35,11 @@ std::size_t pixelsFor(double feature, bool may_be_stretched) {
   return static_cast<std::size_t>(may_be_stretched ? 1.5 * pixels : pixels);
 }
 
+/// Pictures have few independent parts, so that at the rate for codes a plain one would have to be
+/// free of noise. Within a black border at the predicted place, anything else is rare in itself.
+/// `false_accept_study` measures how often one picture is taken for another.
+constexpr double kPictureRate = 100.0;  // relative to the rate for codes
+
 /// Pixels: even for the smallest marker, searching this far around is worthwhile. A marker that may
 /// be farther away may also image larger, turned or slanted.
 constexpr double kLeastMargin = 3.0;
@@ -291,7 +296,8 @@ std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& mark
     if (!area.contains(fit->placement.displacement, step + 1.0)) return std::nullopt;
     const auto comparison = PatternComparison::of(panorama, footprints, fit->placement, pattern);
     if (!comparison) return std::nullopt;
-    const double rate = config.false_accept_rate / static_cast<double>(places.size());
+    const double of_one = config.false_accept_rate * (marker.picture ? kPictureRate : 1.0);
+    const double rate = of_one / static_cast<double>(places.size());
     return recognitionOf(predicted, fit->placement, *comparison, rate);
   };
   // If little displacement is expected, alignment mostly succeeds from the prediction itself, which

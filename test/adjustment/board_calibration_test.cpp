@@ -59,7 +59,7 @@ class BoardCalibrationTest : public testing::Test {
 
   /// What a camera sees of the board at directions from `least` to `most` (rad) off its axis.
   std::vector<FrameReadings> record(const MountedCamera& camera, double least, double most) {
-    constexpr int kImages = 40;
+    constexpr int kImages = 24;
     std::vector<FrameReadings> frames;
     std::uniform_real_distribution<double> uniform;
     for (int i = 0; i < kImages; ++i) {
