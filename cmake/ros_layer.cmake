@@ -88,6 +88,12 @@ target_link_libraries(calibrate_camera PRIVATE omnitag_adjustment_tools)
 add_executable(convert_camera src/ros/convert_camera/main.cpp)
 target_link_libraries(convert_camera PRIVATE omnitag_bag_tools)
 
+add_executable(plan_markers
+  src/ros/plan_markers/main.cpp
+  src/ros/plan_markers/options.cpp
+)
+target_link_libraries(plan_markers PRIVATE omnitag_bag_tools opencv_imgcodecs)
+
 # Shared libraries and programs cannot share them: their code is compiled for different places.
 set(precompiled_ros_headers ${precompiled_headers}
   <cv_bridge/cv_bridge.h>
@@ -105,7 +111,7 @@ if(OMNITAG_PCH AND NOT OMNITAG_PCH STREQUAL TESTS)
   target_precompile_headers(omnitag_ros PRIVATE ${precompiled_ros_headers})
   target_precompile_headers(omnitag_nodelet REUSE_FROM omnitag_ros)
   target_precompile_headers(omnitag_bag_tools PRIVATE ${precompiled_ros_headers})
-  foreach(program localize_bag build_map calibrate_camera convert_camera)
+  foreach(program localize_bag build_map calibrate_camera convert_camera plan_markers)
     target_precompile_headers(${program} REUSE_FROM omnitag_bag_tools)
   endforeach()
 endif()
@@ -115,7 +121,7 @@ install(TARGETS omnitag_core omnitag_ros omnitag_nodelet
   LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
   RUNTIME DESTINATION ${CATKIN_GLOBAL_BIN_DESTINATION}
 )
-install(TARGETS localizer_node localize_bag build_map calibrate_camera convert_camera
+install(TARGETS localizer_node localize_bag build_map calibrate_camera convert_camera plan_markers
   RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION}
 )
 install(DIRECTORY include/${PROJECT_NAME}/
@@ -143,5 +149,6 @@ catkin_install_python(PROGRAMS
   tools/render_sequence
   tools/start_if_installed
   tools/take_back_sim_time
+  tools/world_floor
   DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION}
 )

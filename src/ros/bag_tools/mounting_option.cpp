@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <sstream>
 #include <utility>
+#include <vector>
 
 #include "omnitag/adjustment/leaning_mounting.h"
 #include "omnitag/common/error.h"
@@ -32,25 +33,41 @@ std::string join(const Numbers& numbers, const char* separator) {
   return text;
 }
 
+/// Finite numbers between commas; none if there is anything else.
+std::vector<double> numbersIn(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<double> numbers;
+  char comma = ',';
+  while (comma == ',') {
+    double number = 0.0;
+    if (!(stream >> number) || !std::isfinite(number)) return {};
+    numbers.push_back(number);
+    if ((stream >> std::ws).eof()) return numbers;
+    stream >> comma;
+  }
+  return {};
+}
+
 }  // namespace
 
 Eigen::Isometry3d parseMounting(const std::string& option, const std::string& text) {
-  std::istringstream stream(text);
-  Numbers numbers{};
-  bool is_read = true;
-  for (std::size_t i = 0; i < kSize; ++i) {
-    char comma = ',';
-    if (i > 0) stream >> comma;
-    stream >> numbers.at(i);
-    is_read = is_read && !stream.fail() && comma == ',' && std::isfinite(numbers.at(i));
-  }
-  if (!is_read || !(stream >> std::ws).eof()) {
-    throw InputError(option + ": expected X,Y,Z,ROLL,PITCH,YAW in metres and radians, found '" +
+  constexpr std::size_t kWithQuaternion = 7;
+  constexpr double kUnit = 0.01;  // what is left off a quaternion's length by printed digits
+  const std::vector<double> numbers = numbersIn(text);
+  const bool has_quaternion = numbers.size() == kWithQuaternion;
+  const Eigen::Vector4d quaternion =
+      has_quaternion ? Eigen::Vector4d(&numbers[3]) : Eigen::Vector4d(Eigen::Vector4d::UnitW());
+  const bool is_unit = std::abs(quaternion.norm() - 1.0) < kUnit;
+  if ((numbers.size() != kSize && !has_quaternion) || !is_unit) {
+    throw InputError(option +
+                     ": expected X,Y,Z,ROLL,PITCH,YAW in metres and radians, or X,Y,Z,QX,QY,QZ,QW "
+                     "with a unit quaternion, found '" +
                      text + "'");
   }
-  const auto& [x, y, z, roll, pitch, yaw] = numbers;
-  Eigen::Isometry3d base_from_camera(Eigen::Translation3d(x, y, z));
-  base_from_camera.linear() = fromRollPitchYaw({roll, pitch, yaw});
+  Eigen::Isometry3d base_from_camera(Eigen::Translation3d(numbers[0], numbers[1], numbers[2]));
+  base_from_camera.linear() = has_quaternion
+                                  ? Eigen::Quaterniond(quaternion.normalized()).toRotationMatrix()
+                                  : fromRollPitchYaw({numbers[3], numbers[4], numbers[5]});
   return base_from_camera;
 }
 

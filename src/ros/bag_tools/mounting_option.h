@@ -5,8 +5,9 @@
 
 namespace omnitag {
 
-/// A mounting as an option: X,Y,Z,ROLL,PITCH,YAW in metres and radians, the camera's optical frame
-/// in the robot's (base_from_camera), with tf's angles. Throws InputError that names the option.
+/// A mounting as an option: X,Y,Z,ROLL,PITCH,YAW in metres and radians, with tf's angles, or
+/// X,Y,Z,QX,QY,QZ,QW, the camera's optical frame in the robot's (base_from_camera). Throws
+/// InputError that names the option.
 Eigen::Isometry3d parseMounting(const std::string& option, const std::string& text);
 
 /// The text of a mounting for that option, to a micrometre and a microradian.

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <opencv2/core/matx.hpp>
+#include <vector>
+
+#include "omnitag/planning/floor_prediction.h"
+
+namespace omnitag {
+
+/// Colours for deviations on a logarithmic scale: blue for the smallest, over pale yellow to red,
+/// which people who see colours differently tell apart, too.
+class ColourScale {
+ public:
+  /// Covers nearly all of a floor's position deviations.
+  explicit ColourScale(const FloorPrediction& floor);
+
+  /// From 0 to 1 along the scale, for a deviation in metres.
+  double shareOf(double deviation) const;
+  /// B, G, R.
+  static cv::Vec3b colourAt(double share);
+  cv::Vec3b colourOf(double deviation) const { return colourAt(shareOf(deviation)); }
+
+  /// m: round numbers along the scale, its ends included; at least two.
+  const std::vector<double>& ticks() const { return ticks_; }
+
+ private:
+  std::vector<double> ticks_;
+};
+
+}  // namespace omnitag

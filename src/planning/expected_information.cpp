@@ -1,0 +1,74 @@
+#include "omnitag/planning/expected_information.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "omnitag/common/angle.h"
+#include "omnitag/measurement/marker_misplacement.h"
+
+namespace omnitag {
+namespace {
+
+/// Share of their amplitude that stripes keep, each as wide as a module (pixels), when they are
+/// averaged over a pixel.
+double transferOf(double module) {
+  const double angle = 0.5 * kPi / std::max(module, 0.5);
+  return std::sin(angle) / angle;
+}
+
+}  // namespace
+
+std::optional<FrameEquations> expectedEquations(const PlanningScene& scene, const Marker& marker,
+                                                const PatternEdges& edges,
+                                                const Pose& map_from_base) {
+  const Eigen::Isometry3d pose = map_from_base.toIsometry();
+  FrameJacobian center_by_frame;
+  Eigen::Matrix<double, 2, 3> by_point;
+  if (!scene.camera.pixelFromMap(pose, marker.center(), &center_by_frame, &by_point)) {
+    return std::nullopt;
+  }
+  const Eigen::Vector3d x_axis = marker.map_from_marker.linear().col(0);
+  const Eigen::Vector3d y_axis = marker.map_from_marker.linear().col(1);
+  const double module = marker.size / edges.modules;
+  const Eigen::Vector2d module_x = module * by_point * x_axis;
+  const Eigen::Vector2d module_y = module * by_point * y_axis;
+  const double area = std::abs(module_x.x() * module_y.y() - module_x.y() * module_y.x());
+
+  // Four places have the second moments of an even spread (Gauss and Legendre); each has a quarter
+  // of the edges. Maps a displacement there to one of standard deviation 1.
+  constexpr int kPlaces = 4;
+  const auto whiteAcross = [&](const Eigen::Vector2d& along, double length) -> Eigen::RowVector2d {
+    const double pixels = along.norm();
+    if (!(pixels > 0.0)) return Eigen::RowVector2d::Zero();
+    const Eigen::RowVector2d normal = Eigen::RowVector2d(-along.y(), along.x()) / pixels;
+    return transferOf(edges.feature_width * area / pixels) / scene.config.edge_noise *
+           std::sqrt(length * pixels / kPlaces) * normal;
+  };
+  const Eigen::RowVector2d across_x = whiteAcross(module_x, edges.along_x);
+  const Eigen::RowVector2d across_y = whiteAcross(module_y, edges.along_y);
+  const double reach = 0.5 * marker.size / std::sqrt(3.0);
+  Eigen::Matrix<double, 2 * kPlaces, kFrameUnknowns> rows;
+  for (Eigen::Index k = 0; k < kPlaces; ++k) {
+    const double right = k % 2 == 0 ? -reach : reach;
+    const double up = k < 2 ? -reach : reach;
+    FrameJacobian by_frame;
+    const Eigen::Vector3d place = marker.center() + right * x_axis + up * y_axis;
+    if (!scene.camera.pixelFromMap(pose, place, &by_frame)) return std::nullopt;
+    rows.row(2 * k) = across_x * by_frame;
+    rows.row(2 * k + 1) = across_y * by_frame;
+  }
+  FrameEquations equations;
+  equations.information = rows.transpose().lazyProduct(rows);
+  equations.by_chance = equations.information;
+  const Misplacement misplacement =
+      misplacementOf(marker, scene.camera.model(), center_by_frame.leftCols<2>().norm(),
+                     scene.config.localizer.estimation.photometric.alignment_deviation);
+  return withMisplacement(equations, seenFrom(map_from_base, marker, misplacement));
+}
+
+PoseEstimate expectedEstimate(const PlanningScene& scene, const FrameEquations& markers,
+                              const Pose& map_from_base) {
+  return estimateOf(markers, scene.priorAt(map_from_base), map_from_base, 1.0);
+}
+
+}  // namespace omnitag
