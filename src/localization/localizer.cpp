@@ -37,8 +37,7 @@ Localizer::Localizer(std::shared_ptr<const CameraModel> camera, MarkerMap map,
       map_(std::move(map)),
       index_(map_),
       config_(config),
-      families_(familiesOf(map_)),
-      reader_(camera_, kWorkingDistance, config.detector, families_, config.threads),
+      reader_(camera_, kWorkingDistance, config.detector, familiesOf(map_), config.threads),
       glance_reader_(camera_, config.detector, reader_.detector(), config.threads),
       patterns_(map_),
       evidence_(config_.evidence, map_, config_.estimation.reprojection),
@@ -65,11 +64,6 @@ TrackingTools Localizer::trackingTools(const Hypothesis& hypothesis) {
 
 void Localizer::setMap(MarkerMap map) {
   patterns_.add(map);
-  if (MarkerFamilies families = familiesOf(map); families != families_) {
-    reader_.setFamilies(config_.detector, families);
-    glance_reader_.setFamilies(config_.detector, reader_.detector());
-    families_ = std::move(families);
-  }
   map_ = std::move(map);
   index_ = MarkerIndex(map_);
 }

@@ -194,11 +194,6 @@ GlanceReader::GlanceReader(std::shared_ptr<const CameraModel> camera,
                            const TagDetectorConfig& config, const TagDetector& detector,
                            int threads)
     : camera_(std::move(camera)), is_mirrored_(isMirrored(*camera_)), threads_(threads) {
-  setFamilies(config, detector);
-}
-
-void GlanceReader::setFamilies(const TagDetectorConfig& config, const TagDetector& detector) {
-  detectors_.clear();
   const ImageSize& size = camera_->imageSize();
   double coarser = std::numeric_limits<double>::infinity();
   for (int reduction = std::max(1, std::min(size.width, size.height) / kFirstSize); reduction >= 1;

@@ -34,17 +34,9 @@ double meanEdge(const Corners<Eigen::Vector2d>& corners) {
 MarkerReader::MarkerReader(std::shared_ptr<const CameraModel> camera, double working_distance,
                            const TagDetectorConfig& config, const MarkerFamilies& families,
                            int threads)
-    : warper_(std::move(camera), working_distance), threads_(threads) {
-  setFamilies(config, families);
-}
-
-void MarkerReader::setFamilies(const TagDetectorConfig& config, const MarkerFamilies& families) {
-  std::vector<TagDetector> detectors;
-  detectors.emplace_back(config, families);
-  while (static_cast<int>(detectors.size()) < threads_) {
-    detectors.emplace_back(config, detectors.front());
-  }
-  detectors_ = std::move(detectors);
+    : warper_(std::move(camera), working_distance) {
+  detectors_.emplace_back(config, families);
+  for (int thread = 1; thread < threads; ++thread) detectors_.emplace_back(config, detector());
 }
 
 std::vector<MarkerReading> MarkerReader::read(const cv::Mat& view_image, const View& view) const {

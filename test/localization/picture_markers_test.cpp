@@ -112,20 +112,5 @@ TEST_F(PictureMarkersTest, AnotherPictureInItsPlaceIsNotTakenForOne) {
   }
 }
 
-TEST_F(PictureMarkersTest, AreReadAfterTheMapHasGotThem) {
-  MarkerMap codes = map_;
-  for (Marker& marker : codes.markers) {
-    marker.family = "tag36h11";
-    marker.picture = nullptr;
-  }
-  Localizer localizer(camera_, codes, {});
-  const Pose truth{-0.5, 0.6, 1.0};
-  EXPECT_FALSE(localizer.process(frameFrom(truth, 0.0)).map_from_base);
-  localizer.setMap(map_);
-  const FrameResult result = localizer.process(frameFrom(truth, 0.1));
-  ASSERT_TRUE(result.map_from_base) << result.remark;
-  EXPECT_LT(test::positionError(result.map_from_base->pose, truth), 0.003);
-}
-
 }  // namespace
 }  // namespace omnitag

@@ -141,7 +141,6 @@ class Localizer {
   MarkerMap map_;
   MarkerIndex index_;
   LocalizerConfig config_;
-  MarkerFamilies families_;
   MarkerReader reader_;
   GlanceReader glance_reader_;
   TagPatterns patterns_;

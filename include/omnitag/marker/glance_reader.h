@@ -47,9 +47,6 @@ class GlanceReader {
   GlanceReader(std::shared_ptr<const CameraModel> camera, const TagDetectorConfig& config,
                const TagDetector& detector, int threads = 1);
 
-  /// Reads the families of `detector` from now on; `config` as above.
-  void setFamilies(const TagDetectorConfig& config, const TagDetector& detector);
-
   /// The number of glances. Each has about twice the resolution of the one before, and the last has
   /// that of the detector's settings.
   std::size_t count() const { return detectors_.size(); }

@@ -21,9 +21,6 @@ struct MarkerFamilies {
   std::map<int, std::shared_ptr<const PatternPicture>> pictures;
 
   bool isEmpty() const { return codes.empty() && pictures.empty(); }
-  bool operator!=(const MarkerFamilies& other) const {
-    return codes != other.codes || pictures != other.pictures;
-  }
 };
 
 /// Those of a map's markers, and its default family.

@@ -44,10 +44,6 @@ class MarkerReader {
   MarkerReader(std::shared_ptr<const CameraModel> camera, double working_distance,
                const TagDetectorConfig& config, const MarkerFamilies& families, int threads = 1);
 
-  /// Reads these families from now on. Throws InputError for an unknown one; the families are then
-  /// as before.
-  void setFamilies(const TagDetectorConfig& config, const MarkerFamilies& families);
-
   /// The markers in one view's image. A marker is left out if the view cuts it, or if it reaches
   /// beyond what the panorama shows of the world.
   std::vector<MarkerReading> read(const cv::Mat& view_image, const View& view) const;
@@ -65,7 +61,6 @@ class MarkerReader {
                                   const TagDetector& detector) const;
 
   ViewWarper warper_;
-  int threads_;
   /// One for each thread.
   std::vector<TagDetector> detectors_;
 };
