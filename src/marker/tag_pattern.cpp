@@ -291,7 +291,7 @@ TagPattern::White TagPattern::averageOverGaussian(const Eigen::Vector2d& middle,
 void TagPatterns::add(const MarkerMap& map) {
   std::map<std::string, AprilTagFamily> families;
   for (const Marker& marker : map.markers) {
-    const Key key = keyOf(marker);
+    const auto key = std::make_pair(marker.family, marker.id);
     if (patterns_.count(key) > 0) continue;
     if (marker.picture) {
       patterns_.emplace(key, TagPattern(*marker.picture));
@@ -306,11 +306,7 @@ void TagPatterns::add(const MarkerMap& map) {
 }
 
 const TagPattern& TagPatterns::of(const Marker& marker) const {
-  return patterns_.at(keyOf(marker));
-}
-
-TagPatterns::Key TagPatterns::keyOf(const Marker& marker) {
-  return {marker.family, marker.id, marker.picture.get()};
+  return patterns_.at({marker.family, marker.id});
 }
 
 }  // namespace omnitag

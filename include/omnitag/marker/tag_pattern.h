@@ -8,7 +8,7 @@
 #include <limits>
 #include <map>
 #include <string>
-#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "omnitag/common/grid_index.h"
@@ -176,11 +176,7 @@ class TagPatterns {
   const TagPattern& of(const Marker& marker) const;
 
  private:
-  /// A map that is changed may have another picture under the same id.
-  using Key = std::tuple<std::string, int, const PatternPicture*>;
-  static Key keyOf(const Marker& marker);
-
-  std::map<Key, TagPattern> patterns_;
+  std::map<std::pair<std::string, int>, TagPattern> patterns_;
 };
 
 }  // namespace omnitag
