@@ -6,8 +6,8 @@
 //   read         in a search, without a prediction
 //
 // on average over the incidences and a draw of places around the robot, in the worse of two
-// cameras: a mirror of 1000 x 1000 pixels and a fisheye of 500 x 500. Images have noise of 3 grey
-// levels and no blur; a marker is 2.5 m away, on a wall. The last lines are the table of
+// cameras: the mirror of the paper's experiment and a fisheye of 500 x 500. Images have noise of 3
+// grey levels and no blur; a marker is 2.5 m away, on a wall. The last lines are the table of
 // src/planning/family_limits.cpp.
 //
 //   family_study [DRAWS]     for each size and incidence; 6 by default

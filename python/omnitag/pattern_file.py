@@ -13,7 +13,7 @@ from omnitag.yaml_file import read_text
 SMALLEST_SIDE, LARGEST_SIDE = 4, 64  # cells
 LEAST_CONTRAST = 5.0  # grey levels, standard deviation
 
-# ARToolKit's own luma: of blue, green and red.
+# The luma of Rec. 601: of blue, green and red.
 _LUMA = np.array([0.114, 0.587, 0.299])
 _NUMBER = re.compile(r"[0-9]+(\.[0-9]*)?|\.[0-9]+")
 _TURNS = 4

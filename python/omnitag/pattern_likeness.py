@@ -11,7 +11,7 @@ TOO_ALIKE = 0.5
 
 
 FEW_PARTS = 10.0
-"""From a picture with fewer independent parts, the localizer asks for a correlation above 0.95."""
+"""In a search, the localizer asks of a picture with so few independent parts for a correlation of 0.92."""
 
 
 class Likeness(NamedTuple):

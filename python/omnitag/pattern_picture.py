@@ -41,6 +41,8 @@ def _read(path: str) -> np.ndarray:
     if picture is None:
         raise InputError("{}: expected a picture, such as PNG or JPEG, found none that OpenCV "
                          "reads".format(path))
+    if picture.dtype not in (np.uint8, np.uint16):
+        raise InputError("{}: expected 8 or 16 bits per colour, found {}".format(path, picture.dtype))
     levels = picture.astype(np.float32) * (255.0 / np.iinfo(picture.dtype).max)
     if with_alpha:
         opacity = levels[:, :, 3:] / 255.0

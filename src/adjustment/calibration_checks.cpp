@@ -29,7 +29,8 @@ void checkMounting(const std::vector<FrameReadings>& frames) {
   }
 }
 
-void checkCoverage(const std::vector<CalibrationFrame>& frames, const ImagePlane& plane) {
+void checkCoverage(const std::vector<CalibrationFrame>& frames, const ImagePlane& plane,
+                   bool is_board) {
   constexpr double kLargestGap = radians(120.0);
   std::vector<double> azimuths;
   for (const CalibrationFrame& frame : frames) {
@@ -45,8 +46,9 @@ void checkCoverage(const std::vector<CalibrationFrame>& frames, const ImagePlane
   }
   if (gap <= kLargestGap) return;
   throw InputError("markers were seen on one side of the image only: " + rounded(degrees(gap), 0) +
-                   " degrees of it show none, which leaves the centre and the lean open; turn the "
-                   "robot all around while it drives");
+                   " degrees of it show none, which leaves the centre and the lean open; " +
+                   (is_board ? "hold the board all around the middle"
+                             : "turn the robot all around while it drives"));
 }
 
 void checkMotion(const std::vector<Pose>& poses) {

@@ -14,7 +14,8 @@ namespace omnitag {
 void checkMounting(const std::vector<FrameReadings>& frames);
 
 /// Markers must have been seen all around the centre of the image.
-void checkCoverage(const std::vector<CalibrationFrame>& frames, const ImagePlane& plane);
+void checkCoverage(const std::vector<CalibrationFrame>& frames, const ImagePlane& plane,
+                   bool is_board);
 
 /// The robot must have moved.
 void checkMotion(const std::vector<Pose>& poses);

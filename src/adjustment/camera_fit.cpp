@@ -48,7 +48,9 @@ CameraFit::CameraFit(const CameraTemplate& guess, const MarkerMap& map,
   CalibrationData data = selectObservations(map, frames, !config.is_rough);
   remarks = std::move(data.remarks);
   const MountedCamera camera = model().mounted(bundle.values);
-  if (!config.is_rough) checkCoverage(data.frames, camera.model().imagePlane());
+  if (!config.is_rough) {
+    checkCoverage(data.frames, camera.model().imagePlane(), config.is_free);
+  }
   for (const CalibrationFrame& frame : data.frames) {
     const auto pose =
         config.is_free ? poseFromCorners(map, camera, frame) : poseFromBearings(map, camera, frame);
@@ -60,12 +62,13 @@ CameraFit::CameraFit(const CameraTemplate& guess, const MarkerMap& map,
     bundle.frames.push_back({mounting, *pose, false, frame.stamp});
   }
   if (bundle.frames.size() < kMinFrames) {
-    throw InputError((config.is_free ? "corners" : "bearings to the markers") +
-                     std::string(" agree with the map in ") + std::to_string(bundle.frames.size()) +
-                     " of " + std::to_string(data.frames.size()) +
-                     " images only, expected at least " + std::to_string(kMinFrames) +
-                     ": look at the map, at lens.cx and lens.cy (the centre of the image's circle) "
-                     "and at which way the optical axis points");
+    throw InputError(
+        (config.is_free ? "corners" : "bearings to the markers") +
+        std::string(" agree with the map in ") + std::to_string(bundle.frames.size()) + " of " +
+        std::to_string(data.frames.size()) + " images only, expected at least " +
+        std::to_string(kMinFrames) +
+        ": look at the map or the board, at lens.cx and lens.cy (the centre of the image's circle) "
+        "and at which way the optical axis points");
   }
   std::vector<Pose> poses;
   for (const Bundle::Frame& frame : bundle.frames) poses.push_back(frame.map_from_base);
@@ -159,7 +162,9 @@ BundleInformation CameraFit::information(const Indices& free) const {
   const auto told = omnitag::information(bundle, config, &undetermined);
   if (!told) {
     throw InputError("the images do not tell " + undetermined.direction +
-                     ": drive past all markers, and see that some are in sight together");
+                     (config_.is_free
+                          ? ": hold the board in other places of the image, near and tilted"
+                          : ": drive past all markers, and see that some are in sight together"));
   }
   if (noise_ > 0.0) return *told;
   // At the noise that the residuals show.
@@ -172,7 +177,8 @@ BundleInformation CameraFit::information(const Indices& free) const {
 void CameraFit::leaveOutOutliers() {
   leaveOutFrames(&bundle, &remarks);
   if (bundle.frames.size() < kMinFrames) {
-    throw InputError("no camera explains the images: look at the map, and at the guess's model");
+    throw InputError(
+        "no camera explains the images: look at the map or the board, and at the guess's model");
   }
   leaveOutMarkers(&bundle, &remarks);
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <vector>
 
 #include "omnitag/localization/marker_pose.h"
 #include "omnitag/localization/reprojection.h"

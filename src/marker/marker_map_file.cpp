@@ -6,6 +6,9 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <system_error>
+#include <utility>
+#include <vector>
 
 #include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
@@ -73,7 +76,9 @@ class PictureReader {
     double border = default_border;
     readBorder(reader, &border);
     const std::string name = reader.text("pattern");
-    const std::string path = std::filesystem::weakly_canonical(folder_ / name).string();
+    std::error_code error;
+    const std::string path = std::filesystem::weakly_canonical(folder_ / name, error).string();
+    if (error) reader.refuse("pattern", "the path of a pattern file");
     const auto found = std::find_if(pictures_.begin(), pictures_.end(), [&](const Entry& each) {
       return each.picture->path == path && each.picture->border == border;
     });

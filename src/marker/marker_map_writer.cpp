@@ -224,14 +224,17 @@ Span wholeOf(const std::string& text, const Span& item, bool is_in_brackets) {
   return {text[before] == ',' ? before : item.begin, item.end};
 }
 
+/// What the digits leave.
+constexpr double kTolerance = 2e-6;
+
 /// Whether both have the same id or the same picture, whose id changes with the entries before it.
 bool areAlike(const Marker& a, const Marker& b) {
   if (!a.picture || !b.picture) return !a.picture && !b.picture && a.id == b.id;
-  return a.picture->name == b.picture->name && a.picture->border == b.picture->border;
+  return a.picture->name == b.picture->name &&
+         std::abs(a.picture->border - b.picture->border) < kTolerance;
 }
 
 bool isSame(const Marker& a, const Marker& b) {
-  constexpr double kTolerance = 2e-6;  // what the digits leave
   return a.family == b.family && areAlike(a, b) && a.name == b.name &&
          std::abs(a.size - b.size) < kTolerance &&
          std::abs(a.deviation - b.deviation) < kTolerance &&
@@ -257,15 +260,18 @@ void checkResult(const std::string& result, const MarkerMap& before,
   if (!is_right) throw InputError(refusal);
 }
 
+std::filesystem::path folderOf(const std::string& path) {
+  return std::filesystem::weakly_canonical(std::filesystem::absolute(path)).parent_path();
+}
+
 /// With pictures named relative to a file.
 std::vector<MapEntry> withPicturesFrom(const std::string& path, std::vector<MapEntry> entries) {
-  namespace fs = std::filesystem;
-  const fs::path folder = fs::weakly_canonical(path).parent_path();
+  const std::filesystem::path folder = folderOf(path);
   for (MapEntry& entry : entries) {
     std::shared_ptr<const PatternPicture>& picture = entry.marker.picture;
     if (!picture) continue;
     PatternPicture named = *picture;
-    named.name = fs::weakly_canonical(picture->path).lexically_proximate(folder).string();
+    named.name = std::filesystem::path(picture->path).lexically_proximate(folder).string();
     picture = std::make_shared<PatternPicture>(std::move(named));
   }
   return entries;
@@ -346,6 +352,17 @@ std::string withChanges(const std::string& text, const std::vector<EntryChange>&
   }
   checkResult(result, {}, wanted, origin);
   return added.empty() ? result : withEntries(result, added, origin);
+}
+
+std::string movedMapText(const std::string& text, const std::string& origin,
+                         const std::string& path) {
+  const MarkerMap map = parseMarkerMap(text, origin);
+  std::vector<MapEntry> entries;
+  for (const Marker& marker : map.markers) entries.push_back({marker, ""});
+  const bool has_pictures = std::any_of(entries.begin(), entries.end(),
+                                        [](const MapEntry& each) { return each.marker.picture; });
+  if (!has_pictures || folderOf(origin) == folderOf(path)) return text;
+  return newMapText(map.frame_id, entries, path);
 }
 
 }  // namespace omnitag

@@ -2,8 +2,8 @@
 
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
+#include <locale>
 #include <opencv2/core.hpp>
 #include <sstream>
 
@@ -28,9 +28,12 @@ std::vector<double> valuesOf(const std::string& path) {
   for (int number = 1; std::getline(file, line); ++number) {
     std::istringstream words(line);
     for (std::string word; words >> word;) {
-      char* end = nullptr;
-      const double value = std::strtod(word.c_str(), &end);
-      if (*end != '\0' || !(value >= 0.0 && value <= 255.0)) {
+      std::istringstream digits(word);
+      digits.imbue(std::locale::classic());
+      double value = -1.0;
+      digits >> value;
+      const bool is_plain = word.find_first_not_of("0123456789.") == std::string::npos;
+      if (!is_plain || !digits || !digits.eof() || !(value >= 0.0 && value <= 255.0)) {
         throw InputError(format("%s:%d: expected numbers from 0 to 255, found '%s'", path.c_str(),
                                 number, word.c_str()));
       }

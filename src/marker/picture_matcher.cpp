@@ -7,6 +7,7 @@
 #include <numeric>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 
 #include "omnitag/common/angle.h"
 #include "omnitag/common/correlation_threshold.h"
@@ -119,6 +120,8 @@ double logRatio(double a, double b, double dimensions) {
   return 0.5 * dimensions * std::log((1.0 - b * b) / std::max(1.0 - a * a, kLeast));
 }
 
+int modulesFor(double border) { return static_cast<int>(std::ceil(1.0 / border)); }
+
 /// The picture and turn that correlate best, and how well the next one does.
 struct Ranking {
   std::size_t picture = 0;
@@ -152,6 +155,12 @@ PictureMatcher::PictureMatcher(
   for (const auto& [id, picture] : pictures) {
     pictures_.push_back({id, picture->border, dimensionsOf(*picture), cellsOf(*picture)});
   }
+}
+
+int PictureMatcher::modulesPerEdge() const {
+  int most = 0;
+  for (const Picture& picture : pictures_) most = std::max(most, modulesFor(picture.border));
+  return most;
 }
 
 std::optional<PictureMatch> PictureMatcher::match(const cv::Mat& image,
@@ -205,7 +214,7 @@ std::optional<PictureMatch> PictureMatcher::match(const cv::Mat& image,
   if (!likeliest || !likeliest->isClear()) return std::nullopt;
   const Picture& picture = pictures_[likeliest->picture];
   PictureMatch match{picture.id, square, likeliest->best, likeliest->contrast,
-                     cvRound(1.0 / picture.border)};
+                     modulesFor(picture.border)};
   // The first corner was taken for the lower left one.
   std::rotate(match.corners.begin(),
               match.corners.begin() + static_cast<std::ptrdiff_t>(likeliest->turn),

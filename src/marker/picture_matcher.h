@@ -19,7 +19,7 @@ struct PictureMatch {
   double correlation = 0.0;
   /// Grey levels, standard deviation within the border.
   double contrast = 0.0;
-  /// The border's width is 1 / this of the edge.
+  /// The border is at least as wide as 1 / this of the edge.
   int modules_per_edge = 0;
 };
 
@@ -34,6 +34,9 @@ struct PictureMatch {
 class PictureMatcher {
  public:
   explicit PictureMatcher(const std::map<int, std::shared_ptr<const PatternPicture>>& pictures);
+
+  /// The borders of all pictures are at least as wide as 1 / this of the edge.
+  int modulesPerEdge() const;
 
   /// `image`: CV_8UC1. `square`: its corners in pixels, counter-clockwise from any of them. Nothing
   /// if the square is too small, reaches beyond the image, or matches no picture.

@@ -69,7 +69,12 @@ std::vector<Corners<Eigen::Vector2d>> SquareFinder::find(const cv::Mat& image,
   if (reduction > 1.0) {
     cv::resize(image, reduced, {}, 1.0 / reduction, 1.0 / reduction, cv::INTER_AREA);
   }
-  if (library_->blur > 0.0) cv::GaussianBlur(reduced, reduced, {}, library_->blur);
+  if (library_->blur > 0.0) {
+    // Not in place: the caller's pixels may be the same.
+    cv::Mat blurred;
+    cv::GaussianBlur(reduced, blurred, {}, library_->blur);
+    reduced = blurred;
+  }
   // The library deglitches as if rows had hardly any padding.
   if (library_->detector->qtp.deglitch != 0 && !reduced.isContinuous()) reduced = reduced.clone();
   image_u8_t library_image{reduced.cols, reduced.rows, static_cast<int>(reduced.step),

@@ -183,9 +183,8 @@ void TagDetector::Library::decode(const cv::Mat& image, int min_contrast,
 void TagDetector::Library::matchPictures(const cv::Mat& image, int min_contrast,
                                          std::vector<TagDetection>* found) const {
   for (const Corners<Eigen::Vector2d>& square : squares->find(image, min_contrast)) {
-    // The widest border has this share of the edge.
-    constexpr int kModulesPerEdge = 4;
-    const Corners<Eigen::Vector2d> refined = refineCorners(image, square, kModulesPerEdge);
+    const Corners<Eigen::Vector2d> refined =
+        refineCorners(image, square, families->matcher->modulesPerEdge());
     const std::optional<PictureMatch> match = families->matcher->match(image, refined);
     if (!match) continue;
     TagDetection tag;

@@ -1,6 +1,7 @@
 #include "omnitag/marker/tag_pattern.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -13,6 +14,49 @@
 
 namespace omnitag {
 namespace {
+
+/// Modules: of a Gaussian with a larger standard deviation, Profile does not hold all.
+constexpr double kWidest = 3.9;
+
+/// A wide Gaussian as rectangles side by side along each axis, in standard deviations.
+class Boxes {
+ public:
+  static constexpr int kCount = 15;
+  static constexpr double kWidth = 0.5;
+
+  Boxes() {
+    const auto below = [](double x) { return 0.5 * std::erfc(-x / std::sqrt(2.0)); };
+    double sum = 0.0;
+    for (int i = 0; i < kCount; ++i) {
+      const double share = below(middleOf(i) + 0.5 * kWidth) - below(middleOf(i) - 0.5 * kWidth);
+      shares_[static_cast<std::size_t>(i)] = share;
+      sum += share;
+    }
+    for (double& share : shares_) share /= sum;
+  }
+
+  /// Calls `visit` with the middle of each rectangle, from the Gaussian's, and its share.
+  template <typename Visit>
+  void visit(const Eigen::Vector2d& deviations, const Visit& visit) const {
+    for (int row = 0; row < kCount; ++row) {
+      for (int column = 0; column < kCount; ++column) {
+        const Eigen::Vector2d from_middle(middleOf(column), middleOf(row));
+        visit(deviations.cwiseProduct(from_middle), shareOf(column) * shareOf(row));
+      }
+    }
+  }
+
+ private:
+  static double middleOf(int i) { return kWidth * (i - kCount / 2); }
+  double shareOf(int i) const { return shares_[static_cast<std::size_t>(i)]; }
+
+  std::array<double, kCount> shares_{};
+};
+
+const Boxes& boxes() {
+  static const Boxes all;
+  return all;
+}
 
 bool isWithinModule(const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
   return static_cast<int>(low.x()) == static_cast<int>(high.x()) &&
@@ -212,6 +256,13 @@ void TagPattern::appendDataShares(const Eigen::Vector2d& position, const Window&
     return;
   }
   window.visit(position, [&](const Eigen::Vector2d& middle, double share) {
+    if (window.extent_.maxCoeff() > kWidest) {
+      const Eigen::Vector2d half = 0.5 * Boxes::kWidth * window.extent_;
+      boxes().visit(window.extent_, [&](const Eigen::Vector2d& from_middle, double of_box) {
+        addRectangle(withinDrawing(middle + from_middle, half), half, share * of_box);
+      });
+      return;
+    }
     const Profile columns = profileOf(middle.x(), window.extent_.x());
     const Profile rows = profileOf(middle.y(), window.extent_.y());
     for (int r = 0; r < rows.count; ++r) {
@@ -269,6 +320,18 @@ TagPattern::Profile TagPattern::profileOf(double middle, double deviation) const
 
 TagPattern::White TagPattern::averageOverGaussian(const Eigen::Vector2d& middle,
                                                   const Eigen::Vector2d& deviations) const {
+  if (deviations.maxCoeff() > kWidest) {
+    const Eigen::Vector2d half = 0.5 * Boxes::kWidth * deviations;
+    const double per_area = 0.25 / half.prod();
+    White white;
+    boxes().visit(deviations, [&](const Eigen::Vector2d& from_middle, double share) {
+      const Eigen::Vector2d there = withinDrawing(middle + from_middle, half);
+      const White of_box = averageBetween(there - half, there + half, per_area);
+      white.share += share * of_box.share;
+      white.by_position += share * of_box.by_position;
+    });
+    return white;
+  }
   const Profile columns = profileOf(middle.x(), deviations.x());
   const Profile rows = profileOf(middle.y(), deviations.y());
   White white;

@@ -39,6 +39,7 @@ std::size_t pixelsFor(double feature, bool may_be_stretched) {
 /// free of noise. Within a black border at the predicted place, anything else is rare in itself.
 /// `false_accept_study` measures how often one picture is taken for another.
 constexpr double kPictureRate = 100.0;  // relative to the rate for codes
+constexpr double kHighestRate = 1e-2;
 
 /// Pixels: even for the smallest marker, searching this far around is worthwhile. A marker that may
 /// be farther away may also image larger, turned or slanted.
@@ -296,7 +297,9 @@ std::optional<Recognition> recognize(const cv::Mat& panorama, const Marker& mark
     if (!area.contains(fit->placement.displacement, step + 1.0)) return std::nullopt;
     const auto comparison = PatternComparison::of(panorama, footprints, fit->placement, pattern);
     if (!comparison) return std::nullopt;
-    const double of_one = config.false_accept_rate * (marker.picture ? kPictureRate : 1.0);
+    const double of_one = marker.picture
+                              ? std::min(kPictureRate * config.false_accept_rate, kHighestRate)
+                              : config.false_accept_rate;
     const double rate = of_one / static_cast<double>(places.size());
     return recognitionOf(predicted, fit->placement, *comparison, rate);
   };

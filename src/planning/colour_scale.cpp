@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 
 #include "omnitag/planning/plan_report.h"
 
 namespace omnitag {
 namespace {
 
-/// 1, 2, 5, 10, ... millimetres; in tenths of a micrometre from the first.
+/// 1, 2 or 5 times a power of ten, from 0.1 micrometres on (index 0); in metres.
 double roundNumber(int index) {
   constexpr std::array<double, 3> kFactors{1.0, 2.0, 5.0};
   const int decade = index / 3;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "omnitag/common/angle.h"
 #include "omnitag/common/grid_index.h"

@@ -1,5 +1,6 @@
 #include "omnitag/planning/occupancy_grid.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <limits>

@@ -216,7 +216,7 @@ void drawScale(const ColourScale& scale, const cv::Point& corner, cv::Mat* image
   writeText("standard deviation of the", corner + cv::Point(0, -26), kText, kTextSize, image);
   writeText("position from one image", corner + cv::Point(0, -10), kText, kTextSize, image);
   for (int v = 0; v < kHeight; ++v) {
-    const cv::Vec3b colour = scale.colourAt(1.0 - (v + 0.5) / kHeight);
+    const cv::Vec3b colour = ColourScale::colourAt(1.0 - (v + 0.5) / kHeight);
     cv::line(*image, corner + cv::Point(0, v), corner + cv::Point(kWidth, v),
              cv::Scalar(colour[0], colour[1], colour[2]));
   }

@@ -62,7 +62,8 @@ double quantile(std::vector<double> sample, double share) {
 
 std::string lengthText(double metres) {
   const auto text = [](double value, const char* unit) {
-    const int digits = value < 1.0 ? 2 : value < 10.0 ? 1 : 0;
+    const int below_ten = value < 1.0 ? 2 : 1;
+    const int digits = value < 10.0 ? below_ten : 0;
     return format("%.*f %s", digits, value, unit);
   };
   if (metres < 0.9995e-2) return text(1e3 * metres, "mm");

@@ -18,6 +18,7 @@ struct Border {
   Eigen::Vector2d outward;
 };
 
+/// In the order of x.
 std::vector<Border> bordersOf(const OccupancyGrid& grid) {
   const std::array<Eigen::Vector2i, 4> neighbours{Eigen::Vector2i(1, 0), Eigen::Vector2i(-1, 0),
                                                   Eigen::Vector2i(0, 1), Eigen::Vector2i(0, -1)};
@@ -33,6 +34,8 @@ std::vector<Border> bordersOf(const OccupancyGrid& grid) {
       }
     }
   }
+  std::sort(borders.begin(), borders.end(),
+            [](const Border& a, const Border& b) { return a.middle.x() < b.middle.x(); });
   return borders;
 }
 
@@ -80,9 +83,12 @@ Line lineThrough(const std::vector<Border>& borders, const Eigen::Vector2d& from
 Line lineNear(const Border& border, const std::vector<Border>& borders, double reach) {
   const auto facing = [&](const Eigen::Vector2d& direction, double least) {
     std::vector<Border> near;
-    for (const Border& other : borders) {
-      const bool is_near = (other.middle - border.middle).squaredNorm() <= reach * reach;
-      if (is_near && other.outward.dot(direction) >= least) near.push_back(other);
+    const double east = border.middle.x() + reach;
+    auto other = std::lower_bound(borders.begin(), borders.end(), border.middle.x() - reach,
+                                  [](const Border& each, double x) { return each.middle.x() < x; });
+    for (; other != borders.end() && other->middle.x() <= east; ++other) {
+      const bool is_near = (other->middle - border.middle).squaredNorm() <= reach * reach;
+      if (is_near && other->outward.dot(direction) >= least) near.push_back(*other);
     }
     return near;
   };

@@ -240,5 +240,19 @@ TEST(MarkerMapWriter, PatternsKeepTheirPathsWhenTheirEntriesChange) {
   EXPECT_EQ(after.markers[2].id, 1);
 }
 
+TEST(MarkerMapWriter, AMovedMapFindsItsPatterns) {
+  const std::string origin = std::string(PACKAGE_DIR) + "/maps/seed.yaml";
+  const std::string text =
+      "# a map\nfamily: artoolkit\nsize: 0.5\nborder: 0.1428571\nmarkers:\n"
+      "  - {pattern: patterns/moon.patt, position: [1, 0, 1], yaw: 0}\n"
+      "  - {family: tag36h11, id: 3, position: [2, 0, 1], yaw: 0}\n";
+  EXPECT_EQ(movedMapText(text, origin, std::string(PACKAGE_DIR) + "/maps/other.yaml"), text);
+  // A file in the current folder, as users name it.
+  const MarkerMap map = parseMarkerMap(movedMapText(text, origin, "moved.yaml"), "moved.yaml");
+  ASSERT_EQ(map.markers.size(), 2u);
+  EXPECT_NEAR(map.markers[0].picture->border, 0.1428571, 1e-6);
+  EXPECT_EQ(map.markers[1].id, 3);
+}
+
 }  // namespace
 }  // namespace omnitag

@@ -2,15 +2,19 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <opencv2/core.hpp>
 #include <random>
 #include <string>
+#include <vector>
 
 #include "../support/sample_pictures.h"
 #include "omnitag/common/error.h"
+#include "omnitag/marker/tag_pattern.h"
 
 namespace omnitag {
 namespace {
@@ -61,6 +65,9 @@ TEST_F(PatternFileTest, WhatIsNoPatternIsRefusedByName) {
   EXPECT_NE(
       refusal("1 2\n3 three\n").find(path_ + ":2: expected numbers from 0 to 255, found 'three'"),
       std::string::npos);
+  for (const char* word : {"0x1F", "1e2", "+5", "1.2.3", "nan"}) {
+    EXPECT_NE(refusal(word).find(std::string("found '") + word + "'"), std::string::npos) << word;
+  }
   EXPECT_NE(refusal("1 256\n").find("found '256'"), std::string::npos);
   EXPECT_NE(refusal("1 -1\n").find("found '-1'"), std::string::npos);
   std::string even;
@@ -113,6 +120,58 @@ TEST(PatternPictureTest, RandomPicturesOfItsSpectrumVaryInSoManyWays) {
       norms += cells.dot(cells) * filtered.dot(filtered);
     }
     EXPECT_NEAR(products / norms * dimensionsOf(picture), 1.0, 0.1) << name;
+  }
+}
+
+/// Average of a pattern, continued beyond its edge, over a Gaussian of this deviation (modules).
+double gaussianAverage(const TagPattern& pattern, const Eigen::Vector2d& middle, double deviation) {
+  constexpr int kSteps = 60;
+  constexpr double kReach = 4.0;
+  double sum = 0.0;
+  double weights = 0.0;
+  const auto module = [&pattern](double place) {
+    return std::clamp(static_cast<int>(place), 0, pattern.width() - 1);
+  };
+  for (int row = -kSteps; row <= kSteps; ++row) {
+    for (int column = -kSteps; column <= kSteps; ++column) {
+      const Eigen::Vector2d off = kReach / kSteps * Eigen::Vector2d(column, row);
+      const double weight = std::exp(-0.5 * off.squaredNorm());
+      const Eigen::Vector2d place = middle + deviation * off;
+      sum += weight * pattern.whiteAt(module(place.x()), module(place.y()));
+      weights += weight;
+    }
+  }
+  return sum / weights;
+}
+
+TEST(PatternPictureTest, BlurAveragesAllOfItsModules) {
+  // 32, 80 and 160 modules, of which a blurred pixel of a small marker covers up to a third.
+  for (const double border : {0.25, 0.2, 0.15}) {
+    const TagPattern pattern(*test::picture("snake", border));
+    for (const double edge : {12.0, 20.0, 40.0}) {
+      const double pixel = pattern.widthBetweenCorners() / edge;
+      const TagPattern::Window window({pixel, 0.0}, {0.0, pixel}, 0.8);
+      const double deviation = pixel * std::sqrt(0.8 + 1.0 / 12.0);
+      for (const double place : {0.3, 0.5, 0.62}) {
+        const Eigen::Vector2d middle = pattern.width() * Eigen::Vector2d(place, 0.9 - place);
+        const TagPattern::White white = pattern.averageOver(middle, window);
+        EXPECT_NEAR(white.share, gaussianAverage(pattern, middle, deviation), 0.02)
+            << border << ", " << edge << ", " << place;
+        const Eigen::Vector2d step(0.05 * pixel, 0.0);
+        const double slope = (pattern.averageOver(middle + step, window).share -
+                              pattern.averageOver(middle - step, window).share) /
+                             (2.0 * step.x());
+        EXPECT_NEAR(white.by_position.x() * pixel, slope * pixel, 0.02);
+        std::vector<TagPattern::DataShare> shares;
+        pattern.appendDataShares(middle, window, &shares);
+        double of_data = 0.0;
+        for (const auto& [module, share] : shares) {
+          of_data += share * 0.5 * (pattern.dataAt(module) + 1.0);
+        }
+        // The border is black, so that near the middle all white is data's.
+        if (place == 0.5) EXPECT_NEAR(of_data, white.share, 0.03) << border << ", " << edge;
+      }
+    }
   }
 }
 

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -129,6 +130,32 @@ TEST(PictureReadingTest, ReducedImagesAreReadInPlace) {
     const Corners<Eigen::Vector2d> corners = square(90.0, 0.3, radians(15.0));
     expectRead(detector, drawn(*picture, corners), id, corners, 0.3);
   }
+}
+
+TEST(PictureReadingTest, BordersOfAnyWidthAreFound) {
+  for (const double border : {0.1, 0.4}) {
+    MarkerFamilies families;
+    families.pictures[3] = test::picture("snake", border);
+    families.pictures[5] = test::picture("road", border);
+    const TagDetector detector({}, families);
+    for (const auto& [id, picture] : families.pictures) {
+      SCOPED_TRACE(picture->path + ", border " + std::to_string(border));
+      const Corners<Eigen::Vector2d> corners = square(80.0, 0.3, radians(20.0));
+      expectRead(detector, drawn(*picture, corners), id, corners, 0.25);
+    }
+  }
+}
+
+TEST(PictureReadingTest, TheImageIsNotBlurredInPlace) {
+  const MarkerFamilies families = allPictures();
+  TagDetectorConfig config;
+  config.quad_sigma = 0.8;
+  const TagDetector detector(config, families);
+  const Corners<Eigen::Vector2d> corners = square(60.0, 0.0, 0.0);
+  const cv::Mat image = drawn(*families.pictures.at(0), corners);
+  const cv::Mat before = image.clone();
+  expectRead(detector, image, 0, corners, 0.4);
+  EXPECT_EQ(cv::norm(image, before), 0.0);
 }
 
 TEST(PictureReadingTest, OtherPicturesAreNotTakenForThem) {

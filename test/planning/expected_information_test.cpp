@@ -70,9 +70,7 @@ TEST_F(ExpectedInformationTest, IsThatOfADenseLeastSquaresOverTheEdges) {
   for (int m = 0; m < markers; ++m) {
     const Marker& marker = map_.markers[static_cast<std::size_t>(m)];
     const int first = 6 + 6 * m;
-    const double alignment = 0.0;
-    information.diagonal().segment<3>(first).array() +=
-        1.0 / (marker.deviation * marker.deviation + alignment);
+    information.diagonal().segment<3>(first).array() += 1.0 / (marker.deviation * marker.deviation);
     information.diagonal().segment<3>(first + 3).array() +=
         1.0 / (marker.orientation_deviation * marker.orientation_deviation);
     const TagPattern pattern(marker);

@@ -52,7 +52,7 @@ TEST_F(FloorPredictionTest, PlacesAreWhereARobotFits) {
 TEST_F(FloorPredictionTest, AStepIsChosenForTheSizeOfTheFloor) {
   const FloorPrediction floor = placesOn(grid_, 0.0, 0.2);
   EXPECT_GT(floor.places.size(), 2000U);
-  EXPECT_LT(floor.places.size(), 12000U);
+  EXPECT_LT(floor.places.size(), 6000U);
 }
 
 TEST_F(FloorPredictionTest, MarkersAreSeenInTheirRoom) {

@@ -6,6 +6,7 @@ import unittest
 from source_tree import FileTest
 
 import cv2
+import numpy as np
 import yaml
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
@@ -48,11 +49,17 @@ class WorldFloorTest(FileTest):
 
     def test_the_shipped_floor_is_that_of_the_world(self):
         self.cells("--from=-2,0")
-        for name in ("floor.png", "floor.yaml"):
-            with open(self.path(name), "rb") as made, \
-                    open(os.path.join(ROOT, "worlds", "rooms_" + name), "rb") as shipped:
-                self.assertEqual(made.read().replace(b"floor.png", b"rooms_floor.png"),
-                                 shipped.read())
+        worlds = os.path.join(ROOT, "worlds")
+        with open(self.path("floor.yaml"), encoding="utf-8") as made, \
+                open(os.path.join(worlds, "rooms_floor.yaml"), encoding="utf-8") as shipped:
+            self.assertEqual(made.read().replace("floor.png", "rooms_floor.png"), shipped.read())
+        np.testing.assert_array_equal(
+            cv2.imread(self.path("floor.png"), cv2.IMREAD_UNCHANGED),
+            cv2.imread(os.path.join(worlds, "rooms_floor.png"), cv2.IMREAD_UNCHANGED))
+
+    def test_the_world_is_not_overwritten(self):
+        self.assert_refused(
+            self.run_tool("world_floor", "--world", ROOMS, "--output", ROOMS), "would be overwritten")
 
     def test_bad_input(self):
         self.assert_refused(

@@ -26,8 +26,8 @@ struct CalibrationConfig {
   /// Pixels: a calibration is refused if its corners are farther off (RMS).
   double max_residual = 1.0;
   /// Whether the camera moves freely, as before a board: then nothing of its mounting is estimated.
-  /// Otherwise, how far the robot may lean, and its height vary.
   bool is_free = false;
+  /// If it does not, how far the robot may lean, and its height vary.
   FloorConfig floor;
   /// Priors of the places of the map's markers; if empty, the markers' own.
   std::vector<std::optional<PlacePrior>> priors;

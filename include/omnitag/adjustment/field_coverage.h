@@ -12,8 +12,7 @@ namespace omnitag {
 struct FieldCoverage {
   /// Of the cells that have a pixel, from 0 to 1.
   double share = 0.0;
-  /// The empty parts in words, such as "the rim at the upper left"; none if there are no large
-  /// ones.
+  /// The empty cells in words, such as "the rim (left, upper left)", a part for each ring.
   std::vector<std::string> missing;
 };
 

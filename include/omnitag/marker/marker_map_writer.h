@@ -42,4 +42,10 @@ struct EntryChange {
 std::string withChanges(const std::string& text, const std::vector<EntryChange>& changes,
                         const std::vector<MapEntry>& added, const std::string& origin);
 
+/// The text of the map file `origin` as it must be at `path`: the same, except if it has pictures
+/// and is in another folder, since their paths are relative to the file. It is then a new text.
+/// Throws the same as newMapText().
+std::string movedMapText(const std::string& text, const std::string& origin,
+                         const std::string& path);
+
 }  // namespace omnitag

@@ -17,7 +17,8 @@ struct TagDetectorConfig {
   /// Reduces the view before quads are searched: 1 (keeps its resolution), 1.5 or an integer. With
   /// other factors the library misplaces what it finds.
   double quad_decimate = 1.0;
-  /// Gaussian blur of the reduced view, standard deviation in its pixels; negative sharpens.
+  /// Gaussian blur of the reduced view, standard deviation in its pixels; negative sharpens, which
+  /// does not apply to pictures.
   double quad_sigma = 0.0;
   /// Moves the edges of a quad to the strongest gradient, and the corners of a decoded tag to where
   /// its edges really meet (see refineCorners()).
@@ -73,7 +74,8 @@ class TagDetector {
   TagDetector(TagDetector&& other) noexcept;
   TagDetector& operator=(TagDetector&& other) noexcept;
 
-  /// The tags in an image (CV_8UC1, at most 32767 pixels a side), ordered by id. There are none in
+  /// The tags in an image (CV_8UC1, at most 32767 pixels a side), ordered by id, and then the
+  /// pictures. There are none in
   /// an image of less than 8 pixels a side, times `quad_decimate`. Rows may be padded.
   /// `min_contrast`: grey levels between white and black, if more than the settings require. Throws
   /// std::invalid_argument for other images.

@@ -135,6 +135,11 @@ class TagPattern {
   White averageOverGaussian(const Eigen::Vector2d& middle, const Eigen::Vector2d& deviations) const;
   void compareNeighbours();
   Place placeOf(double coordinate) const;
+  /// The nearest position at which a rectangle with these half sides lies within the drawing.
+  Eigen::Vector2d withinDrawing(const Eigen::Vector2d& position,
+                                const Eigen::Vector2d& half) const {
+    return position.cwiseMin(Eigen::Vector2d::Constant(width_) - half).cwiseMax(half);
+  }
   Area whiteAbove(const Place& x, const Place& y) const;
   /// `per_area`: 1 / the area between.
   White averageBetween(const Eigen::Vector2d& low, const Eigen::Vector2d& high,

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from omnitag.command_line import InputError
-from omnitag.rendering.scene import board_width
+from omnitag.rendering.scene import board_size, board_width
 from omnitag.rendering.world import Cylinder, World
 
 # Grey levels of map_server's trinary images.
@@ -40,6 +40,10 @@ class FloorGrid:
             half = 0.5 * board_width(marker, world.boards)
             self._add_block(marker.map_from_marker, (-half, -half, -world.boards.thickness),
                             (half, half, 0), height)
+        for hung in world.hung_boards:
+            x, y = board_size(hung.board, world.boards)
+            self._add_block(hung.map_from_board, (-x / 2, -y / 2, -world.boards.thickness),
+                            (x / 2, y / 2, 0), height)
 
     def keep_reachable(self, place: Tuple[float, float]) -> None:
         """Make all free cells unknown that cannot be reached from a place of the map (m)."""

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -54,10 +53,6 @@ void transform(const Pose& other_from_map, BuiltMap* map) {
     each.is_exact = false;
   }
   for (Pose& pose : map->trajectory) pose = other_from_map * pose;
-}
-
-std::filesystem::path folderOf(const std::string& path) {
-  return std::filesystem::weakly_canonical(path).parent_path();
 }
 
 }  // namespace
@@ -129,16 +124,12 @@ std::string mapText(const std::string& seed_path, const std::string& frame, cons
   }
   if (seed_path.empty()) return newMapText(frame, all, path);
   const std::string text = readTextFile(seed_path);
-  const bool has_pictures =
-      std::any_of(all.begin(), all.end(), [](const MapEntry& each) { return each.marker.picture; });
-  const bool is_beside = folderOf(seed_path) == folderOf(path);
-  if ((has_pictures && !is_beside) || parseMarkerMap(text, seed_path).frame_id != frame) {
-    return newMapText(frame, all, path);
-  }
+  if (parseMarkerMap(text, seed_path).frame_id != frame) return newMapText(frame, all, path);
   const bool is_changed = std::any_of(changes.begin(), changes.end(),
                                       [](const EntryChange& change) { return change.moved; });
-  return is_changed ? withChanges(text, changes, added, seed_path)
-                    : withEntries(text, added, seed_path);
+  return movedMapText(is_changed ? withChanges(text, changes, added, seed_path)
+                                 : withEntries(text, added, seed_path),
+                      seed_path, path);
 }
 
 }  // namespace omnitag

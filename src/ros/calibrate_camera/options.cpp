@@ -53,6 +53,7 @@ void checkBoardOptions(const CalibrationOptions& options) {
   refuse("--mounting", options.mounting.has_value());
   refuse("--odom-frame", !options.odom_frame.empty());
   refuse("--output-map", !options.output_map.empty());
+  refuse("--align-to, --align-point", !options.alignment.isNone());
 }
 
 }  // namespace

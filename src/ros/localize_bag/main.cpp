@@ -83,7 +83,8 @@ void saveMap(const BagOptions& options, const ImageLocalizer& localizer) {
   const std::vector<MapEntry> entries = usedEntries(provisional);
   std::printf("markers mapped:    %zu, %zu more are not known well enough\n", entries.size(),
               provisional.size() - entries.size());
-  replaceFile(options.mapped, withEntries(readTextFile(options.map), entries, options.map));
+  const std::string text = withEntries(readTextFile(options.map), entries, options.map);
+  replaceFile(options.mapped, movedMapText(text, options.map, options.mapped));
 }
 
 /// Replaces the bag's own transform if the options give another.

@@ -1,12 +1,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <numeric>
 #include <opencv2/imgcodecs.hpp>
+#include <optional>
 #include <string>
+#include <system_error>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "omnitag/camera/camera_file.h"
@@ -112,12 +116,12 @@ MarkerMap withMarkers(MarkerMap map, const std::vector<Marker>& added) {
 }
 
 std::string plannedText(const std::string& text, const MarkerPlacement& placement,
-                        const std::string& origin) {
+                        const std::string& origin, const std::string& path) {
   std::vector<MapEntry> entries;
   for (const Marker& marker : placement.markers) {
     entries.push_back({marker, "planned: measure it once it hangs"});
   }
-  return withEntries(text, entries, origin);
+  return movedMapText(withEntries(text, entries, origin), origin, path);
 }
 
 std::string placementText(const MarkerPlacement& placement) {
@@ -188,8 +192,8 @@ void run(const PlanOptions& options) {
     prediction = predict(shown);
     titles.push_back(format("with %d more", static_cast<int>(placement.markers.size())));
     summaries.push_back(summaryOf(prediction));
-    files.emplace_back("planned.yaml",
-                       plannedText(YamlReader::textOf(options.map), placement, options.map));
+    files.emplace_back("planned.yaml", plannedText(YamlReader::textOf(options.map), placement,
+                                                   options.map, options.file("planned.yaml")));
     report += placementText(placement);
   }
   if (options.compares) {

@@ -3,6 +3,7 @@
 #include <boost/program_options.hpp>
 #include <cmath>
 #include <filesystem>
+#include <vector>
 
 #include "../bag_tools/command_line.h"
 #include "../bag_tools/mounting_option.h"
