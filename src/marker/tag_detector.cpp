@@ -7,10 +7,12 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <stdexcept>
 #include <utility>
 
+#include "aprilgrid_family.h"
 #include "apriltag_family.h"
 #include "library_detector.h"
 #include "omnitag/common/angle.h"
@@ -49,7 +51,8 @@ int affordableHamming(const apriltag_family_t& family, int wanted) {
 /// The library counts the centre of the top-left pixel as (0.5, 0.5).
 Eigen::Vector2d toPixel(double x, double y) { return {x - 0.5, y - 0.5}; }
 
-TagDetection toTagDetection(const apriltag_detection_t& detection) {
+/// `scale`: pixels of the image per pixel of what the library has seen.
+TagDetection toTagDetection(const apriltag_detection_t& detection, double scale) {
   TagDetection result;
   result.family = detection.family->name;
   result.id = detection.id;
@@ -57,7 +60,7 @@ TagDetection toTagDetection(const apriltag_detection_t& detection) {
   result.decision_margin = detection.decision_margin;
   result.modules_per_edge = detection.family->width_at_border;
   for (std::size_t i = 0; i < result.corners.size(); ++i) {
-    result.corners[i] = toPixel(detection.p[i][0], detection.p[i][1]);
+    result.corners[i] = toPixel(scale * detection.p[i][0], scale * detection.p[i][1]);
   }
   return result;
 }
@@ -97,6 +100,8 @@ TagDetectorConfig readTagDetectorConfig(const YamlReader& reader) {
 struct TagDetector::Library {
   struct Families {
     std::vector<AprilTagFamily> codes;
+    /// AprilGrid's, whose tags touch black squares at their corners.
+    std::vector<AprilTagFamily> touching;
     std::optional<PictureMatcher> matcher;
   };
 
@@ -107,31 +112,45 @@ struct TagDetector::Library {
         deglitches(config.deglitch && config.quad_decimate <= 1.0),
         smallest_side(8.0 * std::max(1.0, config.quad_decimate)),
         families(std::move(shared_families)),
-        detector(createLibraryDetector(config)) {
+        detector(createLibraryDetector(config)),
+        touching_detector(createLibraryDetector(config)) {
     if (families->matcher) squares.emplace(config);
     // The library makes a family's decoding table unless it has one.
-    for (const AprilTagFamily& family : families->codes) {
-      apriltag_detector_add_family_bits(detector.get(), family.get(),
-                                        affordableHamming(*family, config.max_hamming));
-    }
+    const auto add = [&config](const std::vector<AprilTagFamily>& codes,
+                               const LibraryDetector& reads) {
+      for (const AprilTagFamily& family : codes) {
+        apriltag_detector_add_family_bits(reads.get(), family.get(),
+                                          affordableHamming(*family, config.max_hamming));
+      }
+    };
+    add(families->codes, detector);
+    add(families->touching, touching_detector);
   }
   Library(const Library&) = delete;
   Library& operator=(const Library&) = delete;
   ~Library() {
     // The library would free the tables of a detector's families along with it.
-    if (families.use_count() > 1) zarray_clear(detector->tag_families);
+    if (families.use_count() == 1) return;
+    zarray_clear(detector->tag_families);
+    zarray_clear(touching_detector->tag_families);
   }
 
   static std::shared_ptr<const Families> create(const MarkerFamilies& wanted) {
     auto families = std::make_shared<Families>();
     for (const std::string& name : wanted.codes) {
-      families->codes.push_back(createAprilTagFamily(name));
+      auto& codes = name == kAprilGridFamily ? families->touching : families->codes;
+      codes.push_back(createAprilTagFamily(name));
     }
     if (!wanted.pictures.empty()) families->matcher.emplace(wanted.pictures);
     return families;
   }
 
   void decode(const cv::Mat& image, int min_contrast, std::vector<TagDetection>* found) const;
+  void decodeTouching(const cv::Mat& image, int min_contrast,
+                      std::vector<TagDetection>* found) const;
+  /// `seen`: the image as the library sees it, so many times as large.
+  void decode(const LibraryDetector& reads, const cv::Mat& seen, double enlargement,
+              const cv::Mat& image, int min_contrast, std::vector<TagDetection>* found) const;
   void matchPictures(const cv::Mat& image, int min_contrast,
                      std::vector<TagDetection>* found) const;
 
@@ -143,6 +162,7 @@ struct TagDetector::Library {
   // The detector releases its families when it is destroyed: they must outlive it.
   std::shared_ptr<const Families> families;
   LibraryDetector detector;
+  LibraryDetector touching_detector;
   std::optional<SquareFinder> squares;
 };
 
@@ -161,20 +181,34 @@ void TagDetector::Library::decode(const cv::Mat& image, int min_contrast,
   // The library blurs in place, and deglitches as if rows had hardly any padding.
   const bool needs_copy = blurs || (deglitches && !image.isContinuous());
   const cv::Mat input = needs_copy ? image.clone() : image;
-  image_u8_t library_image{input.cols, input.rows, static_cast<int>(input.step), input.data};
+  decode(detector, input, 1.0, image, min_contrast, found);
+}
 
-  detector->qtp.min_white_black_diff = std::max(min_white_black_diff, min_contrast);
+void TagDetector::Library::decodeTouching(const cv::Mat& image, int min_contrast,
+                                          std::vector<TagDetection>* found) const {
+  // To the library, black squares that touch are one shape. White that is wider by half a pixel
+  // parts them.
+  constexpr double kEnlargement = 2.0;
+  cv::Mat enlarged;
+  cv::resize(image, enlarged, {}, kEnlargement, kEnlargement, cv::INTER_CUBIC);
+  cv::dilate(enlarged, enlarged, cv::Mat());
+  decode(touching_detector, enlarged, kEnlargement, image, min_contrast, found);
+}
+
+void TagDetector::Library::decode(const LibraryDetector& reads, const cv::Mat& seen,
+                                  double enlargement, const cv::Mat& image, int min_contrast,
+                                  std::vector<TagDetection>* found) const {
+  image_u8_t library_image{seen.cols, seen.rows, static_cast<int>(seen.step), seen.data};
+  reads->qtp.min_white_black_diff = std::max(min_white_black_diff, min_contrast);
   const std::unique_ptr<zarray_t, DestroyDetections> detections(
-      apriltag_detector_detect(detector.get(), &library_image));
+      apriltag_detector_detect(reads.get(), &library_image));
   for (int i = 0; i < zarray_size(detections.get()); ++i) {
     apriltag_detection_t* detection = nullptr;
     zarray_get(detections.get(), i, &detection);
     if (detection->decision_margin < min_decision_margin) continue;
-    TagDetection tag = toTagDetection(*detection);
+    TagDetection tag = toTagDetection(*detection, 1.0 / enlargement);
     // The library's own refinement is off by up to 0.3 pixels in releases before 3.4.3.
-    if (detector->refine_edges) {
-      tag.corners = refineCorners(image, tag.corners, detection->family->width_at_border);
-    }
+    if (reads->refine_edges) tag.corners = refineCorners(image, tag.corners, tag.modules_per_edge);
     tag.center = centerOf(tag.corners);
     found->push_back(std::move(tag));
   }
@@ -207,6 +241,10 @@ std::vector<TagDetection> TagDetector::detect(const cv::Mat& image, int min_cont
   if (std::min(image.cols, image.rows) < library_->smallest_side) return {};
   std::vector<TagDetection> found;
   if (!library_->families->codes.empty()) library_->decode(image, min_contrast, &found);
+  if (!library_->families->touching.empty() &&
+      2 * std::max(image.cols, image.rows) <= kLargestSide) {
+    library_->decodeTouching(image, min_contrast, &found);
+  }
   if (library_->squares) library_->matchPictures(image, min_contrast, &found);
   return found;
 }

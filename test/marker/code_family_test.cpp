@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <opencv2/core.hpp>
 #include <opencv2/core/version.hpp>
 #include <opencv2/imgproc.hpp>
@@ -141,6 +143,59 @@ TEST(AprilGridFamily, IsTheCodeOfTag36h11InABorderOfTwoModules) {
         EXPECT_EQ(pattern.whiteAt(column, row), expected)
             << id << ": column " << column << ", row " << row;
       }
+    }
+  }
+}
+
+/// 3 x 3 tags as Kalibr draws them, with black squares between their corners, each pixel the mean
+/// over its area. `module`: pixels.
+cv::Mat aprilGrid(double module, double turn) {
+  constexpr int kSide = 400;
+  constexpr int kSamples = 6;
+  std::vector<TagPattern> tags;
+  for (int id = 0; id < 9; ++id) tags.emplace_back("aprilgrid", id);
+  const auto whiteAt = [&](double u, double v) {
+    const double x = (std::cos(turn) * (u - 200.0) + std::sin(turn) * (v - 200.0)) / module + 18.0;
+    const double y = (-std::sin(turn) * (u - 200.0) + std::cos(turn) * (v - 200.0)) / module + 18.0;
+    if (std::min(x, y) < -3.0 || std::max(x, y) >= 39.0) return 1.0;
+    const double in_x = std::fmod(x + 13.0, 13.0);
+    const double in_y = std::fmod(y + 13.0, 13.0);
+    if (in_x >= 10.0 && in_y >= 10.0) return 0.0;
+    if (in_x >= 10.0 || in_y >= 10.0 || std::min(x, y) < 0.0) return 1.0;
+    const int id = 3 * (2 - static_cast<int>(y / 13.0)) + static_cast<int>(x / 13.0);
+    return tags[static_cast<std::size_t>(id)].whiteAt(1 + static_cast<int>(in_x),
+                                                      1 + static_cast<int>(in_y));
+  };
+  cv::Mat image(kSide, kSide, CV_8UC1);
+  for (int v = 0; v < kSide; ++v) {
+    for (int u = 0; u < kSide; ++u) {
+      double white = 0.0;
+      for (int i = 0; i < kSamples * kSamples; ++i) {
+        white += whiteAt(u + (i % kSamples + 0.5) / kSamples - 0.5,
+                         v + (i / kSamples + 0.5) / kSamples - 0.5);
+      }
+      image.at<std::uint8_t>(v, u) =
+          cv::saturate_cast<std::uint8_t>(30.0 + 190.0 * white / (kSamples * kSamples));
+    }
+  }
+  return image;
+}
+
+TEST(AprilGridFamily, TagsAreReadThoughTheirCornersTouch) {
+  const TagDetector detector({}, {"aprilgrid"});
+  for (const double module : {3.0, 4.3, 6.0}) {
+    for (const double turn : {0.0, 0.3}) {
+      const std::vector<TagDetection> tags = detector.detect(aprilGrid(module, turn));
+      ASSERT_EQ(tags.size(), 9U) << module << ", " << turn;
+      const TagDetection& middle = tags[4];
+      EXPECT_EQ(middle.id, 4);
+      EXPECT_LT((middle.center - Eigen::Vector2d(200.0, 200.0)).norm(), 0.1) << module;
+      // The lower left corner is 5 modules to the left of the middle and below.
+      const Eigen::Vector2d off =
+          5.0 * module *
+          Eigen::Vector2d(-std::cos(turn) - std::sin(turn), -std::sin(turn) + std::cos(turn));
+      EXPECT_LT((middle.corners[0] - Eigen::Vector2d(200.0, 200.0) - off).norm(), 0.15)
+          << module << ", " << turn;
     }
   }
 }

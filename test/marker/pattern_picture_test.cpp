@@ -169,7 +169,9 @@ TEST(PatternPictureTest, BlurAveragesAllOfItsModules) {
           of_data += share * 0.5 * (pattern.dataAt(module) + 1.0);
         }
         // The border is black, so that near the middle all white is data's.
-        if (place == 0.5) EXPECT_NEAR(of_data, white.share, 0.03) << border << ", " << edge;
+        if (place == 0.5) {
+          EXPECT_NEAR(of_data, white.share, 0.03) << border << ", " << edge;
+        }
       }
     }
   }
