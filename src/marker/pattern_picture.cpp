@@ -70,7 +70,7 @@ PatternPicture loadPatternPicture(const std::string& path) {
                "(3072 for N = 16), found %zu numbers",
                path.c_str(), kFewestCells, kMostCells, values.size()));
   }
-  const std::size_t plane = static_cast<std::size_t>(picture.side * picture.side);
+  const std::size_t plane = gridIndex(0, picture.side, picture.side);
   for (std::size_t cell = 0; cell < plane; ++cell) {
     double luma = 0.0;
     for (std::size_t k = 0; k < kLuma.size(); ++k) luma += kLuma[k] * values[k * plane + cell];

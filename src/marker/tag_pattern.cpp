@@ -21,8 +21,8 @@ constexpr double kWidest = 3.9;
 /// A wide Gaussian as rectangles side by side along each axis, in standard deviations.
 class Boxes {
  public:
-  static constexpr int kCount = 15;
-  static constexpr double kWidth = 0.5;
+  static constexpr int kCount = 25;
+  static constexpr double kWidth = 0.3;
 
   Boxes() {
     const auto below = [](double x) { return 0.5 * std::erfc(-x / std::sqrt(2.0)); };

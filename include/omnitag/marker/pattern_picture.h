@@ -1,8 +1,9 @@
 #pragma once
 
-#include <cstddef>
 #include <string>
 #include <vector>
+
+#include "omnitag/common/grid_index.h"
 
 namespace omnitag {
 
@@ -23,7 +24,7 @@ struct PatternPicture {
   std::vector<double> white;
 
   double whiteAt(int column, int row) const {
-    return white[static_cast<std::size_t>(row * side + column)];
+    return white[gridIndex(column, row, side)];
   }
 };
 
