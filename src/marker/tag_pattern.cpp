@@ -47,7 +47,8 @@ class Boxes {
   }
 
  private:
-  static double middleOf(int i) { return kWidth * (i - kCount / 2); }
+  static constexpr int kMiddle = kCount / 2;
+  static double middleOf(int i) { return kWidth * (i - kMiddle); }
   double shareOf(int i) const { return shares_[static_cast<std::size_t>(i)]; }
 
   std::array<double, kCount> shares_{};
