@@ -41,7 +41,8 @@ class ReadingAlignmentTest : public testing::Test {
 TEST_F(ReadingAlignmentTest, PlacesCornersWhereTheyImage) {
   const MarkerMap map = sampleMap();
   const cv::Mat panorama = test::renderPanorama(map, camera_, pose_, 8);
-  const auto aligned = alignReadings(panorama, map, TagPatterns(map), camera_, PosePrior::upright(), roughReadings(map));
+  const auto aligned = alignReadings(panorama, map, TagPatterns(map), camera_, PosePrior::upright(),
+                                     roughReadings(map));
   ASSERT_EQ(aligned.size(), map.markers.size());
   for (std::size_t i = 0; i < aligned.size(); ++i) {
     EXPECT_EQ(aligned[i].id, map.markers[i].id);
@@ -57,7 +58,8 @@ TEST_F(ReadingAlignmentTest, LeavesOutWhatTheMapDoesNotExplain) {
   MarkerMap seen = map;
   seen.markers[2].id = 7;
   const cv::Mat panorama = test::renderPanorama(seen, camera_, pose_, 8);
-  const auto aligned = alignReadings(panorama, map, TagPatterns(map), camera_, PosePrior::upright(), roughReadings(seen));
+  const auto aligned = alignReadings(panorama, map, TagPatterns(map), camera_, PosePrior::upright(),
+                                     roughReadings(seen));
   ASSERT_EQ(aligned.size(), 2U);
   EXPECT_EQ(aligned[0].id, 0);
   EXPECT_EQ(aligned[1].id, 1);
@@ -68,7 +70,10 @@ TEST_F(ReadingAlignmentTest, LeavesOutMarkersWhosePixelsDoNotFit) {
   MarkerMap seen = map;
   seen.markers.pop_back();
   const cv::Mat panorama = test::renderPanorama(seen, camera_, pose_, 8);
-  EXPECT_EQ(alignReadings(panorama, map, TagPatterns(map), camera_, PosePrior::upright(), roughReadings(map)).size(), 2U);
+  EXPECT_EQ(alignReadings(panorama, map, TagPatterns(map), camera_, PosePrior::upright(),
+                          roughReadings(map))
+                .size(),
+            2U);
 }
 
 }  // namespace

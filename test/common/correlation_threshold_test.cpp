@@ -1,3 +1,5 @@
+#include "omnitag/common/correlation_threshold.h"
+
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
@@ -5,7 +7,6 @@
 #include <random>
 
 #include "omnitag/common/angle.h"
-#include "omnitag/common/correlation_threshold.h"
 
 namespace omnitag {
 namespace {

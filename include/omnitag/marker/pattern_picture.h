@@ -23,9 +23,7 @@ struct PatternPicture {
   /// upright marker.
   std::vector<double> white;
 
-  double whiteAt(int column, int row) const {
-    return white[gridIndex(column, row, side)];
-  }
+  double whiteAt(int column, int row) const { return white[gridIndex(column, row, side)]; }
 };
 
 /// Reads a pattern file of ARToolKit: four blocks, each turned by a quarter against the one before,
