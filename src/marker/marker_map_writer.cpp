@@ -279,11 +279,11 @@ std::vector<MapEntry> withPicturesFrom(const std::string& path, std::vector<MapE
 
 }  // namespace
 
-std::string newMapText(const std::string& frame_id, const std::vector<MapEntry>& given,
+std::string newMapText(const std::string& frame_id, const std::vector<MapEntry>& entries,
                        const std::string& path) {
-  if (given.empty()) throw InputError("a map needs a marker");
-  const std::vector<MapEntry> entries = withPicturesFrom(path, given);
-  const Marker& first = entries.front().marker;
+  if (entries.empty()) throw InputError("a map needs a marker");
+  const std::vector<MapEntry> named = withPicturesFrom(path, entries);
+  const Marker& first = named.front().marker;
   MarkerMap defaults;
   if (first.picture) defaults.default_border = first.picture->border;
   defaults.default_family = first.family;
@@ -295,10 +295,10 @@ std::string newMapText(const std::string& frame_id, const std::vector<MapEntry>&
                      "\norientation_deviation: " + number(first.orientation_deviation);
   if (first.picture) text += "\nborder: " + number(first.picture->border);
   text += "\nmarkers:\n";
-  for (const MapEntry& entry : entries) {
+  for (const MapEntry& entry : named) {
     text += "  - " + entryText(entry.marker, defaults) + remarkText(entry) + "\n";
   }
-  checkResult(text, {}, entries, path);
+  checkResult(text, {}, named, path);
   return text;
 }
 

@@ -122,33 +122,36 @@ double logRatio(double a, double b, double dimensions) {
 
 int modulesFor(double border) { return static_cast<int>(std::ceil(1.0 / border)); }
 
-/// The picture and turn that correlate best, and how well the next one does.
-struct Ranking {
-  std::size_t picture = 0;
-  std::size_t turn = 0;
-  double best = -1.0;
-  double second = 0.0;
-  double dimensions = 0.0;
-  double contrast = 0.0;
-
-  void add(std::size_t number, std::size_t turned, double correlated, double independent) {
-    if (correlated <= best) {
-      second = std::max(second, correlated);
-      return;
-    }
-    second = std::max(second, best);
-    picture = number;
-    turn = turned;
-    best = correlated;
-    dimensions = independent;
+/// Turned counter-clockwise by quarters.
+cv::Mat turned(cv::Mat cells, std::size_t quarters) {
+  for (std::size_t k = 0; k < quarters; ++k) {
+    // Not in place, which would reach into the border.
+    cv::Mat next;
+    cv::rotate(cells, next, cv::ROTATE_90_COUNTERCLOCKWISE);
+    cells = next;
   }
-  bool isClear() const {
-    return best >= correlationThreshold(dimensions, kRate) &&
-           logRatio(best, second, dimensions) >= -std::log(kRate);
-  }
-};
+  return cells;
+}
 
 }  // namespace
+
+void PictureMatcher::Ranking::add(std::size_t number, std::size_t turned, double correlated,
+                                  double independent) {
+  if (correlated <= best) {
+    second = std::max(second, correlated);
+    return;
+  }
+  second = std::max(second, best);
+  picture = number;
+  turn = turned;
+  best = correlated;
+  dimensions = independent;
+}
+
+bool PictureMatcher::isClear(const Ranking& ranking) {
+  return ranking.best >= correlationThreshold(ranking.dimensions, kRate) &&
+         logRatio(ranking.best, ranking.second, ranking.dimensions) >= -std::log(kRate);
+}
 
 PictureMatcher::PictureMatcher(
     const std::map<int, std::shared_ptr<const PatternPicture>>& pictures) {
@@ -163,13 +166,8 @@ int PictureMatcher::modulesPerEdge() const {
   return most;
 }
 
-std::optional<PictureMatch> PictureMatcher::match(const cv::Mat& image,
-                                                  const Corners<Eigen::Vector2d>& square) const {
-  /// What a square shows within a border of this width.
-  struct Inside {
-    double contrast = 0.0;
-    std::vector<float> values;
-  };
+std::map<double, PictureMatcher::Inside> PictureMatcher::insidesOf(
+    const cv::Mat& image, const Corners<Eigen::Vector2d>& square) const {
   std::map<double, Inside> insides;
   for (const Picture& picture : pictures_) {
     if (insides.count(picture.border) > 0) continue;
@@ -184,34 +182,40 @@ std::optional<PictureMatch> PictureMatcher::match(const cv::Mat& image,
     }
     insides.emplace(picture.border, std::move(inside));
   }
+  return insides;
+}
 
+PictureMatcher::Ranking PictureMatcher::rankingOf(const std::map<double, Inside>& insides,
+                                                  const Corners<Eigen::Vector2d>& square,
+                                                  double blur) const {
+  Ranking ranking;
+  for (std::size_t i = 0; i < pictures_.size(); ++i) {
+    const Picture& picture = pictures_[i];
+    const Inside& inside = insides.at(picture.border);
+    if (inside.contrast < kLeastContrast) continue;
+    const Eigen::Vector2d across_down = blur * pixelsPerCell(square, picture.border).cwiseInverse();
+    const double dimensions = dimensionsBehind(across_down, picture.dimensions);
+    for (std::size_t turn = 0; turn < square.size(); ++turn) {
+      const bool lies = turn % 2 == 1;
+      const cv::Mat expected =
+          turned(blurred(picture.cells, lies ? across_down.reverse() : across_down), turn);
+      ranking.add(i, turn, correlation(inside.values, normalized(expected)), dimensions);
+    }
+    if (ranking.picture == i) ranking.contrast = inside.contrast;
+  }
+  return ranking;
+}
+
+std::optional<PictureMatch> PictureMatcher::match(const cv::Mat& image,
+                                                  const Corners<Eigen::Vector2d>& square) const {
+  const std::map<double, Inside> insides = insidesOf(image, square);
   std::optional<Ranking> likeliest;
   for (const double blur : kBlurs) {
-    Ranking ranking;
-    for (std::size_t i = 0; i < pictures_.size(); ++i) {
-      const Picture& picture = pictures_[i];
-      const Inside& inside = insides.at(picture.border);
-      if (inside.contrast < kLeastContrast) continue;
-      const Eigen::Vector2d across_down =
-          blur * pixelsPerCell(square, picture.border).cwiseInverse();
-      const double dimensions = dimensionsBehind(across_down, picture.dimensions);
-      for (std::size_t turn = 0; turn < square.size(); ++turn) {
-        const bool lies = turn % 2 == 1;
-        cv::Mat expected = blurred(picture.cells, lies ? across_down.reverse() : across_down);
-        // Clones, as a rotation in place would reach into the border.
-        for (std::size_t k = 0; k < turn; ++k) {
-          cv::Mat turned;
-          cv::rotate(expected, turned, cv::ROTATE_90_COUNTERCLOCKWISE);
-          expected = turned;
-        }
-        ranking.add(i, turn, correlation(inside.values, normalized(expected)), dimensions);
-      }
-      if (ranking.picture == i) ranking.contrast = inside.contrast;
-    }
+    const Ranking ranking = rankingOf(insides, square, blur);
     if (!likeliest || ranking.best > likeliest->best) likeliest = ranking;
     if (likeliest->best < kHopeless) return std::nullopt;
   }
-  if (!likeliest || !likeliest->isClear()) return std::nullopt;
+  if (!likeliest || !isClear(*likeliest)) return std::nullopt;
   const Picture& picture = pictures_[likeliest->picture];
   PictureMatch match{picture.id, square, likeliest->best, likeliest->contrast,
                      modulesFor(picture.border)};

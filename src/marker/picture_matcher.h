@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <memory>
 #include <opencv2/core/mat.hpp>
@@ -51,6 +52,31 @@ class PictureMatcher {
     /// CV_32F, shares of white, within some of the border.
     cv::Mat cells;
   };
+  /// What a square shows within a border: the standard deviation in grey levels, and its cells
+  /// without their mean and of length 1.
+  struct Inside {
+    double contrast = 0.0;
+    std::vector<float> values;
+  };
+  /// The picture and turn that correlate best, and how well the next one does.
+  struct Ranking {
+    std::size_t picture = 0;
+    std::size_t turn = 0;
+    double best = -1.0;
+    double second = 0.0;
+    double dimensions = 0.0;
+    double contrast = 0.0;
+
+    void add(std::size_t number, std::size_t turned, double correlated, double independent);
+  };
+
+  /// By the width of the border.
+  std::map<double, Inside> insidesOf(const cv::Mat& image,
+                                     const Corners<Eigen::Vector2d>& square) const;
+  /// `blur`: pixels, standard deviation.
+  Ranking rankingOf(const std::map<double, Inside>& insides, const Corners<Eigen::Vector2d>& square,
+                    double blur) const;
+  static bool isClear(const Ranking& ranking);
 
   std::vector<Picture> pictures_;
 };
