@@ -3,7 +3,7 @@
 import os
 import sys
 import time
-from typing import Callable, Optional, TextIO
+from typing import Callable, Iterable, Optional, TextIO
 
 
 class InputError(Exception):
@@ -36,6 +36,13 @@ def run(main: Callable[[], Optional[int]]) -> int:
     print("{}: error: {}".format(os.path.basename(sys.argv[0]), " ".join(message.split())),
           file=sys.stderr)
     return 1
+
+
+def refuse_overwriting(output: str, inputs: Iterable[str], what: str = "an input") -> None:
+    """Raise InputError if `output` is the file of one of the inputs; those need not exist."""
+    if os.path.exists(output) and any(os.path.samefile(path, output)
+                                      for path in inputs if os.path.exists(path)):
+        raise InputError("{}: is {} and would be overwritten".format(output, what))
 
 
 class Progress:

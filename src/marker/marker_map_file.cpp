@@ -24,11 +24,9 @@ namespace {
 struct Defaults {
   std::optional<std::string> family;
   std::optional<double> size;
-  // ARToolKit's own.
-  double border = 0.25;
-  // Deviations of a careful survey with a tape.
-  double deviation = 0.005;
-  double orientation_deviation = 0.0175;
+  double border = PatternPicture().border;
+  double deviation = kSurveyedDeviation;
+  double orientation_deviation = kSurveyedOrientationDeviation;
 };
 
 std::string readFamily(const YamlReader& reader) {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "omnitag/planning/plan_report.h"
+#include "omnitag/common/quantile.h"
 
 namespace omnitag {
 namespace {

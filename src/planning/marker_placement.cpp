@@ -9,6 +9,7 @@
 #include "omnitag/common/error.h"
 #include "omnitag/common/format.h"
 #include "omnitag/common/parallel.h"
+#include "omnitag/marker/marker_map_file.h"
 #include "omnitag/marker/tag_family.h"
 #include "omnitag/planning/expected_information.h"
 #include "omnitag/planning/greedy_choice.h"
@@ -21,10 +22,6 @@ namespace {
 
 /// A marker with its white border, as a multiple of its size, and some room to glue it.
 constexpr double kBoard = 1.4;
-
-/// m and rad, as in a map file that does not say (marker_map_file).
-constexpr double kSurveyedPosition = 0.005;
-constexpr double kSurveyedOrientation = 0.0175;
 
 /// Ids of the family that no marker of the map has.
 std::vector<int> unusedIds(const MarkerMap& map, const NewMarkers& wanted) {
@@ -53,8 +50,8 @@ Marker markerAt(const WallPlace& place, const NewMarkers& wanted, int id) {
   marker.family = wanted.family;
   marker.id = id;
   marker.size = wanted.size;
-  marker.deviation = kSurveyedPosition;
-  marker.orientation_deviation = kSurveyedOrientation;
+  marker.deviation = kSurveyedDeviation;
+  marker.orientation_deviation = kSurveyedOrientationDeviation;
   marker.map_from_marker =
       Eigen::Translation3d(rounded(place.position.x(), kCentimetre),
                            rounded(place.position.y(), kCentimetre), wanted.height) *

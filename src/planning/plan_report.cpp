@@ -6,6 +6,7 @@
 
 #include "omnitag/common/angle.h"
 #include "omnitag/common/format.h"
+#include "omnitag/common/quantile.h"
 
 namespace omnitag {
 namespace {
@@ -52,13 +53,6 @@ std::string row(const std::string& name, const std::vector<std::string>& cells) 
 }
 
 }  // namespace
-
-double quantile(std::vector<double> sample, double share) {
-  if (sample.empty()) return 0.0;
-  std::sort(sample.begin(), sample.end());
-  const auto last = static_cast<double>(sample.size() - 1);
-  return sample[static_cast<std::size_t>(std::lround(share * last))];
-}
 
 std::string lengthText(double metres) {
   const auto text = [](double value, const char* unit) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <opencv2/core.hpp>
 #include <opencv2/core/version.hpp>
 #include <opencv2/imgproc.hpp>
@@ -14,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "../support/supersampling.h"
 #include "omnitag/marker/tag_detector.h"
 #include "omnitag/marker/tag_family.h"
 #include "omnitag/marker/tag_pattern.h"
@@ -151,7 +151,6 @@ TEST(AprilGridFamily, IsTheCodeOfTag36h11InABorderOfTwoModules) {
 /// over its area. `module`: pixels.
 cv::Mat aprilGrid(double module, double turn) {
   constexpr int kSide = 400;
-  constexpr int kSamples = 6;
   std::vector<TagPattern> tags;
   for (int id = 0; id < 9; ++id) tags.emplace_back("aprilgrid", id);
   const auto whiteAt = [&](double u, double v) {
@@ -167,17 +166,7 @@ cv::Mat aprilGrid(double module, double turn) {
                                                       1 + static_cast<int>(in_y));
   };
   cv::Mat image(kSide, kSide, CV_8UC1);
-  for (int v = 0; v < kSide; ++v) {
-    for (int u = 0; u < kSide; ++u) {
-      double white = 0.0;
-      for (int i = 0; i < kSamples * kSamples; ++i) {
-        white += whiteAt(u + (i % kSamples + 0.5) / kSamples - 0.5,
-                         v + (i / kSamples + 0.5) / kSamples - 0.5);
-      }
-      image.at<std::uint8_t>(v, u) =
-          cv::saturate_cast<std::uint8_t>(30.0 + 190.0 * white / (kSamples * kSamples));
-    }
-  }
+  test::supersample({0, 0, kSide, kSide}, {30.0, 220.0}, whiteAt, &image);
   return image;
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "../support/sample_pictures.h"
+#include "../support/supersampling.h"
 #include "../support/sweep.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/marker/tag_detector.h"
@@ -43,7 +44,6 @@ Corners<Eigen::Vector2d> square(double edge, double turn, double slant) {
 
 /// A picture's square on a white sheet before grey, each pixel the mean over its area.
 cv::Mat drawn(const PatternPicture& picture, const Corners<Eigen::Vector2d>& corners) {
-  constexpr int kSamples = 6;
   constexpr int kSide = 200;
   const double cells = picture.side / (1.0 - 2.0 * picture.border);
   const double border = picture.border * cells;
@@ -71,17 +71,7 @@ cv::Mat drawn(const PatternPicture& picture, const Corners<Eigen::Vector2d>& cor
   const cv::Rect sheet =
       cv::Rect(square.tl() - cv::Point(around, around), square.br() + cv::Point(around, around)) &
       cv::Rect(0, 0, kSide, kSide);
-  for (int v = sheet.y; v < sheet.br().y; ++v) {
-    for (int u = sheet.x; u < sheet.br().x; ++u) {
-      double white = 0.0;
-      for (int i = 0; i < kSamples * kSamples; ++i) {
-        white += whiteAt(u + (i % kSamples + 0.5) / kSamples - 0.5,
-                         v + (i / kSamples + 0.5) / kSamples - 0.5);
-      }
-      image.at<std::uint8_t>(v, u) =
-          cv::saturate_cast<std::uint8_t>(20.0 + 200.0 * white / (kSamples * kSamples));
-    }
-  }
+  test::supersample(sheet, {20.0, 220.0}, whiteAt, &image);
   return image;
 }
 

@@ -49,7 +49,7 @@ struct MarkerMap {
   /// For markers without their own; empty and 0 if there are none.
   std::string default_family = {};
   double default_size = 0.0;
-  double default_border = 0.25;
+  double default_border = PatternPicture().border;
   /// For markers without their own; see Marker.
   double default_deviation = 0.0;
   double default_orientation_deviation = 0.0;

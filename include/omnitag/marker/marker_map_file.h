@@ -6,6 +6,10 @@
 
 namespace omnitag {
 
+/// m and rad: deviations of markers whose map does not say, as after a careful survey with a tape.
+constexpr double kSurveyedDeviation = 0.005;
+constexpr double kSurveyedOrientationDeviation = 0.0175;
+
 /// Reads a marker map (YAML, the format is described in the README). Throws InputError with one
 /// line that names the file, the line and the key if something is missing, unknown, out of its
 /// range or contradictory, if a name occurs twice, if a pattern file cannot be used, or if there is

@@ -15,7 +15,7 @@ struct PatternPicture {
   /// Where it was read from, and the same as the map names it.
   std::string path;
   std::string name;
-  /// Width of the border, as a share of the marker's edge.
+  /// Width of the border, as a share of the marker's edge; ARToolKit's own.
   double border = 0.25;
   /// Cells along either side.
   int side = 0;

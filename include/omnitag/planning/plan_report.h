@@ -26,9 +26,6 @@ struct FloorSummary {
 
 FloorSummary summaryOf(const FloorPrediction& floor);
 
-/// The value below which the share of the sample lies; 0 for an empty one.
-double quantile(std::vector<double> sample, double share);
-
 /// A length in words: millimetres, centimetres or metres, with two digits.
 std::string lengthText(double metres);
 

@@ -6,9 +6,9 @@ import cv2
 import numpy as np
 
 from omnitag.command_line import InputError
+from omnitag.rendering.obstacles import cylinders, furniture_blocks, hung_blocks
 from omnitag.rendering.route import Frame
-from omnitag.rendering.scene import board_size, board_width
-from omnitag.rendering.world import Cylinder, World
+from omnitag.rendering.world import World
 
 # The robot can drive under what starts above this, such as lamps and signs.
 HEADROOM = 2.0
@@ -22,22 +22,15 @@ class FreeSpace:
         self._room = world.room
         self._discs = []
         self._polygons: List[np.ndarray] = []
-        for shape in world.furniture:
-            if shape.parent_from_shape[2, 3] >= HEADROOM:
-                continue
-            if isinstance(shape, Cylinder):
+        for shape in cylinders(world):
+            if shape.parent_from_shape[2, 3] < HEADROOM:
                 self._discs.append((shape.parent_from_shape[:2, 3], shape.radius))
-            else:
-                x, y, z = shape.size
-                self._add_block(shape.parent_from_shape, (-x / 2, -y / 2, 0), (x / 2, y / 2, z))
-        for marker in world.hung_markers.ever():
-            half = 0.5 * board_width(marker, world.boards)
-            self._add_block(marker.map_from_marker, (-half, -half, -world.boards.thickness),
-                            (half, half, 0))
-        for hung in world.hung_boards:
-            width, height = board_size(hung.board, world.boards)
-            self._add_block(hung.map_from_board, (-width / 2, -height / 2, -world.boards.thickness),
-                            (width / 2, height / 2, 0))
+        furniture = (block for block in furniture_blocks(world)
+                     if block.map_from_block[2, 3] < HEADROOM)
+        for block in (*furniture, *hung_blocks(world)):
+            outline, lowest, _ = block.outline()
+            if lowest < HEADROOM:
+                self._polygons.append(outline)
 
     def clearance(self, x: float, y: float) -> float:
         """Metres to the nearest wall or obstacle; negative inside an obstacle or outside the room."""
@@ -46,13 +39,6 @@ class FreeSpace:
         distances += [np.hypot(*(middle - (x, y))) - radius for middle, radius in self._discs]
         distances += [-cv2.pointPolygonTest(polygon, (x, y), True) for polygon in self._polygons]
         return float(min(distances))
-
-    def _add_block(self, map_from_block: np.ndarray, lower, upper) -> None:
-        corners = np.array([(x, y, z, 1.0) for x in (lower[0], upper[0])
-                            for y in (lower[1], upper[1]) for z in (lower[2], upper[2])])
-        in_map = corners @ map_from_block.T
-        if in_map[:, 2].min() < HEADROOM:
-            self._polygons.append(cv2.convexHull(in_map[:, :2].astype(np.float32)))
 
 
 def random_frames(world: World, count: int, interval: float, clearance: float,

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from omnitag.command_line import InputError
-from omnitag.rendering.scene import board_size, board_width
+from omnitag.rendering.obstacles import cylinders, furniture_blocks, hung_blocks
 from omnitag.rendering.world import Cylinder, World
 
 # Grey levels of map_server's trinary images.
@@ -34,16 +34,12 @@ class FloorGrid:
         self._fill(_rectangle(np.array(world.room.lower) - resolution,
                               np.array(world.room.upper) + resolution), OCCUPIED)
         self._fill(_rectangle(np.array(world.room.lower), np.array(world.room.upper)), FREE)
-        for shape in world.furniture:
-            self._add_shape(shape, height)
-        for marker in world.hung_markers.ever():
-            half = 0.5 * board_width(marker, world.boards)
-            self._add_block(marker.map_from_marker, (-half, -half, -world.boards.thickness),
-                            (half, half, 0), height)
-        for hung in world.hung_boards:
-            x, y = board_size(hung.board, world.boards)
-            self._add_block(hung.map_from_board, (-x / 2, -y / 2, -world.boards.thickness),
-                            (x / 2, y / 2, 0), height)
+        for shape in cylinders(world):
+            self._add_cylinder(shape, height)
+        for block in (*furniture_blocks(world), *hung_blocks(world)):
+            outline, lowest, highest = block.outline()
+            if lowest <= height <= highest:
+                self._fill(outline.astype(float), OCCUPIED)
 
     def keep_reachable(self, place: Tuple[float, float]) -> None:
         """Make all free cells unknown that cannot be reached from a place of the map (m)."""
@@ -65,24 +61,12 @@ class FloorGrid:
                        "occupied_thresh: 0.65\nfree_thresh: 0.196\n".format(
                            image.rsplit("/", 1)[-1], self.resolution, *self.origin))
 
-    def _add_shape(self, shape, height: float) -> None:
-        if isinstance(shape, Cylinder):
-            bottom = shape.parent_from_shape[2, 3]
-            if bottom <= height <= bottom + shape.height:
-                circle = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)
-                rim = shape.radius * np.stack([np.cos(circle), np.sin(circle)], axis=1)
-                self._fill(shape.parent_from_shape[:2, 3] + rim, OCCUPIED)
-        else:
-            x, y, z = shape.size
-            self._add_block(shape.parent_from_shape, (-x / 2, -y / 2, 0), (x / 2, y / 2, z), height)
-
-    def _add_block(self, map_from_block: np.ndarray, lower, upper, height: float) -> None:
-        corners = np.array([(x, y, z, 1.0) for x in (lower[0], upper[0])
-                            for y in (lower[1], upper[1]) for z in (lower[2], upper[2])])
-        in_map = corners @ map_from_block.T
-        if in_map[:, 2].min() <= height <= in_map[:, 2].max():
-            hull = cv2.convexHull(in_map[:, :2].astype(np.float32))
-            self._fill(hull[:, 0, :].astype(float), OCCUPIED)
+    def _add_cylinder(self, shape: Cylinder, height: float) -> None:
+        bottom = shape.parent_from_shape[2, 3]
+        if bottom <= height <= bottom + shape.height:
+            circle = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)
+            rim = shape.radius * np.stack([np.cos(circle), np.sin(circle)], axis=1)
+            self._fill(shape.parent_from_shape[:2, 3] + rim, OCCUPIED)
 
     def _cells(self, points: np.ndarray) -> np.ndarray:
         """Columns and rows of the image, real numbers from its upper left corner."""

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <boost/algorithm/string/join.hpp>
-#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <iostream>
@@ -13,6 +12,7 @@
 #include "omnitag/adjustment/mapped_entries.h"
 #include "omnitag/common/error.h"
 #include "omnitag/common/file_replacement.h"
+#include "omnitag/common/quantile.h"
 #include "omnitag/ros/image_localizer.h"
 #include "options.h"
 #include "result_bag.h"
@@ -45,14 +45,6 @@ struct Summary {
     advice = localized.result.advice;
   }
 };
-
-/// The value below which the given share of the sample lies.
-double quantile(std::vector<double> sample, double share) {
-  if (sample.empty()) return 0.0;
-  std::sort(sample.begin(), sample.end());
-  const auto last = static_cast<double>(sample.size() - 1);
-  return sample[static_cast<std::size_t>(std::lround(share * last))];
-}
 
 void print(const Summary& summary, std::uint64_t late) {
   const std::size_t processed = summary.milliseconds.size();
