@@ -24,16 +24,17 @@ accept_only_help() {
 
 # Configures the core alone in the CMake build folder $1 with the sanitizers $2, unless it is, with
 # CMake's further options. Built by clang, which warns of other things. What of undefined behaviour is
-# not checked takes a third of the time to compile, and stops by itself, or with the address sanitizer.
+# not checked takes most of the time to compile, and stops by itself, or with the address sanitizer.
 # A workspace that was sourced has a core of its own, which tests that follow are not to load.
 configure_sanitized() {
   local unchecked=null,alignment,object-size,pointer-overflow,vptr
+  local ignorelist=-fsanitize-ignorelist=$root/scripts/sanitizer_ignorelist.txt
   unset LD_LIBRARY_PATH
   [[ ! -f $1/build.ninja ]] || return 0
   cmake -S "$root" -B "$1" -G Ninja -DOMNITAG_ROS=OFF -DOMNITAG_SANITIZE="$2" \
     -DCMAKE_CXX_COMPILER=clang++ -DOMNITAG_WERROR=ON \
     -DCMAKE_BUILD_TYPE=RelWithDebInfo "${@:3}" \
-    -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O2 -g1 -fno-sanitize=$unchecked"
+    -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O2 -g1 -fno-sanitize=$unchecked $ignorelist"
 }
 
 # Runs the tests of the CMake build folder $1, $2 at a time, that the further arguments, which are
