@@ -8,13 +8,13 @@
 #include <utility>
 
 #include "belief.h"
+#include "camera_state.h"
 #include "frame_search.h"
 #include "frame_steps.h"
 #include "measured_pose.h"
 #include "omnitag/common/error.h"
 #include "omnitag/common/stopwatch.h"
 #include "omnitag/localization/displacement.h"
-#include "patrol.h"
 
 namespace omnitag {
 namespace {
@@ -31,35 +31,41 @@ std::string describe(const cv::Mat& image) {
 
 }  // namespace
 
-Localizer::Localizer(std::shared_ptr<const CameraModel> camera, MarkerMap map,
+Localizer::Localizer(std::vector<LocalizerCamera> cameras, MarkerMap map,
                      const LocalizerConfig& config)
-    : camera_(std::move(camera)),
-      map_(std::move(map)),
+    : map_(std::move(map)),
       index_(map_),
       config_(config),
-      reader_(camera_, kWorkingDistance, config.detector, familiesOf(map_), config.threads),
-      glance_reader_(camera_, config.detector, reader_.detector(), config.threads),
       patterns_(map_),
       evidence_(config_.evidence, map_, config_.estimation.reprojection),
-      hypotheses_{{MotionModel(config.motion), MarkerMemory(config.attention)}},
-      patrol_(std::make_unique<Patrol>()),
-      blur_(config.estimation.blur * config.estimation.blur) {
+      hypotheses_{{MotionModel(config.motion), MarkerMemory(config.attention)}} {
   hypotheses_.front().is_lost = true;
+  for (LocalizerCamera& camera : cameras) {
+    cameras_.push_back(std::make_unique<CameraState>(
+        std::move(camera.model), camera.shutter.value_or(config_.shutter), map_, config_));
+  }
 }
+
+Localizer::Localizer(std::shared_ptr<const CameraModel> camera, MarkerMap map,
+                     const LocalizerConfig& config)
+    : Localizer(std::vector<LocalizerCamera>{{std::move(camera)}}, std::move(map), config) {}
 
 Localizer::~Localizer() = default;
 
-TrackingTools Localizer::trackingTools(const Hypothesis& hypothesis) {
+const CameraModel& Localizer::camera(std::size_t index) const { return *cameras_[index]->model; }
+
+TrackingTools Localizer::trackingTools(const Frame& frame, const Hypothesis& hypothesis) {
+  CameraState& camera = stateOf(frame);
   return {map_,
           index_,
           config_,
-          reader_,
-          glance_reader_,
+          camera.reader,
+          camera.glance_reader,
           patterns_,
           standing_,
           hypothesis.memory,
-          disagreement_.excess(),
-          readable_};
+          camera.knowledge.disagreement.excess(),
+          camera.readable};
 }
 
 void Localizer::setMap(MarkerMap map) {
@@ -68,7 +74,9 @@ void Localizer::setMap(MarkerMap map) {
   index_ = MarkerIndex(map_);
 }
 
-void Localizer::seek(std::vector<Marker> markers) { patrol_->seek(std::move(markers)); }
+void Localizer::seek(std::vector<Marker> markers) {
+  for (const auto& camera : cameras_) camera->patrol.seek(markers);
+}
 
 void Localizer::setPose(const PoseEstimate& map_from_base,
                         const std::optional<Pose>& odom_from_base) {
@@ -92,10 +100,10 @@ void Localizer::forgetPose() {
 FrameResult Localizer::process(const Frame& frame) {
   check(frame);
   Stopwatch total;
-  last_stamp_ = frame.stamp;
   const std::vector<PoseEstimate> predicted = predict(frame);
   const MountedCamera camera = cameraOf(frame);
-  readable_ = ReadableImage(frame.image, blurToRead());
+  CameraState& state = stateOf(frame);
+  state.readable = ReadableImage(frame.image, blurToRead(&state));
 
   std::vector<Account> accounts;
   if (isLost()) {
@@ -110,10 +118,12 @@ FrameResult Localizer::process(const Frame& frame) {
   for (Account& account : accounts) hypotheses_.push_back(std::move(account.hypothesis));
 
   learnFrom(frame, camera, accounts.front().is_of_search, &result);
+  state.knowledge.last_stamp = frame.stamp;
+  last_stamp_ = frame.stamp;
   measure(camera, &result);
   if (frame.wants_measured && !result.is_open) {
     Stopwatch step;
-    result.measured = measuredPose(trackingTools(hypotheses_.front()), frame, camera, result);
+    result.measured = measuredPose(trackingTools(frame, hypotheses_.front()), frame, camera, result);
     result.timings.solve += step.lap();
   }
   result.timings.total = total.lap();
@@ -121,17 +131,24 @@ FrameResult Localizer::process(const Frame& frame) {
 }
 
 void Localizer::check(const Frame& frame) const {
-  const ImageSize& size = camera_->imageSize();
+  if (frame.camera >= cameras_.size()) {
+    throw InputError("camera: expected one of " + std::to_string(cameras_.size()) +
+                     ", counted from 0, found " + std::to_string(frame.camera));
+  }
+  const CameraState& camera = *cameras_[frame.camera];
+  const ImageSize& size = camera.model->imageSize();
   if (frame.image.type() != CV_8UC1 || frame.image.cols != size.width ||
       frame.image.rows != size.height) {
     throw InputError("image: expected " + std::to_string(size.width) + " x " +
                      std::to_string(size.height) + " pixels of type CV_8UC1, found " +
                      describe(frame.image));
   }
-  if (!std::isfinite(frame.stamp) || (last_stamp_ && frame.stamp <= *last_stamp_)) {
-    throw InputError("image stamp: expected later than " +
-                     std::to_string(last_stamp_.value_or(0.0)) + " s, found " +
-                     std::to_string(frame.stamp) + " s");
+  constexpr double kEver = -std::numeric_limits<double>::infinity();
+  const double earliest = std::max(camera.knowledge.last_stamp.value_or(kEver),
+                                   last_stamp_.value_or(kEver) - kMaxOvertaken);
+  if (!(std::isfinite(frame.stamp) && frame.stamp > earliest)) {
+    throw InputError("image stamp: expected later than " + std::to_string(earliest) +
+                     " s, found " + std::to_string(frame.stamp) + " s");
   }
 }
 
@@ -168,50 +185,66 @@ bool Localizer::isLost() const {
                      [](const Hypothesis& hypothesis) { return hypothesis.is_lost; });
 }
 
-MountedCamera Localizer::cameraOf(const Frame& frame) const {
-  MountedCamera camera = MountedCamera(camera_, frame.base_from_camera).withBlur(blur_.blur());
-  if (config_.shutter.isInstant()) return camera;
+bool Localizer::isSeenByAnother(const Frame& frame) const {
+  constexpr double kRecent = 0.25;  // s
+  return std::any_of(cameras_.begin(), cameras_.end(), [&](const auto& camera) {
+    const ImageKnowledge& knowledge = camera->knowledge;
+    return camera != cameras_[frame.camera] && knowledge.was_tracked &&
+           std::abs(frame.stamp - *knowledge.last_stamp) < kRecent;
+  });
+}
+
+MountedCamera Localizer::cameraOf(const Frame& frame) {
+  const CameraState& state = stateOf(frame);
+  const MountedCamera camera =
+      MountedCamera(state.model, frame.base_from_camera).withBlur(state.knowledge.blur.blur());
+  if (state.shutter.isInstant()) return camera;
   const MotionModel& motion = hypotheses_.front().motion;
-  if (frame.velocity) return camera.withMotion(config_.shutter, motion.motionBy(*frame.velocity));
-  return camera.withMotion(config_.shutter, !isLost() ? motion.motion() : motion.unknownMotion());
+  if (frame.velocity) return camera.withMotion(state.shutter, motion.motionBy(*frame.velocity));
+  return camera.withMotion(state.shutter, !isLost() ? motion.motion() : motion.unknownMotion());
 }
 
 void Localizer::learnFrom(const Frame& frame, const MountedCamera& camera, bool was_searched,
                           FrameResult* result) {
+  CameraState& state = stateOf(frame);
+  ImageKnowledge& knowledge = state.knowledge;
   was_tracked_ = result->acceptedMarkers() > 0 && result->map_from_base.has_value();
+  knowledge.was_tracked = was_tracked_;
   result->exposure = exposureOf(frame.image);
   result->image_lag = image_lag_.lag();
   if (was_searched) learnBlur(frame, camera, result);
-  if (!was_tracked_ || result->is_open) return;
-  if (result->disagreement.freedom > 0.0) disagreement_.add(result->disagreement);
-  if (was_searched) return;
-  patrol_->look(trackingTools(hypotheses_.front()), frame, camera, result->map_from_base->pose,
-                result);
+  if (!result->map_from_base || result->is_open) return;
+  if (result->disagreement.freedom > 0.0) knowledge.disagreement.add(result->disagreement);
+  if (was_searched || !(was_tracked_ || isSeenByAnother(frame))) return;
+  state.patrol.look(trackingTools(frame, hypotheses_.front()), frame, camera,
+                    result->map_from_base->pose, result);
 }
 
 void Localizer::learnBlur(const Frame& frame, const MountedCamera& camera, FrameResult* result) {
   const std::vector<std::size_t> entries = acceptedEntries(*result);
   if (!result->map_from_base || entries.empty()) return;
+  BlurFilter& filter = stateOf(frame).knowledge.blur;
   MountedCamera blurred = camera;
   constexpr int kRounds = 3;
   for (int round = 0; round < kRounds; ++round) {
     const auto aligned =
-        alignWithPixels(trackingTools(hypotheses_.front()), frame.image, blurred, entries,
+        alignWithPixels(trackingTools(frame, hypotheses_.front()), frame.image, blurred, entries,
                         result->map_from_base->pose, PosePrior::about(*result->map_from_base));
     if (!aligned) return;
-    const ImageBlur blur = blur_.after(aligned->blur, blurred.blur());
-    if (round == kRounds - 1) blur_.take(aligned->blur, blurred.blur());
+    const ImageBlur blur = filter.after(aligned->blur, blurred.blur());
+    if (round == kRounds - 1) filter.take(aligned->blur, blurred.blur());
     blurred = camera.withBlur(blur);
   }
-  result->blur = blur_.blur();
+  result->blur = filter.blur();
 }
 
-double Localizer::blurToRead() {
-  lost_frames_ = was_tracked_ ? 0 : lost_frames_ + 1;
+double Localizer::blurToRead(CameraState* state) {
+  ImageKnowledge& knowledge = state->knowledge;
+  knowledge.lost_images = knowledge.was_tracked ? 0 : knowledge.lost_images + 1;
   // While lost, nothing shows how blurred the images are.
   constexpr double kSupposed = 1.6;  // pixels
-  const double known = blur_.blur().largestDeviation();
-  const bool is_tried = lost_frames_ > 0 && lost_frames_ % 2 == 0;
+  const double known = knowledge.blur.blur().largestDeviation();
+  const bool is_tried = knowledge.lost_images > 0 && knowledge.lost_images % 2 == 0;
   return is_tried ? std::max(kSupposed, known) : known;
 }
 

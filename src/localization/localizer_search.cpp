@@ -81,7 +81,7 @@ std::vector<Account> Localizer::lookFor(const Frame& frame, const MountedCamera&
                                         const std::optional<PoseEstimate>& predicted,
                                         bool is_refuted) {
   const Hypothesis before = account.hypothesis;
-  const TrackingTools tools = trackingTools(before);
+  const TrackingTools tools = trackingTools(frame, before);
   FrameResult result = account.result;
   const std::optional<PoseEstimate> pose = search(tools, frame, camera, predicted, &result);
   if (!pose) {

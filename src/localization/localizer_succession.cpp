@@ -2,6 +2,7 @@
 #include <utility>
 #include <vector>
 
+#include "camera_state.h"
 #include "omnitag/localization/localizer.h"
 #include "omnitag/marker/marker_selection.h"
 
@@ -35,14 +36,14 @@ void Localizer::continueFrom(const Localizer& before) {
     hypothesis.memory.takeFrom(memory, entries);
     hypothesis.motion.configure(config_.motion);
   }
-  blur_ = before.blur_;
-  disagreement_ = before.disagreement_;
+  for (std::size_t i = 0; i < cameras_.size(); ++i) {
+    cameras_[i]->knowledge = before.cameras_[i]->knowledge;
+  }
   image_lag_ = before.image_lag_;
   given_pose_ = before.given_pose_;
   last_stamp_ = before.last_stamp_;
   next_doubt_ = before.next_doubt_;
   measured_ = before.measured_;
-  lost_frames_ = before.lost_frames_;
   was_tracked_ = before.was_tracked_;
 }
 

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "belief.h"
+#include "camera_state.h"
 #include "frame_search.h"
 #include "frame_steps.h"
 #include "frame_tracker.h"
@@ -78,7 +79,7 @@ std::vector<Account> Localizer::track(const Frame& frame, const MountedCamera& c
   Account account{before, emptyResult(frame, config_)};
   Hypothesis& hypothesis = account.hypothesis;
   FrameResult& result = account.result;
-  const TrackingTools tools = trackingTools(before);
+  const TrackingTools tools = trackingTools(frame, before);
   Stopwatch step;
   result.predicted = predictMarkers(map_, index_, camera, predicted, config_.visibility);
   result.timings.predict += step.lap();
@@ -90,6 +91,11 @@ std::vector<Account> Localizer::track(const Frame& frame, const MountedCamera& c
     carryOn(predicted, is_refuted, map_, &result);
     return {std::move(account)};
   };
+  if (!pose && contradictions(result, map_) == 0 && isSeenByAnother(frame)) {
+    // This camera looks at a bare wall, or is covered.
+    carryOn(predicted, false, map_, &result);
+    return {std::move(account)};
+  }
   // If most of the readings contradict, the prediction itself is in doubt.
   if (!pose || contradictions(result, map_) > result.acceptedMarkers()) return lookForIt(false);
   if (!markersAgree(camera, predicted, pose->pose, result)) return lookForIt(true);
@@ -128,7 +134,7 @@ std::vector<Account> Localizer::alternativesAt(const PoseEstimate& pose, const F
       childrenAt(pose.pose, frame, camera, before, account, evidence_);
   FrameResult result = emptyResult(frame, config_);
   result.predicted = predictMarkers(map_, index_, blurred, about, config_.visibility);
-  const TrackingTools tools = trackingTools(children.back());
+  const TrackingTools tools = trackingTools(frame, children.back());
   FrameTracker tracker(tools, frame, blurred, about, true, &result);
   tracker.takeSeen(seen);
   const auto seen_from = tracker.track();
@@ -145,6 +151,8 @@ std::optional<PoseEstimate> Localizer::followMarkers(const TrackingTools& tools,
                                                      FrameResult* result,
                                                      std::vector<MarkerObservation>* seen,
                                                      std::vector<PoseEstimate>* alternatives) {
+  const CameraModel& model = *stateOf(frame).model;
+  BlurFilter& filter = stateOf(frame).knowledge.blur;
   const FrameResult before = *result;
   MountedCamera blurred = camera;
   std::optional<PoseEstimate> pose;
@@ -157,8 +165,8 @@ std::optional<PoseEstimate> Localizer::followMarkers(const TrackingTools& tools,
     *seen = tracker.seen();
     *alternatives = tracker.alternatives();
     if (!result->blur_equations) break;
-    const ImageBlur blur = blur_.after(*result->blur_equations, blurred.blur());
-    if (areAlike(blur, blurred.blur(), camera_->rimPixels())) break;
+    const ImageBlur blur = filter.after(*result->blur_equations, blurred.blur());
+    if (areAlike(blur, blurred.blur(), model.rimPixels())) break;
     if (round == kRounds - 1) break;
     const Timings timings = result->timings;
     *result = before;
@@ -168,8 +176,8 @@ std::optional<PoseEstimate> Localizer::followMarkers(const TrackingTools& tools,
   // If markers contend for the pose, their blur is not reliable.
   const bool is_certain = alternatives->empty() && hypotheses_.size() == 1;
   if (result->blur_equations && learns && is_certain)
-    blur_.take(*result->blur_equations, blurred.blur());
-  result->blur = learns ? blur_.blur() : blurred.blur();
+    filter.take(*result->blur_equations, blurred.blur());
+  result->blur = learns ? filter.blur() : blurred.blur();
   return pose;
 }
 

@@ -74,6 +74,7 @@ void MotionModel::reset(const PoseEstimate& map_from_base, double stamp,
   stamp_ = stamp;
   corrected_stamp_ = stamp;
   known_stamp_ = stamp;
+  predicted_stamp_.reset();
   odom_from_base_ = odom_from_base;
   is_given_ = false;
 }
@@ -126,7 +127,9 @@ Eigen::Matrix3d MotionModel::slowCovariance() const {
 
 PoseEstimate MotionModel::predict(double stamp, const std::optional<Pose>& odom_from_base) {
   const double interval = stamp - stamp_;
-  if (isOnFloor()) pose_ = pose_.onFloor();
+  // Another camera's image of the same moment shows the robot standing as before.
+  const bool is_same = predicted_stamp_ == stamp;
+  if (isOnFloor() && !is_same) pose_ = pose_.onFloor();
   if (odom_from_base_ && odom_from_base) {
     moveByOdometry(isOnFloor() ? inverse(odom_from_base_->onFloor()) * odom_from_base->onFloor()
                                : inverse(*odom_from_base_) * *odom_from_base);
@@ -134,8 +137,9 @@ PoseEstimate MotionModel::predict(double stamp, const std::optional<Pose>& odom_
   } else {
     moveByVelocity(interval);
   }
-  if (isOnFloor()) standAnew(interval, odom_from_base);
+  if (isOnFloor() && !is_same) standAnew(std::abs(interval), odom_from_base);
   stamp_ = stamp;
+  predicted_stamp_ = stamp;
   odom_from_base_ = odom_from_base;
   return estimate();
 }

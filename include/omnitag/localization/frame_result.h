@@ -48,6 +48,8 @@ struct Frame {
   bool wants_views = false;
   /// Whether to include the pose from this image alone (FrameResult::measured).
   bool wants_measured = false;
+  /// Which of the localizer's cameras took the image.
+  std::size_t camera = 0;
 };
 
 /// A marker that was read or recognized in a frame, accepted or not.

@@ -10,35 +10,47 @@
 #include <utility>
 #include <vector>
 
+#include "omnitag/camera/camera_model.h"
 #include "omnitag/camera/mounted_camera.h"
+#include "omnitag/camera/shutter.h"
 #include "omnitag/common/pose.h"
 #include "omnitag/localization/evidence.h"
 #include "omnitag/localization/frame_result.h"
 #include "omnitag/localization/hypothesis.h"
 #include "omnitag/localization/image_lag.h"
 #include "omnitag/localization/localizer_config.h"
-#include "omnitag/marker/glance_reader.h"
+#include "omnitag/marker/marker_index.h"
 #include "omnitag/marker/marker_map.h"
-#include "omnitag/marker/marker_reader.h"
-#include "omnitag/marker/sharpening.h"
 #include "omnitag/marker/tag_pattern.h"
 
 namespace omnitag {
 
 struct Account;
-class Patrol;
+struct CameraState;
 struct TrackingTools;
 
+/// A camera that a localizer looks through.
+struct LocalizerCamera {
+  std::shared_ptr<const CameraModel> model;
+  /// None: as LocalizerConfig says.
+  std::optional<ShutterConfig> shutter = std::nullopt;
+};
+
 /// Follows a robot through a stream of images: predicts, looks, triangulates, judges; and looks all
-/// around if it has no pose, or none that agrees with the image.
+/// around if it has no pose, or none that agrees with the image. The images of several cameras
+/// update one belief.
 ///
 /// The same input gives the same result. Not safe to use from two threads at once.
 class Localizer {
  public:
   /// Throws InputError if the map names a family that the AprilTag library does not have.
+  Localizer(std::vector<LocalizerCamera> cameras, MarkerMap map, const LocalizerConfig& config);
   Localizer(std::shared_ptr<const CameraModel> camera, MarkerMap map,
             const LocalizerConfig& config);
   ~Localizer();
+
+  /// s by which an image may be older than the last one of another camera.
+  static constexpr double kMaxOvertaken = 0.5;
 
   /// Takes base_link's pose in the map from outside, as a hypothesis
   /// (MotionModelConfig::max_initial_…). `odom_from_base`: odometry when the robot was there, from
@@ -58,7 +70,7 @@ class Localizer {
   /// its default.
   void setMap(MarkerMap map);
 
-  /// Continues from the state of another localizer of the same camera whose map or settings differ:
+  /// Continues from the state of another localizer of the same cameras whose map or settings differ:
   /// takes over its pose, and what it knows of markers that this map has in the same places. Call
   /// it before the first image.
   void continueFrom(const Localizer& before);
@@ -67,19 +79,23 @@ class Localizer {
   /// (LocalizerConfig::exploring_views) looks for them there, too.
   void seek(std::vector<Marker> markers);
 
-  /// Processes a frame. Stamps must increase, and frame.image must have the camera's size;
-  /// otherwise throws InputError and keeps its state.
+  /// Processes a frame. The stamps of each camera must increase, be at most kMaxOvertaken older than
+  /// those of others, and frame.image must have the camera's size; otherwise throws InputError and
+  /// keeps its state.
   FrameResult process(const Frame& frame);
 
   const MarkerMap& map() const { return map_; }
-  const CameraModel& camera() const { return *camera_; }
+  const CameraModel& camera(std::size_t index = 0) const;
 
  private:
   void check(const Frame& frame) const;
   /// Carries all hypotheses on to the frame; gives their poses, of use unless they are then lost.
   std::vector<PoseEstimate> predict(const Frame& frame);
+  CameraState& stateOf(const Frame& frame) { return *cameras_[frame.camera]; }
+  /// Whether an image of another camera has just given the pose.
+  bool isSeenByAnother(const Frame& frame) const;
   /// The camera while it takes the frame's image. After predict().
-  MountedCamera cameraOf(const Frame& frame) const;
+  MountedCamera cameraOf(const Frame& frame);
   /// Whether no hypothesis has a pose.
   bool isLost() const;
 
@@ -132,28 +148,21 @@ class Localizer {
                  FrameResult* result);
   void learnBlur(const Frame& frame, const MountedCamera& camera, FrameResult* result);
   /// Pixels, standard deviation of the blur that is to be removed for decoders.
-  double blurToRead();
-  TrackingTools trackingTools(const Hypothesis& hypothesis);
+  static double blurToRead(CameraState* state);
+  TrackingTools trackingTools(const Frame& frame, const Hypothesis& hypothesis);
   /// Whether it is time to measure how far a marker hangs from its place; if so, counts it as done.
   bool isDue(const MarkerDetection& rejected, double stamp);
 
-  std::shared_ptr<const CameraModel> camera_;
   MarkerMap map_;
   MarkerIndex index_;
   LocalizerConfig config_;
-  MarkerReader reader_;
-  GlanceReader glance_reader_;
+  std::vector<std::unique_ptr<CameraState>> cameras_;
   TagPatterns patterns_;
   Evidence evidence_;
   /// The likeliest first. There is always one: for a lost robot, it holds what was last known of
   /// the world and of how the robot stands.
   std::vector<Hypothesis> hypotheses_;
-  std::unique_ptr<Patrol> patrol_;
-  BlurFilter blur_;
-  LastingDisagreement disagreement_;
   ImageLag image_lag_;
-  /// The frame's image as decoders read it.
-  ReadableImage readable_;
   /// How the robot stands, as far as is known without a prediction.
   PosePrior standing_;
   /// A pose that was set and waits for the next frame.
@@ -167,9 +176,7 @@ class Localizer {
   double next_doubt_ = -std::numeric_limits<double>::infinity();
   /// By family and id: when it was last measured how far a marker hangs from its place.
   std::map<std::pair<std::string, int>, double> measured_;
-  /// Since markers last gave a pose.
-  int lost_frames_ = 0;
-  /// Whether markers gave the pose of the last image.
+  /// Whether markers gave the pose of the last image of any camera.
   bool was_tracked_ = false;
 };
 

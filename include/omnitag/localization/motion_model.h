@@ -93,7 +93,8 @@ class MotionModel {
   void resetToGiven(const PoseEstimate& map_from_base, double stamp,
                     const std::optional<Pose>& odom_from_base);
 
-  /// Carries the pose on to a later stamp.
+  /// Carries the pose on to a stamp: that of the next image, which a slower camera may have taken a
+  /// little before the last one, or at the same time.
   PoseEstimate predict(double stamp, const std::optional<Pose>& odom_from_base);
 
   /// Takes the pose from the image at the last stamp, which includes the prediction.
@@ -151,6 +152,8 @@ class MotionModel {
   double corrected_stamp_ = 0.0;
   /// When a correction, a start or odometry last showed where the robot is.
   double known_stamp_ = 0.0;
+  /// Of the last prediction since the start.
+  std::optional<double> predicted_stamp_;
   std::optional<Pose> odom_from_base_;
   /// Whether the pose comes from outside and no marker has confirmed it.
   bool is_given_ = false;
