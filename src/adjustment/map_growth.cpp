@@ -144,7 +144,7 @@ std::size_t placeMarkers(Recording* recording, const MapBuilderConfig& config) {
     const auto sightings = recording->sightings(evenly(recording->readingsOf(m), kEnough));
     if (sightings.size() < static_cast<std::size_t>(config.min_sightings)) continue;
     const auto estimate = estimateMarker(
-        marker.marker, recording->camera, sightings,
+        marker.marker, {recording->camera}, sightings,
         marker.is_placed ? std::optional(marker.marker) : std::nullopt, estimateConfig(config));
     if (!estimate || !isSure(*estimate, config)) continue;
     if (parallax(estimate->marker.center(), sightings) < config.min_parallax) continue;
@@ -172,7 +172,7 @@ std::size_t startFromOneFrame(Recording* recording, const MapBuilderConfig& conf
   for (std::size_t r = 0; r < best->markers.size(); ++r) {
     const auto& marker = best->markers[r];
     if (!marker) continue;
-    const auto places = markersFromSighting(recording->markers[*marker].marker, recording->camera,
+    const auto places = markersFromSighting(recording->markers[*marker].marker, {recording->camera},
                                             recording->sighting({index, r}), config.max_residual);
     if (places.empty()) continue;
     recording->markers[*marker].marker = places.front();

@@ -46,11 +46,11 @@ Marker changed(const Marker& marker, const Step& step) {
 /// Least squares over the corners of some sightings.
 class Problem {
  public:
-  Problem(const std::shared_ptr<const CameraModel>& camera,
-          const std::vector<MarkerSighting>& sightings, double corner_noise, bool estimates_size)
+  Problem(const CameraModels& cameras, const std::vector<MarkerSighting>& sightings,
+          double corner_noise, bool estimates_size)
       : sightings_(sightings), corner_noise_(corner_noise), unknowns_(estimates_size ? 7 : 6) {
     for (const MarkerSighting& sighting : sightings) {
-      cameras_.emplace_back(camera, sighting.base_from_camera);
+      cameras_.emplace_back(cameras[sighting.camera], sighting.base_from_camera);
       measured_.push_back(stacked(sighting.corners));
     }
     weights_.assign(sightings.size(), Weight::Identity() / (corner_noise * corner_noise));
@@ -242,15 +242,14 @@ double parallax(const Eigen::Vector3d& center, const std::vector<MarkerSighting>
   return std::acos(std::max(-1.0, smallest_cosine));
 }
 
-std::vector<Marker> markersFromSighting(const Marker& marker,
-                                        const std::shared_ptr<const CameraModel>& camera,
+std::vector<Marker> markersFromSighting(const Marker& marker, const CameraModels& cameras,
                                         const MarkerSighting& sighting, double max_residual) {
   const std::vector<MarkerSighting> only = {sighting};
-  const Problem problem(camera, only, 1.0, false);
+  const Problem problem(cameras, only, 1.0, false);
   const Eigen::Vector3d viewpoint = mapFromCamera(sighting).translation();
   std::vector<std::pair<double, Marker>> found;
-  for (const Marker& start :
-       startsFrom(marker, MountedCamera(camera, sighting.base_from_camera), sighting)) {
+  for (const Marker& start : startsFrom(
+           marker, MountedCamera(cameras[sighting.camera], sighting.base_from_camera), sighting)) {
     const std::optional<Marker> refined = problem.refine(start, true);
     if (!refined || !isFacing(*refined, viewpoint)) continue;
     const double residual = problem.residual(*refined, 0).second;
@@ -268,8 +267,7 @@ std::vector<Marker> markersFromSighting(const Marker& marker,
   return markers;
 }
 
-std::optional<MarkerEstimate> estimateMarker(const Marker& marker,
-                                             const std::shared_ptr<const CameraModel>& camera,
+std::optional<MarkerEstimate> estimateMarker(const Marker& marker, const CameraModels& cameras,
                                              const std::vector<MarkerSighting>& sightings,
                                              const std::optional<Marker>& start,
                                              const MarkerEstimateConfig& config) {
@@ -278,12 +276,12 @@ std::optional<MarkerEstimate> estimateMarker(const Marker& marker,
   std::vector<Marker> starts;
   if (start) starts.push_back(*start);
   for (const std::size_t i : tellingSightings(sightings)) {
-    for (Marker& each : markersFromSighting(marker, camera, sightings[i], kMaxStartResidual)) {
+    for (Marker& each : markersFromSighting(marker, cameras, sightings[i], kMaxStartResidual)) {
       starts.push_back(std::move(each));
     }
   }
 
-  Problem problem(camera, sightings, config.corner_noise, config.estimates_size);
+  Problem problem(cameras, sightings, config.corner_noise, config.estimates_size);
   std::optional<Marker> best;
   double best_cost = kInfinity;
   double next_cost = kInfinity;

@@ -78,9 +78,8 @@ MarkerMapperConfig readMarkerMapperConfig(const YamlReader& reader) {
   return config;
 }
 
-MarkerMapper::MarkerMapper(std::shared_ptr<const CameraModel> camera, MarkerMap map,
-                           const MarkerMapperConfig& config)
-    : camera_(std::move(camera)), map_(std::move(map)), config_(config) {
+MarkerMapper::MarkerMapper(CameraModels cameras, MarkerMap map, const MarkerMapperConfig& config)
+    : cameras_(std::move(cameras)), map_(std::move(map)), config_(config) {
   if (config_.size == 0.0) config_.size = map_.default_size;
   if (config_.size == 0.0) {
     throw InputError(
@@ -103,14 +102,15 @@ bool MarkerMapper::add(const Frame& frame, const FrameResult& result) {
       ++track.repetitions;
       continue;
     }
-    if (!keep({frame.stamp, frame.base_from_camera, pose, reading.corners}, &track)) continue;
+    if (!keep({frame.stamp, frame.base_from_camera, pose, reading.corners, frame.camera}, &track))
+      continue;
     Marker marker;
     marker.family = reading.family;
     marker.id = reading.id;
     marker.size = config_.size;
     const MarkerEstimateConfig estimate_config{config_.corner_noise, config_.estimate_sizes};
     auto estimate = estimateMarker(
-        marker, camera_, track.sightings,
+        marker, cameras_, track.sightings,
         track.estimate ? std::optional(track.estimate->marker) : std::nullopt, estimate_config);
     if (!estimate) continue;
     estimate->marker.deviation = estimate->positionDeviation();

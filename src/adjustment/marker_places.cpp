@@ -33,7 +33,7 @@ std::optional<MarkerHangsAt> mostAgreed(const Recording& recording, const Marker
                                         const MapBuilderConfig& config) {
   const MarkerEstimateConfig estimate_config{config.corner_noise, false};
   const auto placeOf = [&](const std::vector<ReadingPlace>& some) -> std::optional<MarkerHangsAt> {
-    const auto estimate = estimateMarker(marker, recording.camera, recording.sightings(some),
+    const auto estimate = estimateMarker(marker, {recording.camera}, recording.sightings(some),
                                          std::nullopt, estimate_config);
     if (!estimate) return std::nullopt;
     return MarkerHangsAt{estimate->marker,
@@ -89,7 +89,7 @@ std::optional<Marker> atAnotherSize(const Recording& recording, std::size_t mark
   const Marker& taken = recording.markers[marker].marker;
   const auto sightings = recording.sightings(readings);
   const auto estimate = [&](bool estimates_size) {
-    return estimateMarker(taken, recording.camera, sightings, std::nullopt,
+    return estimateMarker(taken, {recording.camera}, sightings, std::nullopt,
                           MarkerEstimateConfig{config.corner_noise, estimates_size});
   };
   const auto agreesWithNearlyAll = [&](const MarkerEstimate& some) {

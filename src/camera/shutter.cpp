@@ -14,9 +14,9 @@ double ShutterConfig::end(int rows) const {
   return std::max(timeOf(0), timeOf(rows - 1)) + 0.5 * exposure_time;
 }
 
-ShutterConfig readShutterConfig(const YamlReader& reader) {
+ShutterConfig readShutterConfig(const YamlReader& reader, const ShutterConfig& defaults) {
   constexpr double kLongest = 1.0;  // s
-  ShutterConfig config;
+  ShutterConfig config = defaults;
   reader.read("image_time_offset", &config.image_time_offset, {-kLongest, kLongest});
   reader.read("row_readout_time", &config.row_readout_time, {-1e-3, 1e-3});
   reader.read("exposure_time", &config.exposure_time, {0.0, kLongest});

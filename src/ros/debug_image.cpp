@@ -64,6 +64,10 @@ cv::Scalar colorOf(const MarkerDetection* detection) {
 
 }  // namespace
 
+std::string debugImageTopic(const std::string& camera_name) {
+  return (camera_name.empty() ? "" : camera_name + "/") + "debug_image";
+}
+
 DebugImagePainter::DebugImagePainter(std::shared_ptr<const CameraModel> camera, MarkerMap map)
     : camera_(std::move(camera)), map_(std::move(map)), warper_(camera_, kWorkingDistance) {
   // The part of the image that shows the world, or the whole image if that is less.

@@ -178,6 +178,15 @@ RvizMarker whyLost(const std::string& frame, const std::string& remark, const Ma
   return label;
 }
 
+/// The kinds of which each camera has its own.
+const std::set<std::string> kOfCamera = {"predicted", "accepted", "rejected", "reasons"};
+
+/// Whether a namespace is another camera's than the one whose namespaces end so.
+bool isOfAnother(const std::string& name_space, const std::string& of_camera) {
+  const std::size_t space = name_space.find(' ');
+  return space != std::string::npos && name_space.substr(space) != of_camera;
+}
+
 }  // namespace
 
 FrameMarkers::FrameMarkers(std::string map_frame, double robot_radius)
@@ -199,13 +208,19 @@ visualization_msgs::MarkerArray FrameMarkers::draw(const LocalizedImage& localiz
   }
   addHypotheses(map_frame_, localized.result.hypotheses, robot_radius_, &array.markers);
 
+  const std::string of_camera = localized.camera_name.empty() ? "" : " " + localized.camera_name;
   std::set<std::pair<std::string, int>> shown;
   for (RvizMarker& marker : array.markers) {
+    if (kOfCamera.count(marker.ns) > 0) marker.ns += of_camera;
     marker.header.stamp = localized.input.header.stamp;
     shown.emplace(marker.ns, marker.id);
   }
   for (const auto& [name_space, id] : shown_) {
     if (shown.count({name_space, id}) > 0) continue;
+    if (isOfAnother(name_space, of_camera)) {
+      shown.emplace(name_space, id);
+      continue;
+    }
     RvizMarker gone = rvizMarker(map_frame_, name_space, RvizMarker::CUBE, color(0, 0, 0, 0));
     gone.id = id;
     gone.action = RvizMarker::DELETE;

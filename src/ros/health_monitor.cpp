@@ -18,6 +18,8 @@ namespace {
 constexpr double kReportPeriod = 1.0;
 /// s without an image until the camera counts as gone.
 constexpr double kImageTimeout = 3.0;
+/// s for which a pose counts as that of markers, whichever camera showed them.
+constexpr double kTracked = 1.0;
 /// s between two log lines about the same lasting problem.
 constexpr double kLinePeriod = 10.0;
 
@@ -46,6 +48,7 @@ HealthMonitor::HealthMonitor(const ros::NodeHandle& node, const ros::NodeHandle&
       name_(private_node.getNamespace()),
       map_(std::move(map)),
       last_report_(Clock::now()),
+      last_images_(input.sources()),
       updater_(node, private_node, name_) {
   updater_.setHardwareID("none");
   updater_.add("images", this, &HealthMonitor::reportImages);
@@ -71,8 +74,14 @@ void HealthMonitor::startedAnew() {
   displacements_.clear();
 }
 
-void HealthMonitor::imageCame() {
-  last_image_ = Clock::now();
+void HealthMonitor::imageCame(std::size_t source) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  last_source_ = source;
+  imageIsHere();
+}
+
+void HealthMonitor::imageIsHere() {
+  last_images_[last_source_] = Clock::now();
   last_image_time_ = ros::Time::now();
 }
 
@@ -84,24 +93,24 @@ bool HealthMonitor::isPaused() const {
 
 void HealthMonitor::imageRefused(const std::string& why) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  imageCame();
+  imageIsHere();
   ++refused_images_;
-  complain(&images_, "image on " + input_.topic() + " refused: " + why);
+  complain(&images_, "image on " + input_.topic(last_source_) + " refused: " + why);
 }
 
 void HealthMonitor::imageLate() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  imageCame();
+  imageIsHere();
   ++late_images_;
-  complain(&late_, "images on " + input_.topic() +
+  complain(&late_, "images on " + input_.topic(last_source_) +
                        " left out: their stamps are not after those of the images before");
 }
 
 void HealthMonitor::transformMissing(const std::string& why) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  imageCame();
+  imageIsHere();
   ++images_without_transform_;
-  settle(&images_, "images are coming");
+  update(&images_, whatIsMissing(), "images are coming");
   complain(&transforms_, "waiting for tf: " + why);
 }
 
@@ -119,10 +128,16 @@ void HealthMonitor::parentChecked(const std::string& conflict) {
 void HealthMonitor::localized(const LocalizationStatus& status, const FrameResult& result,
                               const std::string& odometry_problem) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  imageCame();
-  last_status_ = status;
+  imageIsHere();
+  // A camera that sees no marker is no trouble while another does.
+  const bool is_tracked = status.has_pose && status.markers_used > 0;
+  const bool is_left_to_another = status.has_pose && !is_tracked && last_tracked_ &&
+                                  last_images_.size() > 1 &&
+                                  seconds(Clock::now() - *last_tracked_) < kTracked;
+  if (is_tracked) last_tracked_ = Clock::now();
+  if (!is_left_to_another) last_status_ = status;
   last_pose_ = result.map_from_base;
-  settle(&images_, "images are coming");
+  update(&images_, whatIsMissing(), "images are coming");
   update(&transforms_,
          odometry_problem.empty() ? "" : "no odometry, hence no map -> odom: " + odometry_problem,
          "tf has all transforms");
@@ -160,6 +175,20 @@ std::string HealthMonitor::describe(const std::vector<GroupDisplacement>& groups
   return text.str();
 }
 
+std::string HealthMonitor::whatIsMissing() const {
+  const Clock::time_point now = Clock::now();
+  const std::string publishers = " (" + std::to_string(input_.publishers()) + " publishers)";
+  for (std::size_t source = 0; source < last_images_.size(); ++source) {
+    const auto& last = last_images_[source];
+    const std::string& topic = input_.topic(source);
+    if (!last) return "waiting for the first image on " + topic + publishers;
+    if (seconds(now - *last) <= kImageTimeout || isPaused()) continue;
+    return "waiting for images on " + topic + publishers + ", none for " +
+           std::to_string(std::lround(seconds(now - *last))) + " s";
+  }
+  return "";
+}
+
 void HealthMonitor::reportImages(Report& report) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const Clock::time_point now = Clock::now();
@@ -169,16 +198,11 @@ void HealthMonitor::reportImages(Report& report) {
   last_report_ = now;
   received_at_last_report_ = received;
 
-  const std::string topic = input_.topic();
-  const std::string publishers = std::to_string(input_.publishers()) + " publishers";
-  if (!last_image_) {
-    complain(&images_, "waiting for the first image on " + topic + " (" + publishers + ")");
-  } else if (seconds(now - *last_image_) > kImageTimeout && !isPaused()) {
-    complain(&images_, "waiting for images on " + topic + " (" + publishers + "), none for " +
-                           std::to_string(std::lround(seconds(now - *last_image_))) + " s");
-  }
+  const std::string missing = whatIsMissing();
+  if (!missing.empty()) complain(&images_, missing);
   const std::uint64_t late = late_images_ - std::exchange(late_at_last_report_, late_images_);
-  if (images_.problem.empty() && last_image_ && seconds(now - *last_image_) > kImageTimeout) {
+  if (images_.problem.empty() && isPaused() &&
+      seconds(now - *last_images_.front()) > kImageTimeout) {
     report.summary(Report::WARN,
                    "no images, but simulated time has hardly moved since the last one, as while a "
                    "bag is paused");
@@ -189,7 +213,9 @@ void HealthMonitor::reportImages(Report& report) {
   } else {
     report.summary(Report::ERROR, images_.problem);
   }
-  report.add("topic", topic);
+  for (std::size_t source = 0; source < input_.sources(); ++source) {
+    report.add("topic", input_.topic(source));
+  }
   report.add("publishers", input_.publishers());
   report.add("images per second", rate);
   report.add("received", received);

@@ -95,4 +95,12 @@ cv_bridge::CvImageConstPtr grayImage(const sensor_msgs::CompressedImageConstPtr&
   return gray;
 }
 
+cv_bridge::CvImageConstPtr inFrame(const cv_bridge::CvImageConstPtr& image,
+                                   const std::string& frame) {
+  if (frame.empty()) return image;
+  auto renamed = boost::make_shared<cv_bridge::CvImage>(*image);
+  renamed->header.frame_id = frame;
+  return renamed;
+}
+
 }  // namespace omnitag

@@ -4,6 +4,9 @@
 #include <sensor_msgs/CompressedImage.h>
 #include <sensor_msgs/Image.h>
 
+#include <algorithm>
+#include <boost/function.hpp>
+#include <limits>
 #include <utility>
 
 #include "omnitag/common/error.h"
@@ -30,46 +33,55 @@ ros::NodeHandle withQueue(ros::NodeHandle node, ros::CallbackQueue* queue) {
 }  // namespace
 
 ImageInput::ImageInput(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
-                       const std::string& transport, int queue_size)
+                       const std::vector<ImageSource>& sources, int queue_size)
     : queue_size_(static_cast<std::size_t>(queue_size)),
       node_(withQueue(node, &queue_)),
-      image_transport_(node_) {
-  subscribe(private_node, transport);
-  topic_ = subscriber_ ? subscriber_.getTopic() : compressed_subscriber_.getTopic();
+      image_transport_(node_),
+      waiting_(sources.size()) {
+  for (const ImageSource& source : sources) subscribe(private_node, source);
 }
 
-void ImageInput::subscribe(const ros::NodeHandle& private_node, const std::string& transport) {
+void ImageInput::subscribe(const ros::NodeHandle& private_node, const ImageSource& source) {
   // Which images wait is decided here, not in ROS's own queue, which drops silently. That one has
   // room for a second's images.
   constexpr std::size_t kMessagesInRosQueue = 30;
   const auto ros_queue_size = static_cast<uint32_t>(queue_size_ + kMessagesInRosQueue);
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
-  if (transport == "compressed") {
-    const auto callback = [this](const sensor_msgs::CompressedImageConstPtr& message) {
-      push({message->header, [message] { return grayImage(message); }});
-    };
-    compressed_subscriber_ = node_.subscribe<sensor_msgs::CompressedImage>(
-        node_.resolveName("image") + "/compressed", ros_queue_size, callback, nullptr, hints);
+  const std::size_t index = subscriptions_.size();
+  Subscription& subscription = subscriptions_.emplace_back();
+  const auto take = [this, index](const auto& message) {
+    push({index, message->header, [message] { return grayImage(message); }});
+  };
+  if (source.transport == "compressed") {
+    subscription.compressed_subscriber = node_.subscribe<sensor_msgs::CompressedImage>(
+        node_.resolveName(source.topic) + "/compressed", ros_queue_size,
+        boost::function<void(const sensor_msgs::CompressedImageConstPtr&)>(take), nullptr, hints);
+    topics_.push_back(subscription.compressed_subscriber.getTopic());
     return;
   }
   try {
-    const auto callback = [this](const sensor_msgs::ImageConstPtr& message) {
-      push({message->header, [message] { return grayImage(message); }});
-    };
-    subscriber_ =
-        image_transport_.subscribe("image", ros_queue_size, callback, nullptr,
-                                   image_transport::TransportHints(transport, hints, private_node));
+    subscription.subscriber = image_transport_.subscribe(
+        source.topic, ros_queue_size,
+        boost::function<void(const sensor_msgs::ImageConstPtr&)>(take), nullptr,
+        image_transport::TransportHints(source.transport, hints, private_node));
+    topics_.push_back(subscription.subscriber.getTopic());
   } catch (const image_transport::Exception&) {
     throw InputError(private_node.getNamespace() + ": image_transport: expected one of " +
-                     knownTransports(image_transport_) + ", found '" + transport + "'");
+                     knownTransports(image_transport_) + ", found '" + source.transport + "'");
   }
 }
 
 std::optional<ReceivedImage> ImageInput::next(double duration) {
-  serve(waiting_.empty() ? duration : 0.0);
-  if (waiting_.empty()) return std::nullopt;
-  ReceivedImage image = std::move(waiting_.front());
-  waiting_.pop_front();
+  const auto oldest = [this] {
+    return std::min_element(waiting_.begin(), waiting_.end(), [](const auto& a, const auto& b) {
+      return !a.empty() && (b.empty() || a.front().header.stamp < b.front().header.stamp);
+    });
+  };
+  serve(oldest()->empty() ? duration : 0.0);
+  const auto queue = oldest();
+  if (queue->empty()) return std::nullopt;
+  ReceivedImage image = std::move(queue->front());
+  queue->pop_front();
   return image;
 }
 
@@ -77,24 +89,32 @@ void ImageInput::serve(double duration) { queue_.callAvailable(ros::WallDuration
 
 void ImageInput::push(ReceivedImage image) {
   ++received_;
-  if (waiting_.size() == queue_size_) {
-    waiting_.pop_front();
+  std::deque<ReceivedImage>& waiting = waiting_[image.source];
+  if (waiting.size() == queue_size_) {
+    waiting.pop_front();
     ++dropped_;
   }
-  waiting_.push_back(std::move(image));
+  waiting.push_back(std::move(image));
 }
 
 void ImageInput::close() {
   is_closed_ = true;
   queue_.disable();
   const std::lock_guard<std::mutex> lock(subscriber_mutex_);
-  subscriber_.shutdown();
-  compressed_subscriber_.shutdown();
+  for (Subscription& subscription : subscriptions_) {
+    subscription.subscriber.shutdown();
+    subscription.compressed_subscriber.shutdown();
+  }
 }
 
 std::uint32_t ImageInput::publishers() const {
   const std::lock_guard<std::mutex> lock(subscriber_mutex_);
-  return subscriber_ ? subscriber_.getNumPublishers() : compressed_subscriber_.getNumPublishers();
+  std::uint32_t fewest = std::numeric_limits<std::uint32_t>::max();
+  for (const Subscription& each : subscriptions_) {
+    fewest = std::min(fewest, each.subscriber ? each.subscriber.getNumPublishers()
+                                              : each.compressed_subscriber.getNumPublishers());
+  }
+  return fewest;
 }
 
 }  // namespace omnitag

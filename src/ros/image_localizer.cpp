@@ -1,6 +1,7 @@
 #include "omnitag/ros/image_localizer.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "omnitag/common/stopwatch.h"
 #include "omnitag/marker/marker_map_file.h"
@@ -10,11 +11,10 @@ namespace {
 
 /// None if mapping is off.
 std::optional<MarkerMapper> makeMapper(const LocalizerParameters& parameters,
-                                       const std::shared_ptr<const CameraModel>& camera,
-                                       const MarkerMap& map) {
+                                       const CameraModels& cameras, const MarkerMap& map) {
   if (!parameters.mapping) return std::nullopt;
   try {
-    return MarkerMapper(camera, map, parameters.mapper);
+    return MarkerMapper(cameras, map, parameters.mapper);
   } catch (const InputError& error) {
     throw InputError(parameters.map_file + ": " + error.what());
   }
@@ -22,22 +22,25 @@ std::optional<MarkerMapper> makeMapper(const LocalizerParameters& parameters,
 
 }  // namespace
 
-ImageLocalizer::ImageLocalizer(const LocalizerParameters& parameters, const DescribedCamera& camera)
+ImageLocalizer::ImageLocalizer(const LocalizerParameters& parameters,
+                               const std::vector<DescribedCamera>& cameras)
     : parameters_(parameters),
-      camera_(camera.model),
       map_(loadMarkerMap(parameters.map_file)),
-      assembler_(camera.origin, camera_->imageSize(), parameters.frames,
-                 parameters.localizer.shutter),
       timeline_(parameters.restart_time_jump) {
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    cameras_.push_back(cameras[i].model);
+    assemblers_.emplace_back(cameras[i].origin, cameras[i].model->imageSize(), parameters.frames,
+                             parameters.cameras[i].shutter.value_or(parameters.localizer.shutter));
+  }
   ignore();
   if (parameters_.frames.map.empty()) parameters_.frames.map = map_.frame_id;
-  mapper_ = makeMapper(parameters_, camera_, map_);
+  mapper_ = makeMapper(parameters_, cameras_, map_);
   start();
 }
 
 void ImageLocalizer::checkMap(const LocalizerParameters& parameters) {
   // A mapper needs its camera only when an image comes.
-  makeMapper(parameters, nullptr, loadMarkerMap(parameters.map_file));
+  makeMapper(parameters, {}, loadMarkerMap(parameters.map_file));
 }
 
 void ImageLocalizer::ignore() {
@@ -57,53 +60,72 @@ void ImageLocalizer::ignore() {
 
 void ImageLocalizer::exchange(Successor successor) {
   parameters_.localizer = successor.config;
-  assembler_.setShutter(successor.config.shutter);
+  for (std::size_t i = 0; i < assemblers_.size(); ++i) {
+    if (!parameters_.cameras[i].shutter) assemblers_[i].setShutter(successor.config.shutter);
+  }
   successor.localizer->continueFrom(*localizer_);
   localizer_ = std::move(successor.localizer);
   if (successor.has_other_map) {
     map_ = std::move(successor.map);
     ignored_ = std::move(successor.ignored);
     ignored_markers_ = std::move(successor.ignored_markers);
-    advisor_ = {};
+    advisors_.assign(cameras_.size(), {});
     if (mapper_) mapper_->setOwn(map_);
   }
   if (mapper_) localizer_->setMap(mapper_->map());
 }
 
 void ImageLocalizer::start() {
-  localizer_ = std::make_unique<Localizer>(camera_, map(), parameters_.localizer);
-  advisor_ = {};
+  localizer_ = std::make_unique<Localizer>(localizerCameras(parameters_.cameras, cameras_), map(),
+                                           parameters_.localizer);
+  advisors_.assign(cameras_.size(), {});
+  last_times_.assign(cameras_.size(), -std::numeric_limits<double>::infinity());
   if (parameters_.initial_pose) localizer_->setPose(*parameters_.initial_pose);
 }
 
 std::optional<LocalizedImage> ImageLocalizer::localize(const cv_bridge::CvImageConstPtr& image,
                                                        const tf2::BufferCore& transforms,
-                                                       const WantedExtras& wanted) {
+                                                       const WantedExtras& wanted,
+                                                       std::size_t camera) {
   LocalizedImage localized;
   const ros::Time& stamp = image->header.stamp;
-  const StampPlace place = timeline_.place(stamp);
-  if (place.kind == StampPlace::Kind::kLate) {
+  const std::optional<StampPlace> place = placeOf(stamp, camera);
+  if (!place) {
     ++late_images_;
     return std::nullopt;
   }
 
-  localized.input = assembler_.assemble(image, transforms);
-  timeline_.take(stamp, place);
-  localized.input.frame.stamp = place.time;
-  if (place.kind == StampPlace::Kind::kClockStepped) localized.clock_step = place.step;
-  if (place.kind == StampPlace::Kind::kWentBack) {
-    localized.went_back = -place.step;
+  localized.input = assemblers_[camera].assemble(image, transforms);
+  localized.camera_name = parameters_.cameras[camera].name;
+  localized.is_newest = place->kind != StampPlace::Kind::kLate;
+  if (localized.is_newest) timeline_.take(stamp, *place);
+  localized.input.frame.camera = camera;
+  localized.input.frame.stamp = place->time;
+  if (place->kind == StampPlace::Kind::kClockStepped) localized.clock_step = place->step;
+  if (place->kind == StampPlace::Kind::kWentBack) {
+    localized.went_back = -place->step;
     start();
   }
+  last_times_[camera] = place->time;
   if (const auto request = std::exchange(request_, nullptr)) request(localizer_.get());
   localized.input.frame.wants_views = wanted.views;
   localized.input.frame.wants_measured = wanted.measured;
   localized.result = localizer_->process(localized.input.frame);
   if (!ignored_.empty()) nameIgnored(&localized.result);
-  advisor_.add(localized.result, map(), *camera_);
-  localized.result.advice = advisor_.lines();
+  advisors_[camera].add(localized.result, map(), *cameras_[camera]);
+  localized.result.advice = advisors_[camera].lines();
   if (mapper_) extendMap(&localized);
   return localized;
+}
+
+std::optional<StampPlace> ImageLocalizer::placeOf(const ros::Time& stamp,
+                                                  std::size_t camera) const {
+  StampPlace place = timeline_.place(stamp);
+  if (place.kind != StampPlace::Kind::kLate) return place;
+  // Another camera's image has overtaken it, or is of the same moment.
+  place.time += place.step;
+  const bool is_of_use = place.time > last_times_[camera] && -place.step < Localizer::kMaxOvertaken;
+  return is_of_use ? std::optional(place) : std::nullopt;
 }
 
 bool ImageLocalizer::isIgnored(const std::string& family, int id) const {

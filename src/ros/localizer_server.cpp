@@ -13,6 +13,7 @@
 
 #include "omnitag/common/error.h"
 #include "omnitag/ros/conversions.h"
+#include "omnitag/ros/image_conversion.h"
 #include "omnitag/ros/result_messages.h"
 
 namespace omnitag {
@@ -26,6 +27,24 @@ constexpr double kTransformsWait = 0.1;
 template <typename Message>
 void publishShared(const ros::Publisher& publisher, Message message) {
   publisher.publish(boost::make_shared<Message>(std::move(message)));
+}
+
+/// The index of a camera's source.
+std::size_t sourceOf(const CameraParameters& camera, const std::vector<ImageSource>& sources) {
+  const auto found =
+      std::find_if(sources.begin(), sources.end(), [&camera](const ImageSource& source) {
+        return source.topic == camera.image && source.transport == camera.image_transport;
+      });
+  return static_cast<std::size_t>(found - sources.begin());
+}
+
+std::vector<ImageSource> sourcesOf(const std::vector<CameraParameters>& cameras) {
+  std::vector<ImageSource> sources;
+  for (const CameraParameters& camera : cameras) {
+    if (sourceOf(camera, sources) < sources.size()) continue;
+    sources.push_back({camera.image, camera.image_transport});
+  }
+  return sources;
 }
 
 /// Does a step of the thread's work and reports an exception, which would end the process.
@@ -42,19 +61,19 @@ void attempt(const Step& step, const Report& report) {
 
 LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
                                  const LocalizerParameters& parameters,
-                                 const DescribedCamera& camera)
+                                 const std::vector<DescribedCamera>& cameras)
     : node_(node),
       name_(private_node.getNamespace()),
       parameters_(parameters),
-      localizer_(parameters_, camera),
-      input_(node, private_node, parameters_.image_transport, parameters_.queue_size),
+      localizer_(parameters_, cameras),
+      sources_(sourcesOf(parameters_.cameras)),
+      input_(node, private_node, sources_, parameters_.queue_size),
       transforms_(node, localizer_.frames()),
       map_drawing_(localizer_.map(), localizer_.frames().map),
       frame_markers_(localizer_.frames().map, parameters_.robot_radius),
-      debug_image_painter_(localizer_.camera(), localizer_.map()),
       path_(parameters_.path_min_step, parameters_.path_max_poses),
       image_transport_(node),
-      settings_(parameters_, localizer_.camera(),
+      settings_(parameters_, localizer_.cameras(),
                 [this](std::shared_ptr<Successor> successor) {
                   const std::lock_guard<std::mutex> lock(request_mutex_);
                   // A successor that was not used yet may have changed the map; this one then
@@ -81,7 +100,11 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
         const std::lock_guard<std::mutex> lock(map_mutex_);
         subscriber.publish(map_drawing_.markers());
       });
-  debug_image_publisher_ = image_transport_.advertise("debug_image", 1);
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    debug_image_painters_.emplace_back(cameras[i].model, localizer_.map());
+    debug_image_publishers_.push_back(
+        image_transport_.advertise(debugImageTopic(parameters_.cameras[i].name), 1));
+  }
   initial_pose_subscriber_ =
       node_.subscribe("initialpose", 1, &LocalizerServer::onInitialPose, this);
   global_localization_server_ =
@@ -108,9 +131,12 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
   map_publisher_.publish(localizer_.map(), localizer_.ignoredMarkers());
   takeSavedPose();
 
-  ROS_INFO_STREAM(name_ << ": camera " << camera.origin << ", " << localizer_.map().markers.size()
-                        << " markers of " << parameters_.map_file << ", images from "
-                        << input_.topic());
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    ROS_INFO_STREAM(name_ << ": camera " << cameras[i].origin << ", images from "
+                          << input_.topic(sourceOf(parameters_.cameras[i], sources_)));
+  }
+  ROS_INFO_STREAM(name_ << ": " << localizer_.map().markers.size() << " markers of "
+                        << parameters_.map_file);
   thread_ = std::thread(&LocalizerServer::run, this);
 }
 
@@ -185,15 +211,23 @@ void LocalizerServer::onImage(const ReceivedImage& received) {
     const std::lock_guard<std::mutex> lock(request_mutex_);
     for (const Request& request : std::exchange(requests_, {})) request(&localizer_);
   }
+  health_.imageCame(received.source);
   const cv_bridge::CvImageConstPtr image = received.decode();
+  for (std::size_t i = 0; i < parameters_.cameras.size(); ++i) {
+    const CameraParameters& camera = parameters_.cameras[i];
+    if (sourceOf(camera, sources_) == received.source) localize(inFrame(image, camera.frame), i);
+  }
+}
+
+void LocalizerServer::localize(const cv_bridge::CvImageConstPtr& image, std::size_t camera) {
   // An image without a frame or of another size is refused without waiting for tf.
-  localizer_.assembler().check(*image);
-  waitForTransforms(image->header);
+  localizer_.assembler(camera).check(*image);
+  waitForTransforms(image->header, camera);
   try {
-    const WantedExtras wanted{debug_image_publisher_.getNumSubscribers() > 0,
+    const WantedExtras wanted{debug_image_publishers_[camera].getNumSubscribers() > 0,
                               pose_measured_publisher_.getNumSubscribers() > 0};
     const std::optional<LocalizedImage> localized =
-        localizer_.localize(image, transforms_.buffer(), wanted);
+        localizer_.localize(image, transforms_.buffer(), wanted, camera);
     if (localized) {
       publish(*localized);
     } else {
@@ -205,13 +239,13 @@ void LocalizerServer::onImage(const ReceivedImage& received) {
 }
 
 // In wall time, since a stopped clock must not stop the localizer.
-void LocalizerServer::waitForTransforms(const std_msgs::Header& header) {
+void LocalizerServer::waitForTransforms(const std_msgs::Header& header, std::size_t camera) {
   using Clock = std::chrono::steady_clock;
   using Seconds = std::chrono::duration<double>;
   const auto deadline = Clock::now() + Seconds(parameters_.transform_timeout);
   const auto remaining = [&] { return Seconds(deadline - Clock::now()).count(); };
-  while (!localizer_.assembler().hasTransforms(header, transforms_.buffer()) && remaining() > 0.0 &&
-         !input_.isClosed()) {
+  while (!localizer_.assembler(camera).hasTransforms(header, transforms_.buffer()) &&
+         remaining() > 0.0 && !input_.isClosed()) {
     transforms_.serve(std::min(remaining(), parameters_.transform_period));
     // Only the newest of the images that come meanwhile should wait.
     input_.serve(0.0);
@@ -241,6 +275,7 @@ void LocalizerServer::publish(const LocalizedImage& localized) {
   if (localized.clock_step != 0.0) logClockStep(localized.clock_step);
   if (localized.went_back > 0.0) startAnew(localized.went_back);
   if (localizer_.isMapping()) publishMap(localized.map_changed);
+  const std::size_t camera = localized.input.frame.camera;
   ResultMessages messages =
       toMessages(localized, localizer_.map(), localizer_.frames(), parameters_.transform_tolerance);
   messages.status.image_age = ros::Time::now().toSec() - localized.input.header.stamp.toSec();
@@ -258,7 +293,7 @@ void LocalizerServer::publish(const LocalizedImage& localized) {
     publishShared(pose_measured_publisher_, std::move(*messages.pose_measured));
   }
   if (detections_publisher_.getNumSubscribers() > 0) {
-    addMarkerPoses(localized, localizer_.map(), localizer_.camera(),
+    addMarkerPoses(localized, localizer_.map(), localizer_.cameras()[camera],
                    parameters_.localizer.estimation, &messages.detections);
   }
   publishShared(detections_publisher_, std::move(messages.detections));
@@ -266,10 +301,10 @@ void LocalizerServer::publish(const LocalizedImage& localized) {
   if (markers_publisher_.getNumSubscribers() > 0) {
     markers_publisher_.publish(frame_markers_.draw(localized, localizer_.map()));
   }
-  if (debug_image_publisher_.getNumSubscribers() > 0) {
+  if (debug_image_publishers_[camera].getNumSubscribers() > 0) {
     const cv::Mat painting =
-        debug_image_painter_.paint(localized.input.frame.image, localized.result);
-    debug_image_publisher_.publish(
+        debug_image_painters_[camera].paint(localized.input.frame.image, localized.result);
+    debug_image_publishers_[camera].publish(
         cv_bridge::CvImage(localized.input.header, sensor_msgs::image_encodings::BGR8, painting)
             .toImageMsg());
   }
@@ -323,8 +358,12 @@ void LocalizerServer::keepPose(const LocalizedImage& localized) {
       {localizer_.frames().map, localized.input.header.stamp.toSec(), result.publishedPose()});
 }
 
+void LocalizerServer::paintMap() {
+  for (DebugImagePainter& painter : debug_image_painters_) painter.setMap(localizer_.map());
+}
+
 void LocalizerServer::showMap() {
-  debug_image_painter_.setMap(localizer_.map());
+  paintMap();
   health_.startedAnew();
   map_publisher_.publish(localizer_.map(), localizer_.ignoredMarkers());
   std::vector<ProvisionalMarker> provisional = localizer_.provisional();
@@ -342,7 +381,7 @@ void LocalizerServer::showMap() {
 void LocalizerServer::publishMap(bool is_changed) {
   std::vector<ProvisionalMarker> provisional = localizer_.provisional();
   if (is_changed) {
-    debug_image_painter_.setMap(localizer_.map());
+    paintMap();
     map_publisher_.publish(localizer_.map(), localizer_.ignoredMarkers());
   }
   const std::lock_guard<std::mutex> lock(map_mutex_);

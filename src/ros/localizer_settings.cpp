@@ -30,6 +30,15 @@ MarkerMap usedMap(const MarkerMap& map, const std::vector<MarkerSelection>& igno
 
 }  // namespace
 
+std::vector<LocalizerCamera> localizerCameras(const std::vector<CameraParameters>& parameters,
+                                              const CameraModels& models) {
+  std::vector<LocalizerCamera> cameras;
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    cameras.push_back({models[i], parameters[i].shutter});
+  }
+  return cameras;
+}
+
 std::vector<MarkerSelection> ignoredMarkers(const std::vector<std::string>& texts,
                                             const MarkerMap& map) {
   std::vector<MarkerSelection> selections;
@@ -44,8 +53,8 @@ std::vector<MarkerSelection> ignoredMarkers(const std::vector<std::string>& text
 }
 
 LocalizerSettings::LocalizerSettings(const LocalizerParameters& parameters,
-                                     std::shared_ptr<const CameraModel> camera, Take take)
-    : camera_(std::move(camera)),
+                                     const CameraModels& cameras, Take take)
+    : cameras_(localizerCameras(parameters.cameras, cameras)),
       take_(std::move(take)),
       editor_(parameters.map_file),
       ignored_(ignoredMarkers(parameters.ignore_markers, editor_.map())),
@@ -64,7 +73,7 @@ void LocalizerSettings::handOver(const MarkerMap& map, const std::vector<MarkerS
   successor->ignored = ignored;
   successor->config = config;
   successor->has_other_map = has_other_map;
-  successor->localizer = std::make_unique<Localizer>(camera_, successor->map, config);
+  successor->localizer = std::make_unique<Localizer>(cameras_, successor->map, config);
   take_(std::move(successor));
 }
 

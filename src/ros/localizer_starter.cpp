@@ -10,6 +10,12 @@ namespace omnitag {
 
 namespace {
 
+/// Of the only camera.
+std::vector<ImageSource> sourceOf(const LocalizerParameters& parameters) {
+  const CameraParameters& camera = parameters.cameras.front();
+  return {{camera.image, camera.image_transport}};
+}
+
 /// `camera_info` if it is remapped, else the one beside the images.
 std::string infoTopic(const ros::NodeHandle& node) {
   constexpr bool kWithRemapping = false;
@@ -25,20 +31,34 @@ LocalizerStarter::LocalizerStarter(const ros::NodeHandle& node, const ros::NodeH
       private_node_(private_node),
       name_(private_node.getNamespace()),
       parameters_(readParameters(name_)) {
-  if (parameters_.camera_file.empty()) {
+  if (parameters_.hasSeveralCameras()) {
+    std::vector<DescribedCamera> cameras;
+    for (const CameraParameters& camera : parameters_.cameras) {
+      cameras.push_back(cameraFromFile(camera.camera_file));
+      if (cameras.back().model->scalesToImage()) {
+        throw InputError(camera.camera_file +
+                         ": scale_to_image: expected no such key where there are several cameras");
+      }
+    }
+    server_ = std::make_unique<LocalizerServer>(node_, private_node_, parameters_, cameras);
+    return;
+  }
+  const std::string& camera_file = parameters_.cameras.front().camera_file;
+  if (camera_file.empty()) {
     // Errors in these should be reported now, not when the camera_info comes. Whether a transport
     // can be loaded shows only when it is.
     ImageLocalizer::checkMap(parameters_);
-    ImageInput(node_, private_node_, parameters_.image_transport, parameters_.queue_size).close();
+    ImageInput(node_, private_node_, sourceOf(parameters_), parameters_.queue_size).close();
     waitForInfo();
     return;
   }
-  const DescribedCamera camera = cameraFromFile(parameters_.camera_file);
+  const DescribedCamera camera = cameraFromFile(camera_file);
   if (camera.model->scalesToImage()) {
     ImageLocalizer::checkMap(parameters_);
     waitForImage(camera);
   } else {
-    server_ = std::make_unique<LocalizerServer>(node_, private_node_, parameters_, camera);
+    server_ = std::make_unique<LocalizerServer>(node_, private_node_, parameters_,
+                                                std::vector<DescribedCamera>{camera});
   }
 }
 
@@ -58,9 +78,9 @@ void LocalizerStarter::waitForInfo() {
 
 void LocalizerStarter::waitForImage(const DescribedCamera& camera) {
   camera_ = camera;
-  images_ = std::make_unique<ImageInput>(node_, private_node_, parameters_.image_transport,
+  images_ = std::make_unique<ImageInput>(node_, private_node_, sourceOf(parameters_),
                                          parameters_.queue_size);
-  topic_ = images_->topic();
+  topic_ = images_->topic(0);
   described_ = "scaled to the images";
   beginWaiting("waiting for the first image on " + topic_ + ", to whose size " + camera.origin +
                " is scaled");
@@ -114,7 +134,8 @@ void LocalizerStarter::start(const DescribedCamera& camera) {
   // The next message would not mend what is wrong apart from the camera.
   is_waiting_ = false;
   try {
-    server_ = std::make_unique<LocalizerServer>(node_, private_node_, parameters_, camera);
+    server_ = std::make_unique<LocalizerServer>(node_, private_node_, parameters_,
+                                                std::vector<DescribedCamera>{camera});
     problem_.clear();
   } catch (const std::exception& error) {
     problem_ = error.what();

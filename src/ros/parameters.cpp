@@ -2,6 +2,8 @@
 
 #include <ros/param.h>
 
+#include <algorithm>
+
 #include "omnitag/ros/xmlrpc_yaml.h"
 
 namespace omnitag {
@@ -39,10 +41,66 @@ void parseList(YAML::Node node) {
   }
 }
 
+/// A name of ROS: for topics and namespaces.
+bool isRosName(const std::string& name) {
+  const auto isLetter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  return !name.empty() && isLetter(name.front()) &&
+         std::all_of(name.begin(), name.end(), [&isLetter](char c) {
+           return isLetter(c) || (c >= '0' && c <= '9') || c == '_';
+         });
+}
+
+/// One of several cameras. `usual`: what it has unless it says otherwise.
+CameraParameters readCamera(const YamlReader& reader, const CameraParameters& usual,
+                            const ShutterConfig& shutter) {
+  reader.allowOnly({"name", "camera_file", "image", "image_transport", "frame", "image_time_offset",
+                    "row_readout_time", "exposure_time"});
+  CameraParameters camera = usual;
+  camera.name = reader.text("name");
+  if (!isRosName(camera.name)) {
+    reader.refuse("name", "a letter, followed by letters, digits and underscores");
+  }
+  camera.camera_file = reader.text("camera_file");
+  camera.image = reader.text("image");
+  for (const char* key : {"camera_file", "image"}) {
+    if (reader.text(key).empty()) reader.refuse(key, "a text");
+  }
+  reader.read("image_transport", &camera.image_transport);
+  readFrame(reader, "frame", &camera.frame);
+  const bool has_own_shutter = reader.has("image_time_offset") || reader.has("row_readout_time") ||
+                               reader.has("exposure_time");
+  if (has_own_shutter) camera.shutter = readShutterConfig(reader, shutter);
+  return camera;
+}
+
+/// The list `cameras`, or the only camera where that is empty.
+std::vector<CameraParameters> readCameras(const YamlReader& reader, const ShutterConfig& shutter) {
+  CameraParameters usual;
+  reader.read("camera_file", &usual.camera_file);
+  reader.read("image_transport", &usual.image_transport);
+  std::vector<YamlReader> list;
+  if (reader.has("cameras")) list = reader.mappings("cameras");
+  if (list.empty()) return {usual};
+  if (!usual.camera_file.empty()) {
+    reader.refuse("camera_file", "none beside the list `cameras`, where each camera has its own");
+  }
+  std::vector<CameraParameters> cameras;
+  for (const YamlReader& each : list) {
+    cameras.push_back(readCamera(each, usual, shutter));
+    const auto isNamedSo = [&](const CameraParameters& camera) {
+      return camera.name == cameras.back().name;
+    };
+    if (std::count_if(cameras.begin(), cameras.end(), isNamedSo) > 1) {
+      each.refuse("name", "another name than the cameras before");
+    }
+  }
+  return cameras;
+}
+
 }  // namespace
 
 LocalizerParameters readParameters(const YamlReader& reader) {
-  reader.allowOnly({"camera_file", "map_file", "map_frame", "odom_frame", "base_frame",
+  reader.allowOnly({"camera_file", "cameras", "map_file", "map_frame", "odom_frame", "base_frame",
                     "initial_pose", "publish_tf", "publish_marker_tf", "ignore_markers",
                     "drag_markers", "pose_file", "save_pose_period", "image_transport",
                     "queue_size", "transform_timeout", "transform_tolerance", "transform_period",
@@ -54,7 +112,6 @@ LocalizerParameters readParameters(const YamlReader& reader) {
                     // Read by nodelet in the same namespace.
                     "num_worker_threads"});
   LocalizerParameters parameters;
-  reader.read("camera_file", &parameters.camera_file);
   reader.read("map_file", &parameters.map_file);
   readFrame(reader, "map_frame", &parameters.frames.map);
   readFrame(reader, "odom_frame", &parameters.frames.odom);
@@ -62,7 +119,6 @@ LocalizerParameters readParameters(const YamlReader& reader) {
   if (parameters.frames.base.empty()) reader.refuse("base_frame", "the name of a frame");
 
   parameters.initial_pose = readInitialPose(reader);
-  reader.read("image_transport", &parameters.image_transport);
   reader.read("queue_size", &parameters.queue_size, Interval{1, 1e6});
   reader.read("publish_tf", &parameters.publish_tf);
   reader.read("publish_marker_tf", &parameters.publish_marker_tf);
@@ -81,6 +137,7 @@ LocalizerParameters readParameters(const YamlReader& reader) {
   reader.read("path_max_poses", &parameters.path_max_poses, Interval{1, 1e6});
   reader.read("robot_radius", &parameters.robot_radius, kPositive);
   parameters.localizer = readLocalizerConfig(reader);
+  parameters.cameras = readCameras(reader, parameters.localizer.shutter);
   reader.read("mapping", &parameters.mapping);
   if (reader.has("mapper")) parameters.mapper = readMarkerMapperConfig(reader.mapping("mapper"));
   if (parameters.mapping) parameters.localizer.exploring_views = parameters.mapper.views_per_frame;

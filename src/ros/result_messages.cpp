@@ -65,6 +65,7 @@ ResultMessages toMessages(const LocalizedImage& localized, const MarkerMap& map,
   std_msgs::Header map_header = image_header;
   map_header.frame_id = frames.map;
   messages.status = toMessage(map_header, localized.result);
+  messages.status.camera = localized.camera_name;
   if (!localized.result.map_from_base) return messages;
 
   const PoseEstimate estimate = localized.result.publishedPose();
@@ -79,6 +80,8 @@ ResultMessages toMessages(const LocalizedImage& localized, const MarkerMap& map,
     messages.pose_measured->header = map_header;
     messages.pose_measured->pose = toMessage(*measured);
   }
+  // tf takes no second transform of the same stamp.
+  if (!localized.is_newest) return messages;
   messages.transform =
       robotTransform(localized.input, localized.result, frames, transform_tolerance);
   return messages;

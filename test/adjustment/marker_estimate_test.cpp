@@ -53,7 +53,7 @@ TEST_F(MarkerEstimateTest, ExactReadingsGiveTheExactPlace) {
                                test::lyingMarker(3, {0.5, 1.8, 0.0}, true, 0.7, 0.8)}) {
     const auto seen = sightings(marker, 6, 0.3, 0.0);
     ASSERT_GE(seen.size(), 4U) << marker.id;
-    const auto estimate = estimateMarker(unknown(marker), camera_, seen, std::nullopt, {});
+    const auto estimate = estimateMarker(unknown(marker), {camera_}, seen, std::nullopt, {});
     ASSERT_TRUE(estimate) << marker.id;
     EXPECT_LT((estimate->marker.center() - marker.center()).norm(), 1e-5) << marker.id;
     EXPECT_LT(turnBetween(estimate->marker, marker), 1e-5) << marker.id;
@@ -66,7 +66,7 @@ TEST_F(MarkerEstimateTest, OneSightingIsAmbiguousOrRight) {
   const auto seen = sightings(marker, 1, 0.3, 0.0);
   ASSERT_EQ(seen.size(), 1U);
   const std::vector<Marker> places =
-      markersFromSighting(unknown(marker), camera_, seen.front(), 1.0);
+      markersFromSighting(unknown(marker), {camera_}, seen.front(), 1.0);
   ASSERT_FALSE(places.empty());
   EXPECT_LT(turnBetween(places.front(), marker), 1e-4);
   EXPECT_LT((places.front().center() - marker.center()).norm(), 1e-4);
@@ -81,7 +81,7 @@ TEST_F(MarkerEstimateTest, CovarianceIsThatOfTheErrors) {
     const auto seen = sightings(marker, 8, 0.25, kNoise);
     MarkerEstimateConfig config;
     config.corner_noise = kNoise;
-    const auto estimate = estimateMarker(unknown(marker), camera_, seen, marker, config);
+    const auto estimate = estimateMarker(unknown(marker), {camera_}, seen, marker, config);
     ASSERT_TRUE(estimate);
     MarkerIncrement error;
     error.head<3>() = estimate->marker.center() - marker.center();
@@ -98,11 +98,11 @@ TEST_F(MarkerEstimateTest, CovarianceIsThatOfTheErrors) {
 TEST_F(MarkerEstimateTest, UncertainPosesMakeItUncertain) {
   const Marker marker = test::wallMarker(1, {0.3, 2.3, 1.4}, -1.7);
   std::vector<MarkerSighting> seen = sightings(marker, 8, 0.25, 0.05);
-  const auto exact = estimateMarker(unknown(marker), camera_, seen, std::nullopt, {});
+  const auto exact = estimateMarker(unknown(marker), {camera_}, seen, std::nullopt, {});
   for (MarkerSighting& sighting : seen) {
     sighting.map_from_base.covariance = 1e-4 * PoseMatrix::Identity();
   }
-  const auto vague = estimateMarker(unknown(marker), camera_, seen, std::nullopt, {});
+  const auto vague = estimateMarker(unknown(marker), {camera_}, seen, std::nullopt, {});
   ASSERT_TRUE(exact && vague);
   // Eight positions that are off by 1 cm each, whatever their headings.
   EXPECT_GT(vague->positionDeviation(), 0.01 / std::sqrt(8.0));
@@ -116,14 +116,14 @@ TEST_F(MarkerEstimateTest, MotionTellsTheSize) {
   MarkerEstimateConfig config;
   config.estimates_size = true;
   const auto estimate =
-      estimateMarker(guess, camera_, sightings(marker, 8, 0.25, 0.0), std::nullopt, config);
+      estimateMarker(guess, {camera_}, sightings(marker, 8, 0.25, 0.0), std::nullopt, config);
   ASSERT_TRUE(estimate);
   EXPECT_NEAR(estimate->marker.size, marker.size, 1e-4);
   EXPECT_GT(estimate->size_variance, 0.0);
   // From one place it cannot be told.
   EXPECT_FALSE(
-      estimateMarker(guess, camera_, sightings(marker, 1, 0.25, 0.0), std::nullopt, config) &&
-      estimateMarker(guess, camera_, sightings(marker, 1, 0.25, 0.0), std::nullopt, config)
+      estimateMarker(guess, {camera_}, sightings(marker, 1, 0.25, 0.0), std::nullopt, config) &&
+      estimateMarker(guess, {camera_}, sightings(marker, 1, 0.25, 0.0), std::nullopt, config)
               ->size_variance < 0.01);
 }
 
@@ -132,7 +132,7 @@ TEST_F(MarkerEstimateTest, ReadingsOfAnotherPlaceDoNotMoveIt) {
   std::vector<MarkerSighting> seen = sightings(marker, 9, 0.25, 0.05);
   const Marker elsewhere = test::wallMarker(1, {0.9, 2.3, 1.2}, -1.4);
   seen[2].corners = sightings(elsewhere, 9, 0.25, 0.05)[2].corners;
-  const auto estimate = estimateMarker(unknown(marker), camera_, seen, std::nullopt, {});
+  const auto estimate = estimateMarker(unknown(marker), {camera_}, seen, std::nullopt, {});
   ASSERT_TRUE(estimate);
   EXPECT_LT((estimate->marker.center() - marker.center()).norm(), 0.01);
   EXPECT_FALSE(estimate->agrees[2]);

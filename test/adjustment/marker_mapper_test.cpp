@@ -53,7 +53,7 @@ class MarkerMapperTest : public testing::Test {
 };
 
 TEST_F(MarkerMapperTest, AddsWhatItSeesAndNeverTouchesTheMap) {
-  MarkerMapper mapper(camera_, roomMap(2), config_);
+  MarkerMapper mapper({camera_}, roomMap(2), config_);
   feed(&mapper, test::roomMarkers(), test::roundTrip(40));
   const std::vector<Marker> truth = test::roomMarkers();
   ASSERT_EQ(mapper.map().markers.size(), truth.size());
@@ -73,7 +73,7 @@ TEST_F(MarkerMapperTest, AddsWhatItSeesAndNeverTouchesTheMap) {
 }
 
 TEST_F(MarkerMapperTest, NothingWithoutMotionOrAPoseThatIsSure) {
-  MarkerMapper still(camera_, roomMap(2), config_);
+  MarkerMapper still({camera_}, roomMap(2), config_);
   EXPECT_EQ(feed(&still, test::roomMarkers(), std::vector<Pose>(30, Pose{0.5, 0.2, 0.1})), 0);
   EXPECT_EQ(still.map().markers.size(), 2U);
   // What it has seen is there to be shown.
@@ -81,16 +81,16 @@ TEST_F(MarkerMapperTest, NothingWithoutMotionOrAPoseThatIsSure) {
   EXPECT_EQ(still.provisional().front().sightings, 1U);
   EXPECT_FALSE(still.provisional().front().is_used);
 
-  MarkerMapper unsure(camera_, roomMap(2), config_);
+  MarkerMapper unsure({camera_}, roomMap(2), config_);
   EXPECT_EQ(feed(&unsure, test::roomMarkers(), test::roundTrip(40), 0.1), 0);
   EXPECT_TRUE(unsure.provisional().empty());
 }
 
 TEST_F(MarkerMapperTest, VaguePosesMakeVagueMarkers) {
   if (test::kIsSanitized) GTEST_SKIP() << test::kRepeats;
-  MarkerMapper sure(camera_, roomMap(2), config_);
+  MarkerMapper sure({camera_}, roomMap(2), config_);
   feed(&sure, test::roomMarkers(), test::roundTrip(40), 1e-4);
-  MarkerMapper vague(camera_, roomMap(2), config_);
+  MarkerMapper vague({camera_}, roomMap(2), config_);
   feed(&vague, test::roomMarkers(), test::roundTrip(40), 0.01);
   for (std::size_t i = 0; i < vague.provisional().size(); ++i) {
     EXPECT_LT(sure.provisional()[i].estimate.positionDeviation(),
@@ -101,7 +101,7 @@ TEST_F(MarkerMapperTest, VaguePosesMakeVagueMarkers) {
 TEST_F(MarkerMapperTest, AnIdAtTwoPlacesIsNotUsed) {
   std::vector<Marker> markers = test::roomMarkers();
   markers.push_back(test::wallMarker(5, {2.6, 4.0, 1.7}, -kPi / 2));
-  MarkerMapper mapper(camera_, roomMap(2), config_);
+  MarkerMapper mapper({camera_}, roomMap(2), config_);
   feed(&mapper, markers, test::roundTrip(40));
   EXPECT_TRUE(entriesOf(mapper.map(), "tag36h11", 5).empty());
   EXPECT_EQ(mapper.map().markers.size(), test::roomMarkers().size() - 1);
@@ -112,7 +112,7 @@ TEST_F(MarkerMapperTest, AMarkerThatIsCarriedOffIsNotUsedWhereItHung) {
   std::vector<Marker> markers = test::roomMarkers();
   constexpr std::size_t kCarried = 5;
   constexpr std::ptrdiff_t kBefore = 3;  // one sighting too few
-  MarkerMapper mapper(camera_, roomMap(2), config_);
+  MarkerMapper mapper({camera_}, roomMap(2), config_);
   feed(&mapper, markers, {poses.begin(), poses.begin() + kBefore});
   markers[kCarried].map_from_marker.translation().y() -= 0.3;
   for (auto pose = poses.begin() + kBefore; pose != poses.end(); ++pose) {
@@ -127,10 +127,10 @@ TEST_F(MarkerMapperTest, AMarkerThatIsCarriedOffIsNotUsedWhereItHung) {
 
 TEST_F(MarkerMapperTest, KeepsABoundedNumberOfSightings) {
   if (test::kIsSanitized) GTEST_SKIP() << test::kRepeats;
-  MarkerMapper all(camera_, roomMap(2), config_);
+  MarkerMapper all({camera_}, roomMap(2), config_);
   feed(&all, test::roomMarkers(), test::roundTrip(60));
   config_.max_sightings = 6;
-  MarkerMapper few(camera_, roomMap(2), config_);
+  MarkerMapper few({camera_}, roomMap(2), config_);
   feed(&few, test::roomMarkers(), test::roundTrip(60));
   ASSERT_EQ(few.provisional().size(), all.provisional().size());
   for (std::size_t i = 0; i < few.provisional().size(); ++i) {
@@ -140,7 +140,7 @@ TEST_F(MarkerMapperTest, KeepsABoundedNumberOfSightings) {
 }
 
 TEST_F(MarkerMapperTest, WantsToSeeAgainWhatIsNotGoodEnough) {
-  MarkerMapper mapper(camera_, roomMap(2), config_);
+  MarkerMapper mapper({camera_}, roomMap(2), config_);
   const std::vector<Pose> poses = test::roundTrip(40);
   feed(&mapper, test::roomMarkers(), {poses.front(), poses.back()});
   const std::vector<Marker> unfinished = mapper.unfinished();
@@ -151,13 +151,13 @@ TEST_F(MarkerMapperTest, WantsToSeeAgainWhatIsNotGoodEnough) {
     EXPECT_GT(marker.deviation, 0.0);
     EXPECT_LT(off, 4.0 * marker.deviation) << marker.id;
   }
-  MarkerMapper finished(camera_, roomMap(2), config_);
+  MarkerMapper finished({camera_}, roomMap(2), config_);
   feed(&finished, test::roomMarkers(), poses);
   EXPECT_TRUE(finished.unfinished().empty());
 }
 
 TEST_F(MarkerMapperTest, WhatIsSavedStays) {
-  MarkerMapper mapper(camera_, roomMap(2), config_);
+  MarkerMapper mapper({camera_}, roomMap(2), config_);
   feed(&mapper, test::roomMarkers(), test::roundTrip(40));
   const MarkerMap before = mapper.map();
   mapper.setOwn(before);
@@ -171,9 +171,9 @@ TEST_F(MarkerMapperTest, WhatIsSavedStays) {
 TEST_F(MarkerMapperTest, NeedsASize) {
   MarkerMap map = roomMap(2);
   map.default_size = 0.0;
-  EXPECT_THROW(MarkerMapper(camera_, map, config_), InputError);
+  EXPECT_THROW(MarkerMapper({camera_}, map, config_), InputError);
   config_.size = 0.8;
-  EXPECT_NO_THROW(MarkerMapper(camera_, map, config_));
+  EXPECT_NO_THROW(MarkerMapper({camera_}, map, config_));
 }
 
 TEST(MappingLocalizerTest, LocalizesByWhatItHasMapped) {
@@ -184,7 +184,7 @@ TEST(MappingLocalizerTest, LocalizesByWhatItHasMapped) {
   LocalizerConfig config;
   config.exploring_views = 2;
   Localizer localizer(camera, known, config);
-  MarkerMapper mapper(camera, known, {});
+  MarkerMapper mapper({camera}, known, {});
   const std::vector<Pose> poses = test::roundTrip(36, 1.0);
   localizer.setPose(poses.front());
   int used_new = 0;

@@ -28,7 +28,7 @@ class HealthMonitorTest : public testing::Test {
  protected:
   HealthMonitorTest()
       : private_node_("~"),
-        input_(node_, private_node_, "raw", 1),
+        input_(node_, private_node_, {{}}, 1),
         monitor_(node_, private_node_, input_, threeMarkers()),
         subscriber_(node_.subscribe("/diagnostics", 10, &HealthMonitorTest::onReports, this)) {}
 

@@ -30,7 +30,7 @@ class ImageInputTest : public testing::Test {
  protected:
   ImageInputTest()
       : publisher_(node_.advertise<sensor_msgs::Image>("image", 1)),
-        input_(node_, ros::NodeHandle("~"), "raw", 1) {
+        input_(node_, ros::NodeHandle("~"), {{}}, 1) {
     spinner_.start();
     while (publisher_.getNumSubscribers() == 0) ros::WallDuration(0.01).sleep();
   }
@@ -63,13 +63,38 @@ TEST_F(ImageInputTest, convertsColorsIntoAnImageOfItsOwn) {
   EXPECT_NE(static_cast<const void*>(received->image.data), sent->data.data());
 }
 
+TEST_F(ImageInputTest, givesTheOldestOfAllSourcesAndDropsOfEach) {
+  ros::Publisher left = node_.advertise<sensor_msgs::Image>("left", 5);
+  ros::Publisher right = node_.advertise<sensor_msgs::Image>("right", 5);
+  ImageInput input(node_, ros::NodeHandle("~"), {{"left", "raw"}, {"right", "raw"}}, 2);
+  while (left.getNumSubscribers() == 0 || right.getNumSubscribers() == 0) {
+    ros::WallDuration(0.01).sleep();
+  }
+  const auto send = [](const ros::Publisher& publisher, unsigned second) {
+    const sensor_msgs::ImagePtr image = blackImage(sensor_msgs::image_encodings::MONO8, 1);
+    image->header.stamp = ros::Time(second, 0);
+    publisher.publish(image);
+  };
+  for (const unsigned second : {11U, 13U, 15U}) send(right, second);
+  for (const unsigned second : {12U, 14U}) send(left, second);
+  while (input.received() < 5) input.serve(0.1);
+  EXPECT_EQ(input.dropped(), 1U);
+  for (const unsigned second : {12U, 13U, 14U, 15U}) {
+    const std::optional<ReceivedImage> image = input.next(0.0);
+    ASSERT_TRUE(image);
+    EXPECT_EQ(image->header.stamp, ros::Time(second, 0));
+    EXPECT_EQ(input.topic(image->source), node_.resolveName(second % 2 == 0 ? "left" : "right"));
+  }
+  EXPECT_FALSE(input.next(0.0));
+}
+
 // The health monitor reads these from another thread until the very end.
 TEST_F(ImageInputTest, tellsItsTopicWhenItIsClosed) {
-  const std::string topic = input_.topic();
+  const std::string topic = input_.topic(0);
   EXPECT_EQ(topic, node_.resolveName("image"));
   EXPECT_EQ(input_.publishers(), 1U);
   input_.close();
-  EXPECT_EQ(input_.topic(), topic);
+  EXPECT_EQ(input_.topic(0), topic);
   EXPECT_EQ(input_.publishers(), 0U);
 }
 

@@ -40,12 +40,13 @@ class ImageLocalizerTest : public testing::Test {
     return parameters;
   }
 
-  std::optional<LocalizedImage> localize(double stamp, const cv::Mat& pixels) {
+  std::optional<LocalizedImage> localize(double stamp, const cv::Mat& pixels,
+                                         std::size_t camera = 0) {
     auto image = boost::make_shared<cv_bridge::CvImage>();
     image->header.frame_id = "camera";
     image->header.stamp = ros::Time(stamp);
     image->image = pixels;
-    return localizer_.localize(image, transforms_);
+    return localizer_.localize(image, transforms_, {}, camera);
   }
 
   /// Images until the robot is tracked; the last is stamped 100.3 s.
@@ -62,13 +63,13 @@ class ImageLocalizerTest : public testing::Test {
                                            MountedCamera(camera_.model, base_from_camera_), truth_);
   cv::Mat black_ = cv::Mat::zeros(500, 500, CV_8UC1);
   tf2::BufferCore transforms_;
-  ImageLocalizer localizer_{parameters(), camera_};
+  ImageLocalizer localizer_{parameters(), {camera_}};
 };
 
 TEST_F(ImageLocalizerTest, KeepsThePoseWhereTheClockIsSetBack) {
   for (const double step : {-5.0, -0.25, 60.0}) {
     SCOPED_TRACE(step);
-    localizer_ = ImageLocalizer(parameters(), camera_);
+    localizer_ = ImageLocalizer(parameters(), {camera_});
     follow();
     localizer_.clockStepped(step);
     // Without markers, the pose alone tells whether it was kept.
@@ -111,6 +112,30 @@ TEST_F(ImageLocalizerTest, CountsImagesThatAreLate) {
   EXPECT_EQ(localize(100.4, panorama_)->result.mode, Mode::kTracking);
 }
 
+TEST_F(ImageLocalizerTest, TakesImagesOfOneCameraThatAnothersOvertook) {
+  LocalizerParameters parameters = this->parameters();
+  parameters.cameras.resize(2);
+  parameters.cameras[0].name = "front";
+  parameters.cameras[1].name = "back";
+  localizer_ = ImageLocalizer(parameters, {camera_, camera_});
+  follow();
+  const auto late = [this](double stamp, std::size_t camera) {
+    const auto localized = localize(stamp, panorama_, camera);
+    EXPECT_TRUE(!localized || localized->result.mode == Mode::kTracking);
+    EXPECT_TRUE(!localized || localized->input.frame.stamp == stamp);
+    EXPECT_TRUE(!localized || localized->camera_name == (camera == 0 ? "front" : "back"));
+    return localized ? (localized->is_newest ? "newest" : "overtaken") : "late";
+  };
+  EXPECT_STREQ(late(99.7, 1), "late");
+  EXPECT_STREQ(late(100.0, 1), "overtaken");
+  EXPECT_STREQ(late(100.0, 1), "late");
+  EXPECT_STREQ(late(100.3, 1), "overtaken");
+  EXPECT_STREQ(late(100.3, 0), "late");
+  EXPECT_STREQ(late(100.4, 1), "newest");
+  EXPECT_STREQ(late(100.35, 0), "overtaken");
+  EXPECT_EQ(localizer_.lateImages(), 3U);
+}
+
 TEST_F(ImageLocalizerTest, ASuccessorOfOtherSettingsAndAnotherMapKeepsThePose) {
   follow();
   const auto seen = localize(100.4, panorama_)->result;
@@ -120,7 +145,7 @@ TEST_F(ImageLocalizerTest, ASuccessorOfOtherSettingsAndAnotherMapKeepsThePose) {
   }
   ASSERT_GE(names.size(), 3U);
   std::shared_ptr<Successor> successor;
-  LocalizerSettings settings(parameters(), camera_.model,
+  LocalizerSettings settings(parameters(), {camera_.model},
                              [&](std::shared_ptr<Successor> next) { successor = std::move(next); });
   EXPECT_NE(settings.ignore({names[0]}).find("ignored: " + names[0]), std::string::npos);
   settings.tune([](LocalizerConfig* config) { config->threads = 2; });
@@ -146,7 +171,7 @@ TEST_F(ImageLocalizerTest, ASuccessorOfOtherSettingsAndAnotherMapKeepsThePose) {
 
 TEST_F(ImageLocalizerTest, SettingsThatCannotBeChangeNothing) {
   int handed_over = 0;
-  LocalizerSettings settings(parameters(), camera_.model,
+  LocalizerSettings settings(parameters(), {camera_.model},
                              [&](const std::shared_ptr<Successor>&) { ++handed_over; });
   EXPECT_THROW(settings.ignore({"nobody"}), InputError);
   std::vector<std::string> all;
@@ -163,7 +188,7 @@ TEST_F(ImageLocalizerTest, NamesAnIgnoredMarkerThatTheMapDoesNotHave) {
   LocalizerParameters parameters = ImageLocalizerTest::parameters();
   parameters.ignore_markers = {"nobody"};
   try {
-    ImageLocalizer localizer(parameters, camera_);
+    ImageLocalizer localizer(parameters, {camera_});
     ADD_FAILURE();
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("ignore_markers"), std::string::npos);

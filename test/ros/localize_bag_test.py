@@ -99,6 +99,54 @@ class LocalizeBagTest(unittest.TestCase):
                 bag.write(topic, message, time)
         return self.path(name)
 
+    def test_several_cameras(self):
+        """The images in turns on two topics, in bags of their own; the first on both."""
+        messages = {"front": [], "back": []}
+        count = 0
+        for topic, message, time in read_bag(BAG):
+            if topic != "/camera/image/compressed":
+                messages["front"].append((topic, message, time))
+                continue
+            for name in ("front", "back") if count == 0 else (("front", "back")[count % 2],):
+                messages[name].append(("/" + name + "/image/compressed", message, time))
+            count += 1
+        bags = [self.write_bag(name + ".bag", messages[name]) for name in ("front", "back")]
+        rig = self.path("rig.yaml")
+        with open(rig, "w", encoding="utf-8") as file:
+            file.write("cameras:\n" + "".join(
+                "  - {{name: {0}, camera_file: {1}, image: /{0}/image}}\n".format(name, CAMERA)
+                for name in ("front", "back")))
+        options = {"camera": None, "params": rig, "bag": bags}
+        result = self.assert_runs(output=self.path("out.bag"), poses=self.path("poses.csv"),
+                                  **options)
+        self.assertIn("67 of 67 images", result.stderr)
+        truth = read_truth()
+        lines = [line.split(" ") for line in read_text(self.path("out.tum")).splitlines()]
+        self.assertEqual([fields[0] for fields in lines],
+                         ["{}.{:09d}".format(stamp.secs, stamp.nsecs) for stamp in sorted(truth)])
+        for fields, stamp in zip(lines, sorted(truth)):
+            self.assertLess(np.hypot(float(fields[1]) - truth[stamp][0],
+                                     float(fields[2]) - truth[stamp][1]), 0.002)
+        rows = list(csv.DictReader(read_text(self.path("poses.csv")).splitlines()))
+        self.assertEqual(len(rows), 67)
+        # Two images of a moment tell more than one.
+        self.assertLess(float(rows[1]["cov_xx"]), float(rows[0]["cov_xx"]))
+        topics = {topic for topic, _, _ in read_bag(self.path("out.bag"))}
+        self.assertLessEqual({"/front/debug_image/compressed", "/back/debug_image/compressed"},
+                             topics)
+        for option, value in (("camera", CAMERA), ("image_topic", "/front/image"),
+                              ("mounting", MOUNTING)):
+            self.assert_refused("--" + option.replace("_", "-"), "cameras",
+                                **dict(options, **{option: value}))
+        self.assert_refused("/front/image/compressed", "'/side/image'", **dict(
+            options, params=self.written("side.yaml", read_text(rig).replace(
+                "/back/image", "/side/image"))))
+
+    def written(self, name, text):
+        with open(self.path(name), "w", encoding="utf-8") as file:
+            file.write(text)
+        return self.path(name)
+
     def test_results(self):
         result = self.assert_runs(poses=self.path("poses.csv"),
                                   detections=self.path("detections.csv"))

@@ -7,6 +7,7 @@
 #include <set>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "omnitag/ros/xmlrpc_yaml.h"
@@ -56,6 +57,58 @@ TEST(Parameters, ManualNamesEveryParameter) {
   }
 }
 
+TEST(Parameters, OfSeveralCameras) {
+  const LocalizerParameters parameters = readParameters(YamlReader::fromText(R"(
+image_transport: compressed
+exposure_time: 0.004
+cameras:
+  - {name: front, camera_file: f.yaml, image: /front/image}
+  - {name: back_2, camera_file: b.yaml, image: /back/image, image_transport: raw, frame: back_optical,
+     row_readout_time: 2e-5}
+)",
+                                                                             "text"));
+  ASSERT_EQ(parameters.cameras.size(), 2U);
+  const CameraParameters& front = parameters.cameras[0];
+  EXPECT_EQ(front.name, "front");
+  EXPECT_EQ(front.camera_file, "f.yaml");
+  EXPECT_EQ(front.image, "/front/image");
+  EXPECT_EQ(front.image_transport, "compressed");
+  EXPECT_EQ(front.frame, "");
+  EXPECT_FALSE(front.shutter);
+  const CameraParameters& back = parameters.cameras[1];
+  EXPECT_EQ(back.image_transport, "raw");
+  EXPECT_EQ(back.frame, "back_optical");
+  ASSERT_TRUE(back.shutter);
+  EXPECT_EQ(back.shutter->row_readout_time, 2e-5);
+  EXPECT_EQ(back.shutter->exposure_time, 0.004);
+}
+
+TEST(Parameters, RefuseBadLists) {
+  const std::string good = "{name: a, camera_file: a.yaml, image: /a}";
+  const auto refusal = [](const std::string& text) {
+    return refusalOf(YamlReader::fromText(text, "text"));
+  };
+  EXPECT_EQ(refusal("cameras: []"), "");
+  EXPECT_EQ(refusal("cameras: [" + good + "]"), "");
+  const std::vector<std::pair<std::string, std::string>> bad = {
+      {"cameras: [" + good + ", " + good + "]", "cameras[1].name"},
+      {"cameras: [{name: 1a, camera_file: a.yaml, image: /a}]", "cameras[0].name"},
+      {"cameras: [{name: a/b, camera_file: a.yaml, image: /a}]", "cameras[0].name"},
+      {"cameras: [{name: a, image: /a}]", "cameras[0].camera_file"},
+      {"cameras: [{name: a, camera_file: '', image: /a}]", "cameras[0].camera_file"},
+      {"cameras: [{name: a, camera_file: a.yaml}]", "cameras[0].image"},
+      {"cameras: [{name: a, camera_file: a.yaml, image: /a, frame: /f}]", "cameras[0].frame"},
+      {"cameras: [{name: a, camera_file: a.yaml, image: /a, topic: /a}]", "cameras[0].topic"},
+      {"cameras: [{name: a, camera_file: a.yaml, image: /a, exposure_time: -1}]",
+       "cameras[0].exposure_time"},
+      {"camera_file: c.yaml\ncameras: [" + good + "]", "camera_file"},
+      {"cameras: front", "cameras"},
+  };
+  for (const auto& [text, place] : bad) {
+    EXPECT_NE(refusal(text).find(place), std::string::npos) << text << ": " << refusal(text);
+  }
+}
+
 TEST(Parameters, ManualHasTheDefaults) {
   const LocalizerParameters manual = readParameters(YamlReader::fromFile(kManual));
   const LocalizerParameters defaults;
@@ -63,7 +116,8 @@ TEST(Parameters, ManualHasTheDefaults) {
   EXPECT_EQ(manual.frames.odom, defaults.frames.odom);
   EXPECT_EQ(manual.frames.base, defaults.frames.base);
   EXPECT_FALSE(manual.initial_pose);
-  EXPECT_EQ(manual.image_transport, defaults.image_transport);
+  EXPECT_EQ(manual.cameras.size(), 1U);
+  EXPECT_EQ(manual.cameras.front().image_transport, defaults.cameras.front().image_transport);
   EXPECT_EQ(manual.queue_size, defaults.queue_size);
   EXPECT_EQ(manual.transform_timeout, defaults.transform_timeout);
   EXPECT_EQ(manual.transform_tolerance, defaults.transform_tolerance);
@@ -258,8 +312,10 @@ void expectRefusal(const std::string& group, const std::string& key, const std::
   const std::string path = group.empty() ? key : group + "." + key;
   const std::string refusal =
       refusalOf(YamlReader::fromText(manualWith(group, key, value), "params.yaml"));
-  EXPECT_NE(refusal.find(": " + path + ": expected "), std::string::npos)
-      << path << ": " << value << " -> " << refusal;
+  // Of a list, the item is named.
+  const bool is_named = refusal.find(": " + path + ": expected ") != std::string::npos ||
+                        refusal.find(": " + path + "[0]: expected ") != std::string::npos;
+  EXPECT_TRUE(is_named) << path << ": " << value << " -> " << refusal;
   EXPECT_NE(refusal.find(", found "), std::string::npos) << refusal;
   EXPECT_EQ(refusal.find('\n'), std::string::npos) << refusal;
 }

@@ -21,6 +21,8 @@ struct MarkerSighting {
   PoseEstimate map_from_base;
   /// Pixels of the panorama.
   Corners<Eigen::Vector2d> corners;
+  /// Index of the camera that saw it.
+  std::size_t camera = 0;
 };
 
 /// How a marker's place is estimated from its sightings.
@@ -59,8 +61,7 @@ double parallax(const Eigen::Vector3d& center, const std::vector<MarkerSighting>
 /// corners alone (Levenberg-Marquardt from starts all around): every local optimum with a residual
 /// of at most `max_residual` pixels (RMS), best first. Mostly two, which mirror each other.
 /// `marker` gives the family, the id and the size.
-std::vector<Marker> markersFromSighting(const Marker& marker,
-                                        const std::shared_ptr<const CameraModel>& camera,
+std::vector<Marker> markersFromSighting(const Marker& marker, const CameraModels& cameras,
                                         const MarkerSighting& sighting, double max_residual);
 
 /// Estimates a marker's place from sightings at known poses: least squares over all corners in the
@@ -68,8 +69,7 @@ std::vector<Marker> markersFromSighting(const Marker& marker,
 /// together, and less if it is far off. Errors of poses are assumed independent. `marker` gives the
 /// family, the id and the size, or a first guess of it; `start`, a former estimate, is tried in
 /// addition to starts from single sightings. Nothing if the sightings leave the place undetermined.
-std::optional<MarkerEstimate> estimateMarker(const Marker& marker,
-                                             const std::shared_ptr<const CameraModel>& camera,
+std::optional<MarkerEstimate> estimateMarker(const Marker& marker, const CameraModels& cameras,
                                              const std::vector<MarkerSighting>& sightings,
                                              const std::optional<Marker>& start,
                                              const MarkerEstimateConfig& config);

@@ -64,8 +64,7 @@ struct ProvisionalMarker {
 class MarkerMapper {
  public:
   /// Throws InputError if neither the configuration nor the map gives a size of unknown markers.
-  MarkerMapper(std::shared_ptr<const CameraModel> camera, MarkerMap map,
-               const MarkerMapperConfig& config);
+  MarkerMapper(CameraModels cameras, MarkerMap map, const MarkerMapperConfig& config);
 
   /// Processes a frame. Returns whether map() has changed.
   bool add(const Frame& frame, const FrameResult& result);
@@ -100,7 +99,7 @@ class MarkerMapper {
   bool keep(const MarkerSighting& sighting, Track* track) const;
   bool isGoodEnough(const Track& track) const;
 
-  std::shared_ptr<const CameraModel> camera_;
+  CameraModels cameras_;
   MarkerMap map_;
   MarkerMapperConfig config_;
   std::map<Key, Track> tracks_;

@@ -135,4 +135,7 @@ class CameraModel {
   double radius_step_ = 1.0;
 };
 
+/// Cameras of one robot; images name theirs by its index.
+using CameraModels = std::vector<std::shared_ptr<const CameraModel>>;
+
 }  // namespace omnitag

@@ -28,9 +28,9 @@ struct ShutterConfig {
   }
 };
 
-/// Reads the keys above; absent ones keep their defaults. Other keys are ignored.
+/// Reads the keys above; absent ones stay as in `defaults`. Other keys are ignored.
 /// Throws InputError.
-ShutterConfig readShutterConfig(const YamlReader& reader);
+ShutterConfig readShutterConfig(const YamlReader& reader, const ShutterConfig& defaults = {});
 
 /// How the base moves while an image is taken, and how well that is known.
 struct BaseMotion {

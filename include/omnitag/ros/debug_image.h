@@ -3,6 +3,7 @@
 #include <memory>
 #include <opencv2/core/mat.hpp>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "omnitag/camera/camera_model.h"
@@ -11,6 +12,9 @@
 #include "omnitag/view/view_warper.h"
 
 namespace omnitag {
+
+/// The topic of a camera's debug images: `debug_image`, below the camera's name if it has one.
+std::string debugImageTopic(const std::string& camera_name);
 
 /// Paints what the localizer saw in an image (the paper's Fig. 11): the panorama in the middle with
 /// lines to the predicted markers, and around it the views in their directions, each with the ids

@@ -17,7 +17,7 @@ namespace omnitag {
 /// rejections; `covariance`, the true 3-sigma ellipse of the position with its size in words;
 /// `covariance_enlarged`, the same ellipse if the true one is too small to be seen; `hypotheses`,
 /// arrows with their probabilities if the robot may be at several poses; `remark`, why there is
-/// no pose.
+/// no pose. What one of several cameras sees has the camera's name behind: `accepted front`.
 class FrameMarkers {
  public:
   /// `robot_radius`: m, of the cylinder that represents the robot.

@@ -38,6 +38,8 @@ class HealthMonitor {
   /// displaced markers.
   void startedAnew();
 
+  /// A message came from this source of the input; what became of it follows.
+  void imageCame(std::size_t source);
   /// The message was not an image of this camera.
   void imageRefused(const std::string& why);
   /// The image was not newer than the previous one.
@@ -63,7 +65,11 @@ class HealthMonitor {
     std::optional<Clock::time_point> last_line;
   };
 
-  void imageCame();
+  /// Notes when an image came from the last source, and when it was done with: a simulated clock may
+  /// reach its stamp only in between.
+  void imageIsHere();
+  /// Why a source's images are missed; empty if they are not.
+  std::string whatIsMissing() const;
   /// Whether ROS's clock has hardly moved since the last image, as while a bag is paused.
   bool isPaused() const;
   void reportImages(Report& report);
@@ -99,14 +105,18 @@ class HealthMonitor {
   DisplacementLog displacements_;
   Clock::time_point last_report_;
   std::uint64_t received_at_last_report_ = 0;
-  std::optional<Clock::time_point> last_image_;
-  /// The same by ROS's clock.
+  /// By source.
+  std::vector<std::optional<Clock::time_point>> last_images_;
+  std::size_t last_source_ = 0;
+  /// Of the last image, by ROS's clock.
   ros::Time last_image_time_;
   std::uint64_t refused_images_ = 0;
   std::uint64_t late_images_ = 0;
   std::uint64_t late_at_last_report_ = 0;
   std::uint64_t images_without_transform_ = 0;
   std::optional<LocalizationStatus> last_status_;
+  /// When markers last gave a pose.
+  std::optional<Clock::time_point> last_tracked_;
   std::optional<PoseEstimate> last_pose_;
 
   // Last, so that no report runs while the members it reads are being destroyed.

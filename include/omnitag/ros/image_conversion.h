@@ -17,4 +17,8 @@ cv_bridge::CvImageConstPtr grayImage(const sensor_msgs::ImageConstPtr& message);
 /// `compressed` sends it. Throws InputError if it cannot be decoded.
 cv_bridge::CvImageConstPtr grayImage(const sensor_msgs::CompressedImageConstPtr& message);
 
+/// The same pixels, taken in another optical frame; the image itself if the frame is empty.
+cv_bridge::CvImageConstPtr inFrame(const cv_bridge::CvImageConstPtr& image,
+                                   const std::string& frame);
+
 }  // namespace omnitag

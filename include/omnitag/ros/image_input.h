@@ -13,29 +13,40 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace omnitag {
 
+/// Where images come from: a topic, and the transport in which they come.
+struct ImageSource {
+  std::string topic = "image";
+  std::string transport = "raw";
+};
+
 /// An image as it arrived, not decoded yet.
 struct ReceivedImage {
+  /// Index of its source.
+  std::size_t source = 0;
   std_msgs::Header header;
   /// Throws InputError if the message is not an image.
   std::function<cv_bridge::CvImageConstPtr()> decode;
 };
 
-/// Subscribes to images and hands them on one by one, to one thread. While images wait, the oldest
-/// give way to newer ones and are counted. How many images this process received and dropped is
-/// known exactly, unless the thread stays away for more than a second. How many the network or the
-/// sender dropped is not, since neither stamps nor sequence numbers show it.
+/// Subscribes to images and hands them on one by one, to one thread: of those that wait, the one
+/// with the oldest stamp. While images of a source wait, the oldest give way to newer ones and are
+/// counted. How many images this process received and dropped is known exactly, unless the thread
+/// stays away for more than a second. How many the network or the sender dropped is not, since
+/// neither stamps nor sequence numbers show it.
 ///
 /// Messages arrive on a queue of its own, which that thread serves itself: a nodelet manager would
 /// wake two of its threads for each message first.
 class ImageInput {
  public:
-  /// Subscribes to `image` through image_transport. `compressed` is decoded here, so that it needs
-  /// no plugin. Throws InputError for a transport that cannot be loaded.
+  /// Subscribes to the sources through image_transport. `compressed` is decoded here, so that it
+  /// needs no plugin. `queue_size`: of each source. Throws InputError for a transport that cannot
+  /// be loaded.
   ImageInput(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
-             const std::string& transport, int queue_size);
+             const std::vector<ImageSource>& sources, int queue_size);
   ~ImageInput() { close(); }
   ImageInput(const ImageInput&) = delete;
   ImageInput& operator=(const ImageInput&) = delete;
@@ -50,26 +61,32 @@ class ImageInput {
   bool isClosed() const { return is_closed_; }
 
   /// The following are safe to call from any thread, also while the input is being closed.
-  const std::string& topic() const { return topic_; }
+  const std::string& topic(std::size_t source) const { return topics_[source]; }
+  std::size_t sources() const { return topics_.size(); }
+  /// Of the source that has the fewest.
   std::uint32_t publishers() const;
   std::uint64_t received() const { return received_; }
   std::uint64_t dropped() const { return dropped_; }
 
  private:
-  void subscribe(const ros::NodeHandle& private_node, const std::string& transport);
+  void subscribe(const ros::NodeHandle& private_node, const ImageSource& source);
   void push(ReceivedImage image);
 
   const std::size_t queue_size_;
   ros::CallbackQueue queue_;
   ros::NodeHandle node_;
   image_transport::ImageTransport image_transport_;
-  /// Guards the subscribers, only one of which is used.
+  /// Of a source; only one of the two is used.
+  struct Subscription {
+    image_transport::Subscriber subscriber;
+    ros::Subscriber compressed_subscriber;
+  };
   mutable std::mutex subscriber_mutex_;
-  image_transport::Subscriber subscriber_;
-  ros::Subscriber compressed_subscriber_;
-  std::string topic_;
+  std::vector<Subscription> subscriptions_;
+  std::vector<std::string> topics_;
 
-  std::deque<ReceivedImage> waiting_;
+  /// By source.
+  std::vector<std::deque<ReceivedImage>> waiting_;
   std::atomic<std::uint64_t> received_ = 0;
   std::atomic<std::uint64_t> dropped_ = 0;
   std::atomic<bool> is_closed_ = false;

@@ -28,6 +28,8 @@ struct WantedExtras {
 
 /// An image and its result.
 struct LocalizedImage {
+  /// Name of the camera, as in CameraParameters.
+  std::string camera_name;
   AssembledFrame input;
   FrameResult result;
   /// s by which stamps went back before this image, so that the localizer started afresh; 0 if they
@@ -35,6 +37,9 @@ struct LocalizedImage {
   double went_back = 0.0;
   /// s by which the clock was set before this image, negative if set back; the pose was kept.
   double clock_step = 0.0;
+  /// Whether the image is newer than all before; with several cameras, one may be overtaken by
+  /// another's or be of the same stamp.
+  bool is_newest = true;
   /// Whether this image changed the map: mapping added markers, or moved some that it had added.
   bool map_changed = false;
 };
@@ -44,13 +49,16 @@ struct LocalizedImage {
 class ImageLocalizer {
  public:
   /// Loads the map. Throws InputError if the map or a parameter is wrong.
-  ImageLocalizer(const LocalizerParameters& parameters, const DescribedCamera& camera);
+  /// `cameras`: those of the parameters, in their order.
+  ImageLocalizer(const LocalizerParameters& parameters,
+                 const std::vector<DescribedCamera>& cameras);
 
   /// Before the camera is known: throws what the constructor throws about the map file. Does not
   /// check `ignore_markers`.
   static void checkMap(const LocalizerParameters& parameters);
 
-  /// Nothing for an image that is not newer than the previous one; it is counted as late. If
+  /// Nothing for an image that is not newer than the camera's previous one, or more than
+  /// Localizer::kMaxOvertaken older than another's; it is counted as late. `camera`: its index. If
   /// FrameAssembler throws, its exception passes through and the state is kept.
   ///
   /// If stamps alone step back by more than `restart_time_jump`, as when a bag loops, the localizer
@@ -58,7 +66,7 @@ class ImageLocalizer {
   /// mapped stay.
   std::optional<LocalizedImage> localize(const cv_bridge::CvImageConstPtr& image,
                                          const tf2::BufferCore& transforms,
-                                         const WantedExtras& wanted = {});
+                                         const WantedExtras& wanted = {}, std::size_t camera = 0);
 
   /// The clock that, as far as is known, stamps the images was set by this many s. The pose is kept
   /// if the stamps follow.
@@ -79,27 +87,31 @@ class ImageLocalizer {
   bool isMapping() const { return mapper_.has_value(); }
   /// What mapping knows of markers that the map file does not have.
   std::vector<ProvisionalMarker> provisional() const;
-  const std::shared_ptr<const CameraModel>& camera() const { return camera_; }
-  const FrameAssembler& assembler() const { return assembler_; }
+  const CameraModels& cameras() const { return cameras_; }
+  const FrameAssembler& assembler(std::size_t camera) const { return assemblers_[camera]; }
   /// With the map's frame filled in.
   const FrameNames& frames() const { return parameters_.frames; }
   std::uint64_t lateImages() const { return late_images_; }
 
  private:
   void start();
+  /// Where an image belongs on the timeline; nothing if it comes too late.
+  std::optional<StampPlace> placeOf(const ros::Time& stamp, std::size_t camera) const;
   void ignore();
   bool isIgnored(const std::string& family, int id) const;
   void nameIgnored(FrameResult* result) const;
   void extendMap(LocalizedImage* localized);
 
   LocalizerParameters parameters_;
-  std::shared_ptr<const CameraModel> camera_;
+  CameraModels cameras_;
   MarkerMap map_;
   std::vector<MarkerSelection> ignored_;
   std::vector<Marker> ignored_markers_;
-  FrameAssembler assembler_;
+  /// By camera, as is what follows of each.
+  std::vector<FrameAssembler> assemblers_;
+  std::vector<Advisor> advisors_;
+  std::vector<double> last_times_;
   std::optional<MarkerMapper> mapper_;
-  Advisor advisor_;
   std::unique_ptr<Localizer> localizer_;
   std::function<void(Localizer*)> request_;
   StampTimeline timeline_;

@@ -44,8 +44,10 @@ class LocalizerServer {
  public:
   /// `parameters`: those of `private_node`. Throws InputError with one line if one of them or the
   /// map is wrong.
+  /// `cameras`: of the parameters, in their order.
   LocalizerServer(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
-                  const LocalizerParameters& parameters, const DescribedCamera& camera);
+                  const LocalizerParameters& parameters,
+                  const std::vector<DescribedCamera>& cameras);
   ~LocalizerServer();
   LocalizerServer(const LocalizerServer&) = delete;
   LocalizerServer& operator=(const LocalizerServer&) = delete;
@@ -61,10 +63,12 @@ class LocalizerServer {
   /// Lets a localizer with another map or other settings take over, if there is one.
   void takeSuccessor();
   void onImage(const ReceivedImage& received);
-  void waitForTransforms(const std_msgs::Header& header);
+  void localize(const cv_bridge::CvImageConstPtr& image, std::size_t camera);
+  void waitForTransforms(const std_msgs::Header& header, std::size_t camera);
   void logClockStep(double step) const;
   /// Forgets what was shown and reported before stamps went back by this (s).
   void startAnew(double went_back);
+  void paintMap();
   void publish(const LocalizedImage& localized);
   void sendTransform(const std::optional<geometry_msgs::TransformStamped>& transform,
                      bool has_pose);
@@ -99,6 +103,8 @@ class LocalizerServer {
   std::string name_;
   LocalizerParameters parameters_;
   ImageLocalizer localizer_;
+  /// Those of the cameras, each once.
+  std::vector<ImageSource> sources_;
   ImageInput input_;
   TransformInput transforms_;
   ClockWatch clock_watch_;
@@ -108,7 +114,8 @@ class LocalizerServer {
   MapDrawing map_drawing_;
   std::vector<ProvisionalMarker> provisional_;
   FrameMarkers frame_markers_;
-  DebugImagePainter debug_image_painter_;
+  /// By camera.
+  std::vector<DebugImagePainter> debug_image_painters_;
   PathRecorder path_;
 
   image_transport::ImageTransport image_transport_;
@@ -120,7 +127,8 @@ class LocalizerServer {
   ros::Publisher status_publisher_;
   ros::Publisher path_publisher_;
   ros::Publisher markers_publisher_;
-  image_transport::Publisher debug_image_publisher_;
+  /// By camera.
+  std::vector<image_transport::Publisher> debug_image_publishers_;
   ros::Subscriber initial_pose_subscriber_;
   ros::ServiceServer global_localization_server_;
   ros::ServiceServer save_map_server_;

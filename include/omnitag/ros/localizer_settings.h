@@ -31,8 +31,7 @@ class LocalizerSettings {
  public:
   /// `take`: gets each successor; of several that have not been used yet, only the last is needed.
   using Take = std::function<void(std::shared_ptr<Successor>)>;
-  LocalizerSettings(const LocalizerParameters& parameters,
-                    std::shared_ptr<const CameraModel> camera, Take take);
+  LocalizerSettings(const LocalizerParameters& parameters, const CameraModels& cameras, Take take);
 
   /// Changes the map and says in words what it did.
   using Edit = std::function<std::string(MapEditor*)>;
@@ -52,13 +51,17 @@ class LocalizerSettings {
   void handOver(const MarkerMap& map, const std::vector<MarkerSelection>& ignored,
                 const LocalizerConfig& config, bool has_other_map) const;
 
-  std::shared_ptr<const CameraModel> camera_;
+  std::vector<LocalizerCamera> cameras_;
   Take take_;
   mutable std::mutex mutex_;
   MapEditor editor_;
   std::vector<MarkerSelection> ignored_;
   LocalizerConfig config_;
 };
+
+/// The cameras of the parameters, with their models.
+std::vector<LocalizerCamera> localizerCameras(const std::vector<CameraParameters>& parameters,
+                                              const CameraModels& models);
 
 /// The markers that the texts select. Names must be in the map, and at least one marker must be
 /// left. Throws InputError.

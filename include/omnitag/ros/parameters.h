@@ -19,11 +19,27 @@ struct FrameNames {
   std::string base = "base_link";
 };
 
+/// One of the robot's cameras.
+struct CameraParameters {
+  /// In messages and topics; empty for the only one.
+  std::string name;
+  /// Empty, which only a single camera's may be: `camera_info` beside the images describes it.
+  std::string camera_file;
+  /// Topic of its images, which other cameras may share; and the transport in which they come, as
+  /// image_transport calls it.
+  std::string image = "image";
+  std::string image_transport = "raw";
+  /// Its optical frame; empty: the one that the images name.
+  std::string frame;
+  /// None: as LocalizerConfig says.
+  std::optional<ShutterConfig> shutter;
+};
+
 /// Every parameter of the nodelet, the node and localize_bag; config/localizer.yaml documents them
 /// for users.
 struct LocalizerParameters {
-  /// Empty: `camera_info` beside the images describes the camera.
-  std::string camera_file;
+  /// At least one.
+  std::vector<CameraParameters> cameras{1};
   std::string map_file;
   FrameNames frames;
   /// Markers to leave out, as names, ids or FAMILY:ID (MarkerSelection).
@@ -39,9 +55,7 @@ struct LocalizerParameters {
   /// s of wall time between two saves; 0: the pose is neither saved nor read.
   double save_pose_period = 0.0;
 
-  /// Name of the transport in which the images come, as image_transport calls it.
-  std::string image_transport = "raw";
-  /// Images that wait while one is processed; the oldest gives way.
+  /// Images of a topic that wait while one is processed; the oldest gives way.
   int queue_size = 1;
 
   /// Whether the robot's transform goes to tf. Not if another node fuses the poses and sends one.
@@ -66,6 +80,8 @@ struct LocalizerParameters {
   double robot_radius = 0.2;
 
   LocalizerConfig localizer;
+  /// Whether messages and topics name the camera.
+  bool hasSeveralCameras() const { return cameras.size() > 1; }
 
   /// Whether the map is extended by markers that it lacks, and how.
   bool mapping = false;

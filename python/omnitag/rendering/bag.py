@@ -18,19 +18,19 @@ from omnitag.rendering.poses import leaning_quaternion
 from omnitag.rendering.world import Mounting
 
 IMAGE_TOPIC = "/camera/image"
-CAMERA_INFO_TOPIC = "/camera/camera_info"
 GROUND_TRUTH_TOPIC = "/ground_truth/pose"
 BASE_FRAME = "base_link"
 ENCODINGS = ("png", "jpeg", "raw")
 
 
 @contextlib.contextmanager
-def sequence_bag(path: str, encoding: str, jpeg_quality: int) -> "Iterator[SequenceBag]":
+def sequence_bag(path: str, encoding: str, jpeg_quality: int,
+                 image_topic: str = IMAGE_TOPIC) -> "Iterator[SequenceBag]":
     """A bag to write to. It appears at `path` once it is complete, and not at all on failure."""
     unfinished = path + ".unfinished"
     try:
         with rosbag.Bag(unfinished, "w") as bag:
-            yield SequenceBag(bag, encoding, jpeg_quality)
+            yield SequenceBag(bag, encoding, jpeg_quality, image_topic)
         os.replace(unfinished, path)
     finally:
         if os.path.exists(unfinished):
@@ -40,10 +40,12 @@ def sequence_bag(path: str, encoding: str, jpeg_quality: int) -> "Iterator[Seque
 class SequenceBag:
     """A bag with the images, the camera's mounting, the odometry and the ground truth."""
 
-    def __init__(self, bag: rosbag.Bag, encoding: str, jpeg_quality: int) -> None:
+    def __init__(self, bag: rosbag.Bag, encoding: str, jpeg_quality: int,
+                 image_topic: str) -> None:
         self._bag = bag
         self._encoding = encoding
         self._jpeg_quality = jpeg_quality
+        self._image_topic = image_topic
 
     def write_mounting(self, mounting: Mounting, stamp: int) -> None:
         """Write the static transform from the camera's optical frame to base_link, latched."""
@@ -87,11 +89,11 @@ class SequenceBag:
             message.height, message.width = pixels.shape
             message.encoding, message.step = "mono8", pixels.shape[1]
             message.data = pixels.tobytes()
-            self._bag.write(IMAGE_TOPIC, message, _time(received))
+            self._bag.write(self._image_topic, message, _time(received))
             return
         message.format = f"mono8; {self._encoding} compressed mono8"
         message.data = self._compress(pixels)
-        self._bag.write(IMAGE_TOPIC + "/compressed", message, _time(received))
+        self._bag.write(self._image_topic + "/compressed", message, _time(received))
 
     def write_camera_info(self, camera: FisheyeCamera, frame_id: str, stamp: int) -> None:
         """Write what a driver publishes of a calibrated fisheye along with its image."""
@@ -105,7 +107,8 @@ class SequenceBag:
         message.K = [lens.fx, 0.0, lens.cx, 0.0, lens.fy, lens.cy, 0.0, 0.0, 1.0]
         message.R = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
         message.P = [lens.fx, 0.0, lens.cx, 0.0, 0.0, lens.fy, lens.cy, 0.0, 0.0, 0.0, 1.0, 0.0]
-        self._bag.write(CAMERA_INFO_TOPIC, message, message.header.stamp)
+        topic = self._image_topic.rpartition("/")[0] + "/camera_info"
+        self._bag.write(topic, message, message.header.stamp)
 
     def write_ground_truth(self, position: np.ndarray, orientation: np.ndarray, frame_id: str,
                            stamp: int) -> None:

@@ -13,6 +13,7 @@
 #include <boost/algorithm/string/join.hpp>
 #include <fstream>
 #include <map>
+#include <set>
 #include <vector>
 
 #include "omnitag/common/error.h"
@@ -114,13 +115,15 @@ std_msgs::Header headerOf(const rosbag::MessageInstance& message) {
 
 }  // namespace
 
-BagInput::BagInput(const std::vector<std::string>& paths, const std::string& image_topic,
-                   const RecordedSpan& span)
+BagInput::BagInput(const std::vector<std::string>& paths,
+                   const std::vector<std::string>& image_topics, const RecordedSpan& span)
     : path_(boost::algorithm::join(paths, ", ")) {
   for (const std::string& path : paths) {
     open(path, bags_.emplace_back(std::make_unique<rosbag::Bag>()).get());
   }
-  image_topic_ = chooseImageTopic(path_, bags_, image_topic);
+  for (const std::string& topic : image_topics) {
+    image_topics_.push_back(chooseImageTopic(path_, bags_, topic));
+  }
   try {
     setSpan(span);
     loadTransforms("");
@@ -138,26 +141,37 @@ void BagInput::setSpan(const RecordedSpan& span) {
   if (span.until < duration) end_ = first + ros::Duration(span.until);
 }
 
+bool BagInput::isImage(const rosbag::MessageInstance& message) const {
+  return std::find(image_topics_.begin(), image_topics_.end(), message.getTopic()) !=
+         image_topics_.end();
+}
+
 std::size_t BagInput::imageCount() const {
   rosbag::View view;
-  addTo(&view, bags_, rosbag::TopicQuery(image_topic_), begin_, end_);
+  addTo(&view, bags_, rosbag::TopicQuery(image_topics_), begin_, end_);
   return view.size();
 }
 
-void BagInput::forEachImage(const MessageUser& use) const {
-  const rosbag::TopicQuery images(image_topic_);
+template <typename... Query>
+void BagInput::forEach(const MessageUser& use, const Query&... query) const {
+  const bool is_merged =
+      std::set<std::string>(image_topics_.begin(), image_topics_.end()).size() > 1;
+  if (is_merged) {
+    rosbag::View view;
+    addTo(&view, bags_, query...);
+    for (const rosbag::MessageInstance& message : view) use(message);
+    return;
+  }
   for (const auto& bag : bags_) {
-    for (const rosbag::MessageInstance& message : rosbag::View(*bag, images, begin_, end_)) {
-      use(message);
-    }
+    for (const rosbag::MessageInstance& message : rosbag::View(*bag, query...)) use(message);
   }
 }
 
-void BagInput::forEachMessage(const MessageUser& use) const {
-  for (const auto& bag : bags_) {
-    for (const rosbag::MessageInstance& message : rosbag::View(*bag, begin_, end_)) use(message);
-  }
+void BagInput::forEachImage(const MessageUser& use) const {
+  forEach(use, rosbag::TopicQuery(image_topics_), begin_, end_);
 }
+
+void BagInput::forEachMessage(const MessageUser& use) const { forEach(use, begin_, end_); }
 
 void BagInput::forEachEarlierStatic(const MessageUser& use) const {
   if (begin_ == ros::TIME_MIN) return;
@@ -218,17 +232,17 @@ void BagInput::replaceMounting(const std::string& base_frame,
 // From the headers alone: an image that cannot be decoded is reported when it is its turn.
 std::string BagInput::cameraFrame() const {
   rosbag::View view;
-  addTo(&view, bags_, rosbag::TopicQuery(image_topic_));
+  addTo(&view, bags_, rosbag::TopicQuery(imageTopic()));
   for (const rosbag::MessageInstance& message : view) {
     const std_msgs::Header header = headerOf(message);
     if (!header.frame_id.empty()) return header.frame_id;
   }
-  throw InputError(path_ + ": " + image_topic_ +
+  throw InputError(path_ + ": " + imageTopic() +
                    ": expected images with a header.frame_id, found none");
 }
 
-DescribedCamera BagInput::describedCamera() const {
-  std::string image_topic = image_topic_;
+DescribedCamera BagInput::describedCamera(std::size_t camera) const {
+  std::string image_topic = imageTopic(camera);
   if (endsWith(image_topic, kCompressed)) {
     image_topic.resize(image_topic.size() - kCompressed.size());
   }
@@ -243,16 +257,17 @@ DescribedCamera BagInput::describedCamera() const {
                    " as there is no --camera, found none");
 }
 
-DescribedCamera BagInput::cameraOf(const std::string& file) const {
-  if (file.empty()) return describedCamera();
-  const DescribedCamera camera = cameraFromFile(file);
-  const std::optional<ImageSize> size = camera.model->scalesToImage() ? imageSize() : std::nullopt;
-  return size ? cameraForImages(camera, *size) : camera;
+DescribedCamera BagInput::cameraOf(const std::string& file, std::size_t camera) const {
+  if (file.empty()) return describedCamera(camera);
+  const DescribedCamera described = cameraFromFile(file);
+  const std::optional<ImageSize> size =
+      described.model->scalesToImage() ? imageSize(camera) : std::nullopt;
+  return size ? cameraForImages(described, *size) : described;
 }
 
-std::optional<ImageSize> BagInput::imageSize() const {
+std::optional<ImageSize> BagInput::imageSize(std::size_t camera) const {
   rosbag::View view;
-  addTo(&view, bags_, rosbag::TopicQuery(image_topic_));
+  addTo(&view, bags_, rosbag::TopicQuery(imageTopic(camera)));
   if (view.begin() == view.end()) return std::nullopt;
   try {
     const cv_bridge::CvImageConstPtr image = grayImageOf(*view.begin());

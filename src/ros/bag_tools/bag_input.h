@@ -31,19 +31,26 @@ class BagInput {
  public:
   using MessageUser = std::function<void(const rosbag::MessageInstance&)>;
 
-  /// `paths`: bags, read one after another; the transforms of each count for all. `image_topic`:
-  /// with or without /compressed; empty for the only one. Throws InputError if a bag cannot be
-  /// read, or if the topic is missing or ambiguous.
-  BagInput(const std::vector<std::string>& paths, const std::string& image_topic,
+  /// `paths`: bags, read one after another; the transforms of each count for all. `image_topics`:
+  /// those of the cameras, which may be the same, with or without /compressed; empty for the only
+  /// one. Throws InputError if a bag cannot be read, or if a topic is missing or ambiguous.
+  BagInput(const std::vector<std::string>& paths, const std::vector<std::string>& image_topics,
            const RecordedSpan& span = {});
+  BagInput(const std::vector<std::string>& paths, const std::string& image_topic,
+           const RecordedSpan& span = {})
+      : BagInput(paths, std::vector<std::string>{image_topic}, span) {}
   BagInput(const std::string& path, const std::string& image_topic)
       : BagInput(std::vector<std::string>{path}, image_topic) {}
 
-  const std::string& imageTopic() const { return image_topic_; }
+  /// As in the bag. `camera`: its index among the topics.
+  const std::string& imageTopic(std::size_t camera = 0) const { return image_topics_[camera]; }
+  /// Whether a message is on one of the cameras' topics.
+  bool isImage(const rosbag::MessageInstance& message) const;
   /// The number of images in the span.
   std::size_t imageCount() const;
-  /// Passes on the images of the span, bag by bag in the order of recording. Their messages live no
-  /// longer than this object.
+  /// Passes on the images of the span in the order of recording: bag by bag, or merged where there
+  /// are several topics, which may be in bags of their own. Their messages live no longer than this
+  /// object.
   void forEachImage(const MessageUser& use) const;
   /// The same for all messages.
   void forEachMessage(const MessageUser& use) const;
@@ -59,25 +66,27 @@ class BagInput {
   /// can. `frames`: with the map's frame filled in.
   std::optional<std::string> parentConflict(const FrameNames& frames) const;
 
-  /// Mounts the frame of the images on `base_frame` as given here, whatever the bag's
+  /// Mounts the frame of the only camera's images on `base_frame` as given here, whatever the bag's
   /// transforms say.
   void replaceMounting(const std::string& base_frame, const Eigen::Isometry3d& base_from_camera);
 
-  /// The camera that the first camera_info beside the image topic describes. Throws InputError if
+  /// The camera that the first camera_info beside an image topic describes. Throws InputError if
   /// there is none, or it describes no camera.
-  DescribedCamera describedCamera() const;
+  DescribedCamera describedCamera(std::size_t camera = 0) const;
 
   /// The camera of a file, or of camera_info if `file` is empty; scaled to the bag's images if the
   /// file says so.
-  DescribedCamera cameraOf(const std::string& file) const;
+  DescribedCamera cameraOf(const std::string& file, std::size_t camera = 0) const;
 
   /// An image message in grey. Throws InputError if it cannot be read.
   static cv_bridge::CvImageConstPtr grayImageOf(const rosbag::MessageInstance& message);
 
  private:
+  template <typename... Query>
+  void forEach(const MessageUser& use, const Query&... query) const;
   void setSpan(const RecordedSpan& span);
   /// Of the first image; nothing if there is none or it cannot be read.
-  std::optional<ImageSize> imageSize() const;
+  std::optional<ImageSize> imageSize(std::size_t camera) const;
   /// The first frame that an image names. Throws InputError if none does.
   std::string cameraFrame() const;
   /// Passes on each transform of the bags, and whether it is static.
@@ -92,7 +101,8 @@ class BagInput {
   /// The span in recording time.
   ros::Time begin_ = ros::TIME_MIN;
   ros::Time end_ = ros::TIME_MAX;
-  std::string image_topic_;
+  /// By camera.
+  std::vector<std::string> image_topics_;
   std::unique_ptr<tf2::BufferCore> transforms_;
 };
 

@@ -13,6 +13,7 @@
 #include "omnitag/common/error.h"
 #include "omnitag/common/file_replacement.h"
 #include "omnitag/common/quantile.h"
+#include "omnitag/ros/image_conversion.h"
 #include "omnitag/ros/image_localizer.h"
 #include "options.h"
 #include "result_bag.h"
@@ -113,10 +114,16 @@ void checkSpan(const BagOptions& options, const BagInput& input) {
 
 void run(const BagOptions& options) {
   const LocalizerParameters parameters = parametersOf(options);
-  BagInput input(options.bags, options.image_topic, options.span);
+  std::vector<std::string> topics;
+  for (const CameraParameters& camera : parameters.cameras) topics.push_back(camera.image);
+  BagInput input(options.bags, topics, options.span);
   checkSpan(options, input);
   mountCamera(options, parameters, &input);
-  ImageLocalizer localizer(parameters, input.cameraOf(parameters.camera_file));
+  std::vector<DescribedCamera> cameras;
+  for (std::size_t i = 0; i < topics.size(); ++i) {
+    cameras.push_back(input.cameraOf(parameters.cameras[i].camera_file, i));
+  }
+  ImageLocalizer localizer(parameters, cameras);
   ResultFiles files(options.trajectory, options.poses, options.detections);
   std::optional<ResultBag> output;
   openOutput(options, parameters, input, localizer, &output);
@@ -124,13 +131,14 @@ void run(const BagOptions& options) {
   Progress progress(input.imageCount(), "images");
   Summary summary;
   std::size_t done = 0;
-  const auto localize = [&](const rosbag::MessageInstance& message) {
+  const auto localizeWith = [&](std::size_t camera, const rosbag::MessageInstance& message) {
     ros::Time stamp = message.getTime();
     try {
-      const cv_bridge::CvImageConstPtr image = BagInput::grayImageOf(message);
+      const cv_bridge::CvImageConstPtr image =
+          inFrame(BagInput::grayImageOf(message), parameters.cameras[camera].frame);
       stamp = image->header.stamp;
-      const std::optional<LocalizedImage> localized =
-          localizer.localize(image, input.transforms(), {output.has_value(), output.has_value()});
+      const std::optional<LocalizedImage> localized = localizer.localize(
+          image, input.transforms(), {output.has_value(), output.has_value()}, camera);
       if (localized) {
         if (localized->went_back > 0.0) {
           progress.warn(stampText(stamp) + ": stamps went back: started anew");
@@ -140,17 +148,22 @@ void run(const BagOptions& options) {
           progress.warn(stampText(stamp) + ": " + odometry_problem);
         }
         summary.add(*localized);
-        files.add(stamp, localized->result, localizer.map());
+        files.add(stamp, *localized, localizer.map());
         if (output) output->add(message.getTime(), *localized, localizer);
       }
     } catch (const InputError& error) {
       const std::string problem =
-          input.imageTopic() + " at " + stampText(stamp) + ": " + error.what();
+          message.getTopic() + " at " + stampText(stamp) + ": " + error.what();
       if (summary.first_problem.empty()) summary.first_problem = problem;
       if (summary.unusable < kMaxWarnings) progress.warn(problem);
       ++summary.frames;
       ++summary.unusable;
       files.addUnusable(stamp);
+    }
+  };
+  const auto localize = [&](const rosbag::MessageInstance& message) {
+    for (std::size_t i = 0; i < topics.size(); ++i) {
+      if (input.imageTopic(i) == message.getTopic()) localizeWith(i, message);
     }
     progress.show(++done);
   };
@@ -160,7 +173,7 @@ void run(const BagOptions& options) {
         [&](const rosbag::MessageInstance& message) { output->copy(message, input.begin()); });
     input.forEachMessage([&](const rosbag::MessageInstance& message) {
       output->copy(message, message.getTime());
-      if (message.getTopic() == input.imageTopic()) localize(message);
+      if (input.isImage(message)) localize(message);
     });
   } else {
     input.forEachImage(localize);

@@ -81,7 +81,8 @@ std::optional<BagOptions> parseOptions(int argc, char** argv) {
             options.mounting = parseMounting("--mounting", text);
           }),
       "the camera on the robot (m, and roll, pitch, yaw in rad); default: as the bag's tf says")(
-      "params", textOption(&options.params, "P.yaml"), "parameters, as in config/localizer.yaml")(
+      "params", textOption(&options.params, "P.yaml"),
+      "parameters, as in config/localizer.yaml; `cameras` there for several cameras")(
       "poses", textOption(&options.poses, "OUT.csv"), "every frame with its covariance and mode")(
       "detections", textOption(&options.detections, "OUT.csv"), "every marker that was read")(
       "output", textOption(&options.output, "OUT.bag"),
@@ -108,7 +109,18 @@ LocalizerParameters parametersOf(const BagOptions& options) {
   if (!options.params.empty()) {
     parameters = readParameters(YamlReader::fromFile(options.params));
   }
-  if (!options.camera.empty()) parameters.camera_file = options.camera;
+  if (parameters.hasSeveralCameras()) {
+    const auto refuse = [](const std::string& option) {
+      throw InputError(option + ": expected no such option, as --params has `cameras`");
+    };
+    if (!options.camera.empty()) refuse("--camera");
+    if (!options.image_topic.empty()) refuse("--image-topic");
+    if (options.mounting) refuse("--mounting");
+  } else {
+    // The node's `image` is whatever topic the bag has.
+    parameters.cameras.front().image = options.image_topic;
+    if (!options.camera.empty()) parameters.cameras.front().camera_file = options.camera;
+  }
   parameters.map_file = options.map;
   if (options.initial_pose) parameters.initial_pose = options.initial_pose;
   if (options.odom_frame) parameters.frames.odom = *options.odom_frame;

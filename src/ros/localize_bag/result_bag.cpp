@@ -18,14 +18,7 @@
 namespace omnitag {
 namespace {
 
-constexpr const char* kDebugImage = "/debug_image/compressed";
-
-bool isOwn(const std::string& topic) {
-  static const std::set<std::string> kOwn = {
-      "/pose",    "/pose_with_covariance", "/pose_measured", "/detections", "/status", "/path",
-      "/markers", "/marker_map",           "/debug_image",   kDebugImage};
-  return kOwn.count(topic) > 0;
-}
+const std::string kCompressed = "/compressed";
 
 /// The header of a connection that a player of the bag latches.
 template <typename Message>
@@ -49,13 +42,28 @@ ResultBag::ResultBag(const std::string& path, const LocalizerParameters& paramet
       sends_marker_transforms_(parameters.publish_marker_tf),
       estimation_(parameters.localizer.estimation),
       frame_markers_(frames_.map, parameters.robot_radius),
-      debug_image_painter_(localizer.camera(), localizer.map()),
       path_(parameters.path_min_step, parameters.path_max_poses) {
+  for (std::size_t i = 0; i < parameters.cameras.size(); ++i) {
+    debug_image_topics_.push_back("/" + debugImageTopic(parameters.cameras[i].name));
+    debug_image_painters_.emplace_back(localizer.cameras()[i], localizer.map());
+  }
   try {
     bag_.open(path, rosbag::bagmode::Write);
   } catch (const std::exception&) {
     throw InputError(path + ": cannot be written");
   }
+}
+
+bool ResultBag::isOwn(const std::string& topic) const {
+  static const std::set<std::string> kOwn = {"/pose",          "/pose_with_covariance",
+                                             "/pose_measured", "/detections",
+                                             "/status",        "/path",
+                                             "/markers",       "/marker_map"};
+  return kOwn.count(topic) > 0 ||
+         std::any_of(debug_image_topics_.begin(), debug_image_topics_.end(),
+                     [&topic](const std::string& debug_image) {
+                       return topic == debug_image || topic == debug_image + kCompressed;
+                     });
 }
 
 void ResultBag::copy(const rosbag::MessageInstance& message, const ros::Time& time) {
@@ -99,7 +107,8 @@ void ResultBag::add(const ros::Time& time, const LocalizedImage& localized,
     }
   }
   if (messages.pose_measured) bag_.write("/pose_measured", time, *messages.pose_measured);
-  addMarkerPoses(localized, map, localizer.camera(), estimation_, &messages.detections);
+  addMarkerPoses(localized, map, localizer.cameras()[localized.input.frame.camera], estimation_,
+                 &messages.detections);
   bag_.write("/detections", time, messages.detections);
   bag_.write("/status", time, messages.status);
   bag_.write("/markers", time, frame_markers_.draw(localized, map));
@@ -112,18 +121,20 @@ void ResultBag::addMap(const ros::Time& time, const ImageLocalizer& localizer) {
   MapMarkerArray markers = toMessage(map, localizer.ignoredMarkers(), frames_.map);
   markers.header.stamp = time;
   bag_.write("/marker_map", time, markers, latched(markers));
-  debug_image_painter_.setMap(map);
+  for (DebugImagePainter& painter : debug_image_painters_) painter.setMap(map);
   if (!sends_marker_transforms_) return;
   const tf2_msgs::TFMessage transforms = markerTransforms(map, frames_.map, time);
   bag_.write("/tf_static", time, transforms, latched(transforms));
 }
 
 void ResultBag::addDebugImage(const ros::Time& time, const LocalizedImage& localized) {
+  const std::size_t camera = localized.input.frame.camera;
   const cv::Mat painting =
-      debug_image_painter_.paint(localized.input.frame.image, localized.result);
+      debug_image_painters_[camera].paint(localized.input.frame.image, localized.result);
   const cv_bridge::CvImage image(localized.input.header, sensor_msgs::image_encodings::BGR8,
                                  painting);
-  bag_.write(kDebugImage, time, *image.toCompressedImageMsg(cv_bridge::JPG));
+  bag_.write(debug_image_topics_[camera] + kCompressed, time,
+             *image.toCompressedImageMsg(cv_bridge::JPG));
 }
 
 }  // namespace omnitag

@@ -33,6 +33,8 @@ class ResultBag {
   void close() { bag_.close(); }
 
  private:
+  /// Whether the localizer publishes on a topic itself.
+  bool isOwn(const std::string& topic) const;
   void addMap(const ros::Time& time, const ImageLocalizer& localizer);
   void addDebugImage(const ros::Time& time, const LocalizedImage& localized);
 
@@ -42,7 +44,9 @@ class ResultBag {
   bool sends_marker_transforms_;
   EstimatorConfig estimation_;
   FrameMarkers frame_markers_;
-  DebugImagePainter debug_image_painter_;
+  /// By camera: topic and painter of its debug images.
+  std::vector<std::string> debug_image_topics_;
+  std::vector<DebugImagePainter> debug_image_painters_;
   PathRecorder path_;
   bool has_map_markers_ = false;
   rosbag::Bag bag_;

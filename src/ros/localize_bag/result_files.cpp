@@ -47,19 +47,30 @@ ResultFiles::ResultFiles(const std::string& trajectory, const std::string& poses
                         "u0,v0,u1,v1,u2,v2,u3,v3\n";
 }
 
-void ResultFiles::add(const ros::Time& stamp, const FrameResult& result, const MarkerMap& map) {
+void ResultFiles::writePose() {
+  trajectory_.stream << last_line_;
+  last_line_.clear();
+}
+
+void ResultFiles::add(const ros::Time& stamp, const LocalizedImage& localized,
+                      const MarkerMap& map) {
+  const FrameResult& result = localized.result;
   for (const MarkerDetection& detection : result.detections) addDetection(stamp, detection, map);
   poses_.stream << stampOf(stamp);
   const auto estimate = result.map_from_base ? std::optional(result.publishedPose()) : std::nullopt;
   if (estimate) {
     const Pose& pose = estimate->pose;
     const Eigen::Quaterniond rotation(pose.toIsometry().linear());
-    trajectory_.stream << stampOf(stamp);
-    for (const double value :
-         {pose.x, pose.y, pose.z, rotation.x(), rotation.y(), rotation.z(), rotation.w()}) {
-      trajectory_.stream << ' ' << number(value);
+    if (localized.is_newest) writePose();
+    if (localized.is_newest || stamp == last_stamp_) {
+      last_stamp_ = stamp;
+      last_line_ = stampOf(stamp);
+      for (const double value :
+           {pose.x, pose.y, pose.z, rotation.x(), rotation.y(), rotation.z(), rotation.w()}) {
+        last_line_ += ' ' + number(value);
+      }
+      last_line_ += '\n';
     }
-    trajectory_.stream << '\n';
     poses_.stream << ',' << number(pose.x) << ',' << number(pose.y) << ',' << number(pose.yaw);
     for (int row = 0; row < 3; ++row) {
       for (int column = row; column < 3; ++column) {
@@ -105,6 +116,7 @@ void ResultFiles::addDetection(const ros::Time& stamp, const MarkerDetection& de
 }
 
 void ResultFiles::close() {
+  writePose();
   trajectory_.close();
   poses_.close();
   detections_.close();

@@ -5,8 +5,8 @@
 #include <fstream>
 #include <string>
 
-#include "omnitag/localization/localizer.h"
 #include "omnitag/marker/marker_map.h"
+#include "omnitag/ros/image_localizer.h"
 
 namespace omnitag {
 
@@ -17,7 +17,9 @@ class ResultFiles {
   ResultFiles(const std::string& trajectory, const std::string& poses,
               const std::string& detections);
 
-  void add(const ros::Time& stamp, const FrameResult& result, const MarkerMap& map);
+  /// In the trajectory stamps increase: of images of the same stamp, the last one's pose stays, and
+  /// images that were overtaken are left out.
+  void add(const ros::Time& stamp, const LocalizedImage& localized, const MarkerMap& map);
 
   /// Adds a line without a pose to the poses, for a frame that could not be processed.
   void addUnusable(const ros::Time& stamp);
@@ -34,9 +36,13 @@ class ResultFiles {
     void close();
   };
 
+  void writePose();
   void addDetection(const ros::Time& stamp, const MarkerDetection& detection, const MarkerMap& map);
 
   File trajectory_;
+  /// The trajectory's last line, and its stamp.
+  std::string last_line_;
+  ros::Time last_stamp_;
   File poses_;
   File detections_;
 };
