@@ -7,9 +7,12 @@
 // printed for all frames and for their middle half, which leaves out what else the machine did.
 // Times are processor time: the nodelet's are of all threads but those that send and listen to it,
 // less what they take while no nodelet is loaded. The core's time within the nodelet, where its
-// caches are cold, is wall time. Needs a ROS master.
+// caches are cold, is wall time, and so is the latency, from an image's stamp to its pose. Needs a
+// ROS master.
 //
-//   nodelet_benchmark [BAG CAMERA MAP]     a bag of render_sequence; the shipped one by default
+//   nodelet_benchmark [--two] [BAG CAMERA MAP]     a bag of render_sequence; the shipped one by
+//                                                  default; --two: two cameras, each with all
+//                                                  images
 //   taskset -c 0 rosrun omnitag nodelet_benchmark ...     on one core
 
 #include <geometry_msgs/PoseStamped.h>
@@ -60,6 +63,12 @@ constexpr int kWarmUp = 15;
 constexpr int kFramesPerPlace = 30;
 const std::string kNodelet = "/localizer";
 
+/// The topics of that many cameras.
+std::vector<std::string> topicsOf(int cameras) {
+  if (cameras == 1) return {"/image"};
+  return {"/front/image", "/back/image"};
+}
+
 double threadTime() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
@@ -93,21 +102,24 @@ struct Answers {
   unsigned long long dropped = 0;
   /// ms of wall time that the core took within the nodelet, of each frame that sendAll() measures.
   std::vector<double> within;
+  /// ms of wall time from the stamps of these frames to their answers.
+  std::vector<double> latencies;
 
   void add(const Answers& more) {
     all += more.all;
     poses += more.poses;
     dropped += more.dropped;
     within.insert(within.end(), more.within.begin(), more.within.end());
+    latencies.insert(latencies.end(), more.latencies.begin(), more.latencies.end());
   }
 };
 
 /// Listens to the nodelet in a thread of its own, whose time is not the nodelet's.
 class Listener {
  public:
-  Listener() {
+  explicit Listener(int cameras) : cameras_(cameras) {
     node_.setCallbackQueue(&queue_);
-    statuses_ = node_.subscribe("/status", kFrames, &Listener::onStatus, this);
+    statuses_ = node_.subscribe("/status", 2 * kFrames, &Listener::onStatus, this);
     thread_ = std::thread([this] {
       while (!is_done_) {
         queue_.callAvailable(ros::WallDuration(0.1));
@@ -134,11 +146,13 @@ class Listener {
     ++answers_.all;
     if (status->has_pose != 0) ++answers_.poses;
     answers_.dropped = status->images_dropped;
-    if (answers_.all > kWarmUp && answers_.all < kFrames) {
+    if (answers_.all > cameras_ * kWarmUp && answers_.all < cameras_ * kFrames) {
       answers_.within.push_back(1e3 * status->total_time);
+      answers_.latencies.push_back(1e3 * status->image_age);
     }
   }
 
+  const int cameras_;
   ros::CallbackQueue queue_;
   ros::NodeHandle node_;
   ros::Subscriber statuses_;
@@ -150,8 +164,11 @@ class Listener {
 
 class Sender {
  public:
-  explicit Sender(const RecordedSequence& sequence)
-      : sequence_(sequence), images_(node_.advertise<sensor_msgs::Image>("/image", 1)) {
+  Sender(const RecordedSequence& sequence, const std::vector<std::string>& topics)
+      : sequence_(sequence) {
+    for (const std::string& topic : topics) {
+      images_.push_back(node_.advertise<sensor_msgs::Image>(topic, 1));
+    }
     mounting_.sendTransform(transform("base_link", "camera",
                                       sequence.frames.front().base_from_camera, ros::Time::now()));
   }
@@ -161,24 +178,28 @@ class Sender {
     const Frame frame = frameOf(sequence_, number);
     odometry_.sendTransform(
         transform("odom", "base_link", frame.odom_from_base->toIsometry(), stamp));
+    for (const ros::Publisher& publisher : images_) send(frame.image, stamp, publisher);
+  }
+
+  bool isHeard() const { return images_.back().getNumSubscribers() > 0; }
+
+ private:
+  void send(const cv::Mat& pixels, const ros::Time& stamp, const ros::Publisher& publisher) {
     const auto image = boost::make_shared<sensor_msgs::Image>();
     image->header.stamp = stamp;
     image->header.frame_id = "camera";
     image->encoding = sensor_msgs::image_encodings::MONO8;
-    image->width = static_cast<std::uint32_t>(frame.image.cols);
-    image->height = static_cast<std::uint32_t>(frame.image.rows);
+    image->width = static_cast<std::uint32_t>(pixels.cols);
+    image->height = static_cast<std::uint32_t>(pixels.rows);
     image->step = image->width;
-    image->data.assign(frame.image.datastart, frame.image.dataend);
-    images_.publish(image);
+    image->data.assign(pixels.datastart, pixels.dataend);
+    publisher.publish(image);
     // As a driver's buffer, it goes when the nodelet is long done with it.
     sent_.emplace_back(image);
-    constexpr std::size_t kKept = 4;
+    constexpr std::size_t kKept = 8;
     if (sent_.size() > kKept) sent_.pop_front();
   }
 
-  bool isHeard() const { return images_.getNumSubscribers() > 0; }
-
- private:
   static geometry_msgs::TransformStamped transform(const std::string& target,
                                                    const std::string& source,
                                                    const Eigen::Isometry3d& target_from_source,
@@ -193,7 +214,7 @@ class Sender {
 
   const RecordedSequence& sequence_;
   ros::NodeHandle node_;
-  ros::Publisher images_;
+  std::vector<ros::Publisher> images_;
   std::deque<sensor_msgs::ImageConstPtr> sent_;
   tf2_ros::StaticTransformBroadcaster mounting_;
   tf2_ros::TransformBroadcaster odometry_;
@@ -203,9 +224,12 @@ class Sender {
 /// as many messages as the nodelet does, without content, all in a thread of its own.
 class IdleNode {
  public:
-  IdleNode() : transforms_(node_, {"map", "odom", "base_link"}) {
+  explicit IdleNode(const std::vector<std::string>& topics)
+      : transforms_(node_, {"map", "odom", "base_link"}) {
     node_.setCallbackQueue(&queue_);
-    images_ = node_.subscribe("/image", 1, &IdleNode::onImage, this);
+    for (const std::string& topic : topics) {
+      images_.push_back(node_.subscribe(topic, 1, &IdleNode::onImage, this));
+    }
     transform_ = node_.advertise<tf2_msgs::TFMessage>("/tf", 10);
     pose_ = node_.advertise<geometry_msgs::PoseStamped>("/pose", 10);
     pose_with_covariance_ =
@@ -243,7 +267,7 @@ class IdleNode {
   ros::CallbackQueue queue_;
   ros::NodeHandle node_;
   TransformInput transforms_;
-  ros::Subscriber images_;
+  std::vector<ros::Subscriber> images_;
   ros::Publisher transform_;
   ros::Publisher pose_;
   ros::Publisher pose_with_covariance_;
@@ -253,8 +277,20 @@ class IdleNode {
   std::thread thread_;
 };
 
-void setParameters(const std::string& camera_file, const std::string& map_file) {
-  ros::param::set(kNodelet + "/camera_file", camera_file);
+void setParameters(const std::string& camera_file, const std::string& map_file,
+                   const std::vector<std::string>& topics) {
+  ros::param::del(kNodelet);
+  if (topics.size() == 1) {
+    ros::param::set(kNodelet + "/camera_file", camera_file);
+  } else {
+    XmlRpc::XmlRpcValue cameras;
+    for (int i = 0; i < static_cast<int>(topics.size()); ++i) {
+      cameras[i]["name"] = "camera" + std::to_string(i);
+      cameras[i]["camera_file"] = camera_file;
+      cameras[i]["image"] = topics[static_cast<std::size_t>(i)];
+    }
+    ros::param::set(kNodelet + "/cameras", cameras);
+  }
   ros::param::set(kNodelet + "/map_file", map_file);
   ros::param::set(kNodelet + "/odom_frame", "odom");
 }
@@ -274,35 +310,39 @@ std::vector<double> sendAll(int turn, Sender* sender, const Listener& listener) 
 }
 
 /// Sends one turn to whatever listens to the images.
-std::vector<double> measureListening(int turn, Sender* sender, Answers* answers) {
+std::vector<double> measureListening(int turn, int cameras, Sender* sender, Answers* answers) {
   while (!sender->isHeard() && ros::ok()) ros::WallDuration(0.01).sleep();
-  Listener listener;
+  Listener listener(cameras);
   std::vector<double> times = sendAll(turn, sender, listener);
   ros::WallDuration(0.5).sleep();
   answers->add(listener.stop());
   return times;
 }
 
-std::vector<double> measureNodelet(int turn, Sender* sender, Answers* answers) {
+std::vector<double> measureNodelet(int turn, int cameras, Sender* sender, Answers* answers) {
   nodelet::Loader loader(false);
   if (!loader.load(kNodelet, "omnitag/LocalizerNodelet", {}, {})) {
     throw InputError("the nodelet could not be loaded");
   }
-  return measureListening(turn, sender, answers);
+  return measureListening(turn, cameras, sender, answers);
 }
 
-std::vector<double> measureIdleNode(int turn, Sender* sender) {
-  const IdleNode node;
+std::vector<double> measureIdleNode(int turn, const std::vector<std::string>& topics,
+                                    Sender* sender) {
+  const IdleNode node(topics);
   Answers answers;
-  std::vector<double> times = measureListening(turn, sender, &answers);
+  std::vector<double> times =
+      measureListening(turn, static_cast<int>(topics.size()), sender, &answers);
   // Transforms may be missing for the first ones.
   if (answers.all < kFrames - kWarmUp) throw InputError("the idle node hears no transforms");
   return times;
 }
 
 /// The core alone, as the nodelet uses it and as newly made as it.
-std::vector<double> measureCore(int turn, const RecordedSequence& sequence) {
-  Localizer localizer(sequence.camera, sequence.map, {});
+std::vector<double> measureCore(int turn, int cameras, const RecordedSequence& sequence) {
+  Localizer localizer(
+      std::vector<LocalizerCamera>(static_cast<std::size_t>(cameras), {sequence.camera}),
+      sequence.map, {});
   std::vector<double> times;
   atPace([&](int number) {
     Frame frame = frameOf(sequence, turn * kFrames + number);
@@ -310,7 +350,10 @@ std::vector<double> measureCore(int turn, const RecordedSequence& sequence) {
     frame.image = std::async(std::launch::async, [&frame] { return frame.image.clone(); }).get();
     frame.stamp = kFrameInterval * number;
     const double start = processorTime();
-    localizer.process(frame);
+    for (int camera = 0; camera < cameras; ++camera) {
+      frame.camera = static_cast<std::size_t>(camera);
+      localizer.process(frame);
+    }
     const double end = processorTime();
     if (number >= kWarmUp && number + 1 < kFrames) times.push_back(end - start);
   });
@@ -327,15 +370,17 @@ struct Turn {
   std::vector<double> process;
 };
 
-std::vector<Turn> measure(const RecordedSequence& sequence, Answers* answers) {
-  Sender sender(sequence);
+std::vector<Turn> measure(const RecordedSequence& sequence, const std::vector<std::string>& topics,
+                          Answers* answers) {
+  const auto cameras = static_cast<int>(topics.size());
+  Sender sender(sequence, topics);
   std::vector<Turn> turns;
   for (int turn = 0; turn < kTurns; ++turn) {
     Turn& times = turns.emplace_back();
-    times.process = sendAll(turn, &sender, Listener());
-    times.nodelet = measureNodelet(turn, &sender, answers);
-    times.idle_node = measureIdleNode(turn, &sender);
-    times.core = measureCore(turn, sequence);
+    times.process = sendAll(turn, &sender, Listener(cameras));
+    times.nodelet = measureNodelet(turn, cameras, &sender, answers);
+    times.idle_node = measureIdleNode(turn, topics, &sender);
+    times.core = measureCore(turn, cameras, sequence);
   }
   return turns;
 }
@@ -389,19 +434,29 @@ void print(const std::vector<Turn>& turns, const Answers& answers, double trimme
 }
 
 int run(int argc, char** argv) {
+  const bool are_two = argc > 1 && std::string(argv[1]) == "--two";
+  if (are_two) {
+    --argc;
+    ++argv;
+  }
   ros::init(argc, argv, "nodelet_benchmark", ros::init_options::NoSigintHandler);
   if (!ros::master::check()) throw InputError("expected a ROS master: start roscore");
   const std::string package = PACKAGE_DIR;
   const RecordedSequence sequence = sequenceFrom(argc, argv);
+  const std::vector<std::string> topics = topicsOf(are_two ? 2 : 1);
   cv::setNumThreads(1);
   setParameters(argc > 1 ? argv[2] : package + "/config/cameras/paper.yaml",
-                argc > 1 ? argv[3] : package + "/maps/paper.yaml");
+                argc > 1 ? argv[3] : package + "/maps/paper.yaml", topics);
   Answers answers;
-  const std::vector<Turn> turns = measure(sequence, &answers);
+  const std::vector<Turn> turns = measure(sequence, topics, &answers);
   std::printf(
-      "%d images of %d x %d pixels, %.0f a second: %d answered, %d with a pose, %llu dropped\n",
-      kTurns * kFrames, sequence.frames.front().image.cols, sequence.frames.front().image.rows,
-      1.0 / kFrameInterval, answers.all, answers.poses, answers.dropped);
+      "%d images of %d x %d pixels, of %zu cameras at %.0f a second: %d answered, %d with a pose, "
+      "%llu dropped\n",
+      static_cast<int>(topics.size()) * kTurns * kFrames, sequence.frames.front().image.cols,
+      sequence.frames.front().image.rows, topics.size(), 1.0 / kFrameInterval, answers.all,
+      answers.poses, answers.dropped);
+  std::printf("ms from stamp to pose: median %.2f, 99th percentile %.2f\n",
+              quantile(answers.latencies, 0.5), quantile(answers.latencies, 0.99));
   print(turns, answers, 0.25, "middle half of the frames");
   print(turns, answers, 0.0, "all frames");
   return 0;

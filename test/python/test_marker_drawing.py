@@ -148,7 +148,7 @@ class PrintedPatternTest(DrawingTest):
         self.assertIn("artoolkit a", svg)
         self.assertIn("of the black border", svg)
         # The pattern's greys, from the lightest on; SVG's default is black.
-        fills = re.findall(r"style=\"fill: #([0-9a-f]{6})\"", svg)
+        fills = re.findall(r"style=\"fill: ?#([0-9a-f]{6})", svg)
         greys = ["{0:02x}{0:02x}{0:02x}".format(15 * level) for level in range(15, 0, -1)]
         self.assertEqual([fill for fill in fills if fill in greys][-15:], greys)
         with open(self.path("m-checklist.svg"), encoding="utf-8") as file:

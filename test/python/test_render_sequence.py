@@ -146,6 +146,14 @@ class RenderSequenceTest(FileTest):
         self.assertEqual([pose.pose.position.x for pose in truth], [0.1, 0.2])
         self.assertAlmostEqual(truth[0].pose.orientation.z, np.sin(0.75))
 
+    def test_another_topic(self):
+        result = self.render("--topic", "/front/image", "--frames", "0:1")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(len(self.messages("/front/image/compressed")), 1)
+        self.assertEqual(self.messages("/camera/image/compressed"), [])
+        for topic in ("front/image", "/image", "/front/", "/1front/image"):
+            self.assertIn("expected a topic", self.render("--topic", topic).stderr)
+
     def test_raw_images(self):
         result = self.render("--encoding", "raw", "--frames", "0:1")
         self.assertEqual(result.returncode, 0, result.stderr)

@@ -65,8 +65,8 @@ class HealthMonitor {
     std::optional<Clock::time_point> last_line;
   };
 
-  /// Notes when an image came from the last source, and when it was done with: a simulated clock may
-  /// reach its stamp only in between.
+  /// Notes when an image came from the last source, and when it was done with: a simulated clock
+  /// may reach its stamp only in between.
   void imageIsHere();
   /// Why a source's images are missed; empty if they are not.
   std::string whatIsMissing() const;
