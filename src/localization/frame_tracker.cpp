@@ -46,6 +46,12 @@ bool isSameLook(const PredictedMarker& before, const PredictedMarker& now) {
          now.radial_margin > kNearly * before.radial_margin;
 }
 
+/// Whether other places than the likeliest come into question for markers.
+bool isHardlyKnown(const PoseEstimate& predicted) {
+  constexpr double kHardly = 0.05;  // m
+  return positionDeviation(predicted) > kHardly;
+}
+
 /// m, deviation of a pose from which markers may be farther off in the image than they are
 /// looked for.
 constexpr double kVague = 0.01;
@@ -72,10 +78,15 @@ std::optional<PoseEstimate> FrameTracker::track() {
     solve();
     findOthers();
     decodeAnchors();
+    // What a vague prediction leads to first may be markers that were moved as one, from whose pose
+    // those in their places are not found.
+    if (has_prior_ && tools_.memory.countInPlace() == 0 && isHardlyKnown(predicted_)) {
+      lookAgain(predicted_.pose, false);
+    }
     if (isSurprising()) lookWherePredicted();
     // The markers found first may have been moved as one, and have drawn those found later.
-    if (has_prior_ && isDoubtful()) lookAgain(predicted_.pose);
-    if (isDoubtful()) lookAgain(solution_->map_from_base.pose);
+    if (has_prior_ && isDoubtful()) lookAgain(predicted_.pose, true);
+    if (isDoubtful()) lookAgain(solution_->map_from_base.pose, true);
   }
   if (const std::vector<std::size_t> rest = undecided(); !rest.empty()) {
     const std::size_t before = found();
@@ -254,9 +265,8 @@ bool FrameTracker::isDoubtful() const {
   if (isLargeMajority(agreeing, observed_.size())) {
     // Markers that were not found may be hidden. But if the pose is a surprise, or the prediction
     // too vague for that, they may just as well be where another pose has them.
-    constexpr double kHardlyKnown = 0.05;  // m
-    const bool may_be_elsewhere = has_prior_ && (positionDeviation(predicted_) > kHardlyKnown ||
-                                                 !agree(solution_->map_from_base, predicted_));
+    const bool may_be_elsewhere =
+        has_prior_ && (isHardlyKnown(predicted_) || !agree(solution_->map_from_base, predicted_));
     return may_be_elsewhere && !isLargeMajority(agreeing, expected());
   }
   constexpr double kFar = 0.02;  // m and rad
@@ -268,8 +278,12 @@ bool FrameTracker::isDoubtful() const {
                                   .maxCoeff() > kFar;
 }
 
-void FrameTracker::lookAgain(const Pose& pose) {
+void FrameTracker::lookAgain(const Pose& pose, bool are_all) {
   Stopwatch step;
+  std::vector<bool> agrees(sightings_.size(), false);
+  for (std::size_t k = 0; solution_ && k < observed_.size(); ++k) {
+    agrees[observed_[k]] = !are_all && agreesSharply(solution_->misfits[k]);
+  }
   const std::vector<Sighting> before = sightings_;
   const std::size_t found_before = found();
   const PoseEstimate belief{pose};
@@ -277,6 +291,7 @@ void FrameTracker::lookAgain(const Pose& pose) {
   constexpr double kShareAround = 0.5;
   constexpr std::size_t kWorthAThread = 2;
   forEachIndex(sightings_.size(), tools_.config.threads, kWorthAThread, [&](std::size_t i) {
+    if (agrees[i]) return;
     auto predicted = predictMarker(tools_.map, result_->predicted[i].map_entry, camera_, belief,
                                    tools_.config.visibility);
     if (!predicted) return;

@@ -74,7 +74,7 @@ void Localizer::setMap(MarkerMap map) {
   index_ = MarkerIndex(map_);
 }
 
-void Localizer::seek(std::vector<Marker> markers) {
+void Localizer::seek(const std::vector<Marker>& markers) {
   for (const auto& camera : cameras_) camera->patrol.seek(markers);
 }
 
@@ -196,7 +196,7 @@ bool Localizer::isSeenByAnother(const Frame& frame) const {
 
 MountedCamera Localizer::cameraOf(const Frame& frame) {
   const CameraState& state = stateOf(frame);
-  const MountedCamera camera =
+  MountedCamera camera =
       MountedCamera(state.model, frame.base_from_camera).withBlur(state.knowledge.blur.blur());
   if (state.shutter.isInstant()) return camera;
   const MotionModel& motion = hypotheses_.front().motion;

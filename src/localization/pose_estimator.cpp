@@ -283,10 +283,10 @@ EstimatorConfig readEstimatorConfig(const YamlReader& reader) {
   return config;
 }
 
+bool agreesSharply(const Misfit& misfit) { return misfit.deviations <= kSharp; }
+
 std::size_t sharplyAgreeing(const std::vector<Misfit>& misfits) {
-  return static_cast<std::size_t>(
-      std::count_if(misfits.begin(), misfits.end(),
-                    [](const Misfit& misfit) { return misfit.deviations <= kSharp; }));
+  return static_cast<std::size_t>(std::count_if(misfits.begin(), misfits.end(), agreesSharply));
 }
 
 bool isLargeMajority(std::size_t agreeing, std::size_t expected) {

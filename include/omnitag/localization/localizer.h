@@ -77,7 +77,7 @@ class Localizer {
 
   /// Takes markers that the map does not have, with the places where they seem to hang: exploring
   /// (LocalizerConfig::exploring_views) looks for them there, too.
-  void seek(std::vector<Marker> markers);
+  void seek(const std::vector<Marker>& markers);
 
   /// Processes a frame. The stamps of each camera must increase, be at most kMaxOvertaken older than
   /// those of others, and frame.image must have the camera's size; otherwise throws InputError and

@@ -48,7 +48,8 @@ struct PoseSolution {
   double excess = 1.0;
 };
 
-/// How many markers agree with a pose within chance.
+/// Whether a marker agrees with a pose within chance, and how many do.
+bool agreesSharply(const Misfit& misfit);
 std::size_t sharplyAgreeing(const std::vector<Misfit>& misfits);
 
 /// Whether enough of the expected markers, two thirds, agree to leave no doubt about the pose. Some
