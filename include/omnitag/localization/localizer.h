@@ -70,18 +70,18 @@ class Localizer {
   /// its default.
   void setMap(MarkerMap map);
 
-  /// Continues from the state of another localizer of the same cameras whose map or settings differ:
-  /// takes over its pose, and what it knows of markers that this map has in the same places. Call
-  /// it before the first image.
+  /// Continues from the state of another localizer of the same cameras whose map or settings
+  /// differ: takes over its pose, and what it knows of markers that this map has in the same
+  /// places. Call it before the first image.
   void continueFrom(const Localizer& before);
 
   /// Takes markers that the map does not have, with the places where they seem to hang: exploring
   /// (LocalizerConfig::exploring_views) looks for them there, too.
   void seek(const std::vector<Marker>& markers);
 
-  /// Processes a frame. The stamps of each camera must increase, be at most kMaxOvertaken older than
-  /// those of others, and frame.image must have the camera's size; otherwise throws InputError and
-  /// keeps its state.
+  /// Processes a frame. The stamps of each camera must increase, be at most kMaxOvertaken older
+  /// than those of others, and frame.image must have the camera's size; otherwise throws InputError
+  /// and keeps its state.
   FrameResult process(const Frame& frame);
 
   const MarkerMap& map() const { return map_; }
