@@ -80,7 +80,8 @@ std::optional<PoseEstimate> FrameTracker::track() {
     decodeAnchors();
     // What a vague prediction leads to first may be markers that were moved as one, from whose pose
     // those in their places are not found.
-    if (has_prior_ && tools_.memory.countInPlace() == 0 && isHardlyKnown(predicted_)) {
+    const bool is_first = solution_ && tools_.memory.countInPlace() == 0;
+    if (has_prior_ && is_first && isHardlyKnown(predicted_)) {
       lookAgain(predicted_.pose, false);
     }
     if (isSurprising()) lookWherePredicted();
