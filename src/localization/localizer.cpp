@@ -100,6 +100,7 @@ void Localizer::forgetPose() {
 FrameResult Localizer::process(const Frame& frame) {
   check(frame);
   Stopwatch total;
+  for (Hypothesis& hypothesis : hypotheses_) hypothesis.memory.lookThrough(frame.camera);
   const std::vector<PoseEstimate> predicted = predict(frame);
   const MountedCamera camera = cameraOf(frame);
   CameraState& state = stateOf(frame);
@@ -119,11 +120,12 @@ FrameResult Localizer::process(const Frame& frame) {
 
   learnFrom(frame, camera, accounts.front().is_of_search, &result);
   state.knowledge.last_stamp = frame.stamp;
-  last_stamp_ = frame.stamp;
+  last_stamp_ = std::max(frame.stamp, last_stamp_.value_or(frame.stamp));
   measure(camera, &result);
   if (frame.wants_measured && !result.is_open) {
     Stopwatch step;
-    result.measured = measuredPose(trackingTools(frame, hypotheses_.front()), frame, camera, result);
+    result.measured =
+        measuredPose(trackingTools(frame, hypotheses_.front()), frame, camera, result);
     result.timings.solve += step.lap();
   }
   result.timings.total = total.lap();
@@ -147,8 +149,8 @@ void Localizer::check(const Frame& frame) const {
   const double earliest = std::max(camera.knowledge.last_stamp.value_or(kEver),
                                    last_stamp_.value_or(kEver) - kMaxOvertaken);
   if (!(std::isfinite(frame.stamp) && frame.stamp > earliest)) {
-    throw InputError("image stamp: expected later than " + std::to_string(earliest) +
-                     " s, found " + std::to_string(frame.stamp) + " s");
+    throw InputError("image stamp: expected later than " + std::to_string(earliest) + " s, found " +
+                     std::to_string(frame.stamp) + " s");
   }
 }
 
@@ -215,7 +217,9 @@ void Localizer::learnFrom(const Frame& frame, const MountedCamera& camera, bool 
   if (was_searched) learnBlur(frame, camera, result);
   if (!result->map_from_base || result->is_open) return;
   if (result->disagreement.freedom > 0.0) knowledge.disagreement.add(result->disagreement);
-  if (was_searched || !(was_tracked_ || isSeenByAnother(frame))) return;
+  // Mapping takes what images show whose own markers give the pose.
+  const bool is_settled = was_tracked_ || (config_.exploring_views == 0 && isSeenByAnother(frame));
+  if (was_searched || !is_settled) return;
   state.patrol.look(trackingTools(frame, hypotheses_.front()), frame, camera,
                     result->map_from_base->pose, result);
 }

@@ -186,7 +186,8 @@ PoseEstimate Localizer::withLag(const Frame& frame, const PoseEstimate& predicte
   PoseEstimate lagging = pose;
   if (!frame.velocity || !frame.odom_from_base) return lagging;
   const double innovation = difference(pose.pose, predicted.pose)[2];
-  if (learns) image_lag_.add(innovation, *frame.velocity, was_tracked_);
+  // Of several cameras, each may lag by a time of its own, and all would lead the pose.
+  if (learns && cameras_.size() == 1) image_lag_.add(innovation, *frame.velocity, was_tracked_);
   if (const std::optional<double> lag = image_lag_.lag()) {
     const PoseMatrix covariance = covarianceOfLag(*lag, *frame.velocity);
     lagging.covariance += covariance;
@@ -221,10 +222,11 @@ bool Localizer::markersAgree(const MountedCamera& camera, const PoseEstimate& pr
 bool Localizer::isElsewhere(const TrackingTools& tools, const Frame& frame,
                             const MountedCamera& camera, const Hypothesis& hypothesis,
                             const PoseEstimate& tracked, FrameResult* result) {
+  const double last = std::min(hypothesis.seen_stamp,
+                               stateOf(frame).knowledge.last_stamp.value_or(hypothesis.seen_stamp));
   const auto lost =
-      std::count_if(result->missed.begin(), result->missed.end(), [&hypothesis](std::size_t entry) {
-        return hypothesis.memory.wasSeenSince(entry, hypothesis.seen_stamp);
-      });
+      std::count_if(result->missed.begin(), result->missed.end(),
+                    [&](std::size_t entry) { return hypothesis.memory.wasSeenSince(entry, last); });
   const bool is_weak = result->acceptedMarkers() <= kFew && lost > 0;
   if (!is_weak || frame.stamp < next_doubt_) return false;
   next_doubt_ = frame.stamp + kDoubtPeriod;

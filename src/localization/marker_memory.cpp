@@ -20,11 +20,24 @@ MarkerMemory::Record& MarkerMemory::of(std::size_t entry) {
   return records_[entry];
 }
 
+MarkerMemory::Looks& MarkerMemory::looksOf(std::size_t entry) {
+  std::vector<Looks>& looks = of(entry).looks;
+  if (camera_ >= looks.size()) looks.resize(camera_ + 1);
+  return looks[camera_];
+}
+
+const MarkerMemory::Looks& MarkerMemory::looksAt(std::size_t entry) const {
+  static const Looks kNone;
+  const bool is_known = entry < records_.size() && camera_ < records_[entry].looks.size();
+  return is_known ? records_[entry].looks[camera_] : kNone;
+}
+
 void MarkerMemory::addSeen(const RememberedSighting& sighting) {
+  Looks& looks = looksOf(sighting.observation.map_entry);
+  addFirst(looks, true);
+  looks.seen = sighting.stamp;
+  looks.misses = 0;
   Record& record = of(sighting.observation.map_entry);
-  addFirst(record, true);
-  record.seen = sighting.stamp;
-  record.misses = 0;
   record.times_in_place = record.elsewhere ? 1 : record.times_in_place + 1;
   record.in_place = sighting;
   record.elsewhere.reset();
@@ -169,20 +182,20 @@ void MarkerMemory::forgetPlaces() {
 }
 
 void MarkerMemory::addMissed(std::size_t entry, const Eigen::Vector3d& viewpoint, double stamp) {
-  Record& record = of(entry);
-  addFirst(record, false);
-  record.missed = stamp;
-  record.missed_from = viewpoint;
-  ++record.misses;
+  Looks& looks = looksOf(entry);
+  addFirst(looks, false);
+  looks.missed = stamp;
+  looks.missed_from = viewpoint;
+  ++looks.misses;
 }
 
-void MarkerMemory::addFirst(const Record& record, bool is_seen) {
-  if (record.seen > kNever || record.missed > kNever) return;
+void MarkerMemory::addFirst(const Looks& looks, bool is_seen) {
+  if (looks.seen > kNever || looks.missed > kNever) return;
   first_looks_ += 1.0;
   if (is_seen) first_seen_ += 1.0;
 }
 
-void MarkerMemory::addLost(std::size_t entry) { of(entry).seen = kNever; }
+void MarkerMemory::addLost(std::size_t entry) { looksOf(entry).seen = kNever; }
 
 double MarkerMemory::seenAtFirst() const {
   return std::clamp((first_seen_ + 1.0) / (first_looks_ + 2.0), 0.1, 0.9);
@@ -192,22 +205,21 @@ bool MarkerMemory::isHidden(std::size_t entry, const Eigen::Vector3d& viewpoint,
                             double stamp) const {
   // A single miss may be a person who walked by.
   constexpr int kFewest = 2;
-  if (entry >= records_.size()) return false;
-  const Record& record = records_[entry];
-  return record.misses >= kFewest && stamp < record.missed + config_.hidden_time &&
-         (viewpoint - record.missed_from).norm() < config_.hidden_way;
+  const Looks& looks = looksAt(entry);
+  return looks.misses >= kFewest && stamp < looks.missed + config_.hidden_time &&
+         (viewpoint - looks.missed_from).norm() < config_.hidden_way;
 }
 
 bool MarkerMemory::wasSeen(std::size_t entry) const {
-  return entry < records_.size() && records_[entry].seen > records_[entry].missed;
+  return looksAt(entry).seen > looksAt(entry).missed;
 }
 
 bool MarkerMemory::wasMissed(std::size_t entry) const {
-  return entry < records_.size() && records_[entry].missed > records_[entry].seen;
+  return looksAt(entry).missed > looksAt(entry).seen;
 }
 
 bool MarkerMemory::wasSeenSince(std::size_t entry, double stamp) const {
-  return entry < records_.size() && records_[entry].seen >= stamp;
+  return looksAt(entry).seen >= stamp;
 }
 
 }  // namespace omnitag

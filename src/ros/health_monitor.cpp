@@ -27,6 +27,15 @@ double seconds(std::chrono::steady_clock::duration duration) {
   return std::chrono::duration<double>(duration).count();
 }
 
+/// What each camera's images have, as far as they have any.
+std::string joined(const std::map<std::string, std::string>& by_camera) {
+  std::vector<std::string> parts;
+  for (const auto& [camera, text] : by_camera) {
+    if (!text.empty()) parts.push_back(camera.empty() ? text : camera + ": " + text);
+  }
+  return boost::algorithm::join(parts, "; ");
+}
+
 const char* modeName(const LocalizationStatus& status) {
   switch (status.mode) {
     case LocalizationStatus::TRACKING:
@@ -48,7 +57,7 @@ HealthMonitor::HealthMonitor(const ros::NodeHandle& node, const ros::NodeHandle&
       name_(private_node.getNamespace()),
       map_(std::move(map)),
       last_report_(Clock::now()),
-      last_images_(input.sources()),
+      arrivals_(input.sources()),
       updater_(node, private_node, name_) {
   updater_.setHardwareID("none");
   updater_.add("images", this, &HealthMonitor::reportImages);
@@ -77,25 +86,42 @@ void HealthMonitor::startedAnew() {
 void HealthMonitor::imageCame(std::size_t source) {
   const std::lock_guard<std::mutex> lock(mutex_);
   last_source_ = source;
-  imageIsHere();
+  imageIsHere(arrivals_[source].refusal);
 }
 
-void HealthMonitor::imageIsHere() {
-  last_images_[last_source_] = Clock::now();
-  last_image_time_ = ros::Time::now();
+void HealthMonitor::imageIsHere(const std::string& refusal) {
+  Arrival& arrival = arrivals_[last_source_];
+  arrival.last = Clock::now();
+  arrival.last_time = ros::Time::now();
+  arrival.refusal = refusal;
+}
+
+void HealthMonitor::noteArrivals() {
+  for (std::size_t source = 0; source < arrivals_.size(); ++source) {
+    const std::uint64_t received = input_.received(source);
+    if (std::exchange(arrivals_[source].received, received) == received) continue;
+    arrivals_[source].last = Clock::now();
+    arrivals_[source].last_time = ros::Time::now();
+  }
 }
 
 // Also true of a bag that plays so slowly that no image is due.
-bool HealthMonitor::isPaused() const {
+bool HealthMonitor::isPaused(const Arrival& arrival) {
   return ros::Time::isSimTime() &&
-         std::abs((ros::Time::now() - last_image_time_).toSec()) < kImageTimeout;
+         std::abs((ros::Time::now() - arrival.last_time).toSec()) < kImageTimeout;
+}
+
+bool HealthMonitor::areAllSilent() const {
+  return std::all_of(arrivals_.begin(), arrivals_.end(), [](const Arrival& arrival) {
+    return arrival.last && seconds(Clock::now() - *arrival.last) > kImageTimeout;
+  });
 }
 
 void HealthMonitor::imageRefused(const std::string& why) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  imageIsHere();
+  imageIsHere("image on " + input_.topic(last_source_) + " refused: " + why);
   ++refused_images_;
-  complain(&images_, "image on " + input_.topic(last_source_) + " refused: " + why);
+  complain(&images_, problemOfImages());
 }
 
 void HealthMonitor::imageLate() {
@@ -106,12 +132,13 @@ void HealthMonitor::imageLate() {
                        " left out: their stamps are not after those of the images before");
 }
 
-void HealthMonitor::transformMissing(const std::string& why) {
+void HealthMonitor::transformMissing(const std::string& why, const std::string& camera) {
   const std::lock_guard<std::mutex> lock(mutex_);
   imageIsHere();
   ++images_without_transform_;
-  update(&images_, whatIsMissing(), "images are coming");
-  complain(&transforms_, "waiting for tf: " + why);
+  update(&images_, problemOfImages(), "images are coming");
+  missing_transforms_[camera] = "waiting for tf: " + why;
+  complain(&transforms_, joined(missing_transforms_));
 }
 
 void HealthMonitor::transformsServed(const std::string& failure) {
@@ -132,22 +159,22 @@ void HealthMonitor::localized(const LocalizationStatus& status, const FrameResul
   // A camera that sees no marker is no trouble while another does.
   const bool is_tracked = status.has_pose && status.markers_used > 0;
   const bool is_left_to_another = status.has_pose && !is_tracked && last_tracked_ &&
-                                  last_images_.size() > 1 &&
+                                  !status.camera.empty() &&
                                   seconds(Clock::now() - *last_tracked_) < kTracked;
   if (is_tracked) last_tracked_ = Clock::now();
   if (!is_left_to_another) last_status_ = status;
   last_pose_ = result.map_from_base;
-  update(&images_, whatIsMissing(), "images are coming");
-  update(&transforms_,
-         odometry_problem.empty() ? "" : "no odometry, hence no map -> odom: " + odometry_problem,
-         "tf has all transforms");
+  update(&images_, problemOfImages(), "images are coming");
+  missing_transforms_[status.camera] =
+      odometry_problem.empty() ? "" : "no odometry, hence no map -> odom: " + odometry_problem;
+  update(&transforms_, joined(missing_transforms_), "tf has all transforms");
   update(&localization_, result.map_from_base ? "" : "searching: " + result.remark,
          std::string("localized, ") + modeName(status));
   if (result.map_from_base && !result.remark.empty()) {
     ROS_WARN_STREAM(name_ << ": " << result.remark);
   }
-  update(&advice_, boost::algorithm::join(status.advice, "; "),
-         "images, map and camera agree again");
+  advice_of_[status.camera] = boost::algorithm::join(status.advice, "; ");
+  update(&advice_, joined(advice_of_), "images, map and camera agree again");
   displacements_.add(result);
   update(&marker_map_, describe(result.displaced_groups, displacements_.persistent()),
          "all markers that are read hang where the map has them");
@@ -175,18 +202,23 @@ std::string HealthMonitor::describe(const std::vector<GroupDisplacement>& groups
   return text.str();
 }
 
-std::string HealthMonitor::whatIsMissing() const {
+std::string HealthMonitor::problemOfImages() const {
   const Clock::time_point now = Clock::now();
-  const std::string publishers = " (" + std::to_string(input_.publishers()) + " publishers)";
-  for (std::size_t source = 0; source < last_images_.size(); ++source) {
-    const auto& last = last_images_[source];
-    const std::string& topic = input_.topic(source);
-    if (!last) return "waiting for the first image on " + topic + publishers;
-    if (seconds(now - *last) <= kImageTimeout || isPaused()) continue;
-    return "waiting for images on " + topic + publishers + ", none for " +
-           std::to_string(std::lround(seconds(now - *last))) + " s";
+  std::vector<std::string> problems;
+  for (std::size_t source = 0; source < arrivals_.size(); ++source) {
+    const Arrival& arrival = arrivals_[source];
+    const std::string topic =
+        input_.topic(source) + " (" + std::to_string(input_.publishers(source)) + " publishers)";
+    if (!arrival.last) {
+      problems.push_back("waiting for the first image on " + topic);
+    } else if (seconds(now - *arrival.last) > kImageTimeout && !isPaused(arrival)) {
+      problems.push_back("waiting for images on " + topic + ", none for " +
+                         std::to_string(std::lround(seconds(now - *arrival.last))) + " s");
+    } else if (!arrival.refusal.empty()) {
+      problems.push_back(arrival.refusal);
+    }
   }
-  return "";
+  return boost::algorithm::join(problems, "; ");
 }
 
 void HealthMonitor::reportImages(Report& report) {
@@ -198,11 +230,10 @@ void HealthMonitor::reportImages(Report& report) {
   last_report_ = now;
   received_at_last_report_ = received;
 
-  const std::string missing = whatIsMissing();
-  if (!missing.empty()) complain(&images_, missing);
+  noteArrivals();
+  if (const std::string problem = problemOfImages(); !problem.empty()) complain(&images_, problem);
   const std::uint64_t late = late_images_ - std::exchange(late_at_last_report_, late_images_);
-  if (images_.problem.empty() && isPaused() &&
-      seconds(now - *last_images_.front()) > kImageTimeout) {
+  if (images_.problem.empty() && areAllSilent()) {
     report.summary(Report::WARN,
                    "no images, but simulated time has hardly moved since the last one, as while a "
                    "bag is paused");
@@ -215,8 +246,8 @@ void HealthMonitor::reportImages(Report& report) {
   }
   for (std::size_t source = 0; source < input_.sources(); ++source) {
     report.add("topic", input_.topic(source));
+    report.add("publishers", input_.publishers(source));
   }
-  report.add("publishers", input_.publishers());
   report.add("images per second", rate);
   report.add("received", received);
   report.add("dropped, since newer ones came", input_.dropped());

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 #include <boost/function.hpp>
-#include <limits>
+#include <numeric>
 #include <utility>
 
 #include "omnitag/common/error.h"
@@ -72,29 +72,33 @@ void ImageInput::subscribe(const ros::NodeHandle& private_node, const ImageSourc
 }
 
 std::optional<ReceivedImage> ImageInput::next(double duration) {
-  const auto oldest = [this] {
-    return std::min_element(waiting_.begin(), waiting_.end(), [](const auto& a, const auto& b) {
-      return !a.empty() && (b.empty() || a.front().header.stamp < b.front().header.stamp);
-    });
+  const auto longest = [this] {
+    return std::min_element(waiting_.begin(), waiting_.end(),
+                            [](const Waiting& a, const Waiting& b) {
+                              if (a.images.empty() || b.images.empty()) return !a.images.empty();
+                              return a.since < b.since;
+                            });
   };
-  serve(oldest()->empty() ? duration : 0.0);
-  const auto queue = oldest();
-  if (queue->empty()) return std::nullopt;
-  ReceivedImage image = std::move(queue->front());
-  queue->pop_front();
+  serve(longest()->images.empty() ? duration : 0.0);
+  const auto next = longest();
+  if (next->images.empty()) return std::nullopt;
+  ReceivedImage image = std::move(next->images.front());
+  next->images.pop_front();
+  if (!next->images.empty()) next->since = next->images.front().header.stamp;
   return image;
 }
 
 void ImageInput::serve(double duration) { queue_.callAvailable(ros::WallDuration(duration)); }
 
 void ImageInput::push(ReceivedImage image) {
-  ++received_;
-  std::deque<ReceivedImage>& waiting = waiting_[image.source];
-  if (waiting.size() == queue_size_) {
-    waiting.pop_front();
+  Waiting& waiting = waiting_[image.source];
+  ++waiting.received;
+  if (waiting.images.empty()) waiting.since = image.header.stamp;
+  if (waiting.images.size() == queue_size_) {
+    waiting.images.pop_front();
     ++dropped_;
   }
-  waiting.push_back(std::move(image));
+  waiting.images.push_back(std::move(image));
 }
 
 void ImageInput::close() {
@@ -107,14 +111,17 @@ void ImageInput::close() {
   }
 }
 
-std::uint32_t ImageInput::publishers() const {
+std::uint32_t ImageInput::publishers(std::size_t source) const {
   const std::lock_guard<std::mutex> lock(subscriber_mutex_);
-  std::uint32_t fewest = std::numeric_limits<std::uint32_t>::max();
-  for (const Subscription& each : subscriptions_) {
-    fewest = std::min(fewest, each.subscriber ? each.subscriber.getNumPublishers()
-                                              : each.compressed_subscriber.getNumPublishers());
-  }
-  return fewest;
+  const Subscription& subscription = subscriptions_[source];
+  return subscription.subscriber ? subscription.subscriber.getNumPublishers()
+                                 : subscription.compressed_subscriber.getNumPublishers();
+}
+
+std::uint64_t ImageInput::received() const {
+  return std::accumulate(
+      waiting_.begin(), waiting_.end(), std::uint64_t{0},
+      [](std::uint64_t sum, const Waiting& waiting) { return sum + waiting.received; });
 }
 
 }  // namespace omnitag

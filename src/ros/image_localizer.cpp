@@ -120,12 +120,17 @@ std::optional<LocalizedImage> ImageLocalizer::localize(const cv_bridge::CvImageC
 
 std::optional<StampPlace> ImageLocalizer::placeOf(const ros::Time& stamp,
                                                   std::size_t camera) const {
-  StampPlace place = timeline_.place(stamp);
-  if (place.kind != StampPlace::Kind::kLate) return place;
-  // Another camera's image has overtaken it, or is of the same moment.
-  place.time += place.step;
-  const bool is_of_use = place.time > last_times_[camera] && -place.step < Localizer::kMaxOvertaken;
-  return is_of_use ? std::optional(place) : std::nullopt;
+  if (cameras_.size() > 1) {
+    // Another camera's image may have overtaken it, or be of the same moment.
+    const std::optional<double> behind = timeline_.behind(stamp);
+    const bool is_overtaken = behind && *behind >= 0.0 && *behind < Localizer::kMaxOvertaken;
+    const double time = is_overtaken ? timeline_.lastTime() - *behind : 0.0;
+    if (is_overtaken && time > last_times_[camera]) {
+      return StampPlace{StampPlace::Kind::kLate, time, -*behind};
+    }
+  }
+  const StampPlace place = timeline_.place(stamp);
+  return place.kind == StampPlace::Kind::kLate ? std::nullopt : std::optional(place);
 }
 
 bool ImageLocalizer::isIgnored(const std::string& family, int id) const {

@@ -215,7 +215,9 @@ void LocalizerServer::onImage(const ReceivedImage& received) {
   const cv_bridge::CvImageConstPtr image = received.decode();
   for (std::size_t i = 0; i < parameters_.cameras.size(); ++i) {
     const CameraParameters& camera = parameters_.cameras[i];
-    if (sourceOf(camera, sources_) == received.source) localize(inFrame(image, camera.frame), i);
+    if (sourceOf(camera, sources_) != received.source) continue;
+    attempt([&] { localize(inFrame(image, camera.frame), i); },
+            [this](const char* why) { health_.imageRefused(why); });
   }
 }
 
@@ -234,7 +236,7 @@ void LocalizerServer::localize(const cv_bridge::CvImageConstPtr& image, std::siz
       health_.imageLate();
     }
   } catch (const TransformError& error) {
-    health_.transformMissing(error.what());
+    health_.transformMissing(error.what(), parameters_.cameras[camera].name);
   }
 }
 

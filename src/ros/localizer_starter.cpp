@@ -31,7 +31,7 @@ LocalizerStarter::LocalizerStarter(const ros::NodeHandle& node, const ros::NodeH
       private_node_(private_node),
       name_(private_node.getNamespace()),
       parameters_(readParameters(name_)) {
-  if (parameters_.hasSeveralCameras()) {
+  if (parameters_.hasCameraList()) {
     std::vector<DescribedCamera> cameras;
     for (const CameraParameters& camera : parameters_.cameras) {
       cameras.push_back(cameraFromFile(camera.camera_file));
@@ -166,7 +166,8 @@ void LocalizerStarter::report(diagnostic_updater::DiagnosticStatusWrapper& repor
     return;
   }
   if (is_waiting_) {
-    report.add("publishers", images_ ? images_->publishers() : info_subscriber_.getNumPublishers());
+    report.add("publishers",
+               images_ ? images_->publishers(0) : info_subscriber_.getNumPublishers());
   }
   report.summary(diagnostic_updater::DiagnosticStatusWrapper::ERROR, problem_);
   complain(problem_);

@@ -36,8 +36,21 @@ StampPlace StampTimeline::place(const ros::Time& stamp) const {
   return {StampPlace::Kind::kLate, last_time_, passed};
 }
 
+std::optional<double> StampTimeline::behind(const ros::Time& stamp) const {
+  if (!last_stamp_) return std::nullopt;
+  const double passed = stamp.toSec() - last_stamp_->toSec();
+  const double with_step = passed + shown_step_;
+  return -(std::abs(with_step) < std::abs(passed) ? with_step : passed);
+}
+
 void StampTimeline::take(const ros::Time& stamp, const StampPlace& place) {
   pending_for_ += place.time - last_time_;
+  shown_for_ += place.time - last_time_;
+  if (shown_for_ > kInFlight) shown_step_ = 0.0;
+  if (place.kind == StampPlace::Kind::kClockStepped) {
+    shown_step_ = place.step;
+    shown_for_ = 0.0;
+  }
   if (place.kind != StampPlace::Kind::kLater || pending_for_ > kInFlight) pending_step_ = 0.0;
   last_stamp_ = stamp;
   last_time_ = place.time;

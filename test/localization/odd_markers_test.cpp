@@ -248,13 +248,16 @@ TEST_F(OddMarkersTest, ASmallOneInItsPlaceIsHeardAgainstManyThatWereMovedAsOne) 
     Localizer localizer(model_, map_, test::onLevelFloor());
     localizer.setPose(truth_);
     const cv::Mat image = render(seen);
+    int poses = 0;
     for (int i = 0; i < 5; ++i) {
       const FrameResult result = localizer.process({kPeriod * i, image, mounting_, std::nullopt});
       if (!result.map_from_base) continue;
+      ++poses;
       EXPECT_TRUE(test::positionError(result.map_from_base->pose, truth_) < 0.02 ||
                   test::deviations(*result.map_from_base, truth_) < 5.0)
           << i;
     }
+    EXPECT_GT(poses, 0);
   }
 }
 

@@ -83,6 +83,29 @@ TEST_F(HealthMonitorTest, MarkersThatWereMovedAsOneAreToldAsOne) {
       "marker tag36h11:8 is 0.50 m from where the map has it");
 }
 
+TEST_F(HealthMonitorTest, OneCameraDoesNotSettleWhatAnotherLacks) {
+  LocalizationStatus front;
+  front.camera = "front";
+  monitor_.imageCame(0);
+  monitor_.transformMissing("no transform from 'back_optical'", "back");
+  monitor_.localized(front, FrameResult(), "");
+  const DiagnosticStatus missing = nextReport("transforms");
+  EXPECT_EQ(missing.level, DiagnosticStatus::ERROR);
+  EXPECT_NE(missing.message.find("back: waiting for tf"), std::string::npos) << missing.message;
+  LocalizationStatus back;
+  back.camera = "back";
+  back.advice = {"focus the lens"};
+  back.has_pose = 1;
+  FrameResult found;
+  found.map_from_base.emplace();
+  monitor_.localized(back, found, "");
+  front.has_pose = 1;
+  front.mode = LocalizationStatus::TRACKING;
+  monitor_.localized(front, found, "");
+  EXPECT_EQ(nextReport("transforms").level, DiagnosticStatus::OK);
+  EXPECT_NE(nextReport("localization").message.find("back: focus the lens"), std::string::npos);
+}
+
 TEST_F(HealthMonitorTest, WarnsOfImagesThatAreLateWhileTheyAre) {
   monitor_.localized(LocalizationStatus(), FrameResult(), "");
   nextReport("images");

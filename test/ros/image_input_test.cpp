@@ -5,6 +5,7 @@
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/image_encodings.h>
 
+#include <algorithm>
 #include <boost/make_shared.hpp>
 #include <cstdint>
 #include <optional>
@@ -63,7 +64,7 @@ TEST_F(ImageInputTest, convertsColorsIntoAnImageOfItsOwn) {
   EXPECT_NE(static_cast<const void*>(received->image.data), sent->data.data());
 }
 
-TEST_F(ImageInputTest, givesTheOldestOfAllSourcesAndDropsOfEach) {
+TEST_F(ImageInputTest, givesTheOneThatHasWaitedLongestAndDropsOfEach) {
   ros::Publisher left = node_.advertise<sensor_msgs::Image>("left", 5);
   ros::Publisher right = node_.advertise<sensor_msgs::Image>("right", 5);
   ImageInput input(node_, ros::NodeHandle("~"), {{"left", "raw"}, {"right", "raw"}}, 2);
@@ -79,7 +80,8 @@ TEST_F(ImageInputTest, givesTheOldestOfAllSourcesAndDropsOfEach) {
   for (const unsigned second : {12U, 14U}) send(left, second);
   while (input.received() < 5) input.serve(0.1);
   EXPECT_EQ(input.dropped(), 1U);
-  for (const unsigned second : {12U, 13U, 14U, 15U}) {
+  // The right one has waited since 11, which gave way.
+  for (const unsigned second : {13U, 12U, 14U, 15U}) {
     const std::optional<ReceivedImage> image = input.next(0.0);
     ASSERT_TRUE(image);
     EXPECT_EQ(image->header.stamp, ros::Time(second, 0));
@@ -88,14 +90,37 @@ TEST_F(ImageInputTest, givesTheOldestOfAllSourcesAndDropsOfEach) {
   EXPECT_FALSE(input.next(0.0));
 }
 
+TEST_F(ImageInputTest, lookedAtRarelyGivesEachSourceItsTurn) {
+  ros::Publisher left = node_.advertise<sensor_msgs::Image>("left", 5);
+  ros::Publisher right = node_.advertise<sensor_msgs::Image>("right", 5);
+  ImageInput input(node_, ros::NodeHandle("~"), {{"left", "raw"}, {"right", "raw"}}, 1);
+  while (left.getNumSubscribers() == 0 || right.getNumSubscribers() == 0) {
+    ros::WallDuration(0.01).sleep();
+  }
+  std::string turns;
+  for (unsigned pair = 0; pair < 6; ++pair) {
+    // A pair comes at the same moment, and there is time for one of the two.
+    for (const ros::Publisher& publisher : {left, right}) {
+      const sensor_msgs::ImagePtr image = blackImage(sensor_msgs::image_encodings::MONO8, 1);
+      image->header.stamp = ros::Time(100 + pair, 0);
+      publisher.publish(image);
+    }
+    while (input.received() < 2 * (pair + 1)) input.serve(0.1);
+    const std::optional<ReceivedImage> image = input.next(0.0);
+    ASSERT_TRUE(image);
+    turns += image->source == 0 ? 'l' : 'r';
+  }
+  EXPECT_EQ(std::count(turns.begin(), turns.end(), 'l'), 3) << turns;
+}
+
 // The health monitor reads these from another thread until the very end.
 TEST_F(ImageInputTest, tellsItsTopicWhenItIsClosed) {
   const std::string topic = input_.topic(0);
   EXPECT_EQ(topic, node_.resolveName("image"));
-  EXPECT_EQ(input_.publishers(), 1U);
+  EXPECT_EQ(input_.publishers(0), 1U);
   input_.close();
   EXPECT_EQ(input_.topic(0), topic);
-  EXPECT_EQ(input_.publishers(), 0U);
+  EXPECT_EQ(input_.publishers(0), 0U);
 }
 
 }  // namespace

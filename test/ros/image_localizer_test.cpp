@@ -136,6 +136,29 @@ TEST_F(ImageLocalizerTest, TakesImagesOfOneCameraThatAnothersOvertook) {
   EXPECT_EQ(localizer_.lateImages(), 3U);
 }
 
+TEST_F(ImageLocalizerTest, KeepsThePoseWhereTheClockOfSeveralCamerasIsSetBack) {
+  LocalizerParameters parameters = this->parameters();
+  parameters.cameras.resize(2);
+  parameters.cameras[0].name = "front";
+  parameters.cameras[1].name = "back";
+  for (const double step : {-5.0, 60.0}) {
+    SCOPED_TRACE(step);
+    localizer_ = ImageLocalizer(parameters, {camera_, camera_});
+    follow();
+    ASSERT_TRUE(localize(100.3, panorama_, 1));
+    localizer_.clockStepped(step);
+    // An image from before, one from after, and one from before that comes last.
+    for (const auto& [stamp, camera] :
+         {std::pair(100.35, 1), std::pair(100.4 + step, 0), std::pair(100.38, 1),
+          std::pair(100.5 + step, 0), std::pair(100.5 + step, 1)}) {
+      const auto localized = localize(stamp, panorama_, static_cast<std::size_t>(camera));
+      ASSERT_TRUE(localized) << stamp;
+      EXPECT_EQ(localized->went_back, 0.0) << stamp;
+      EXPECT_EQ(localized->result.mode, Mode::kTracking) << stamp;
+    }
+  }
+}
+
 TEST_F(ImageLocalizerTest, ASuccessorOfOtherSettingsAndAnotherMapKeepsThePose) {
   follow();
   const auto seen = localize(100.4, panorama_)->result;

@@ -49,10 +49,14 @@ struct DisplacedGroup {
 };
 
 /// Which markers of the map earlier images showed, in their places or elsewhere, and which they did
-/// not show although in view, according to one hypothesis of the robot's poses.
+/// not show although in view, according to one hypothesis of the robot's poses. What a camera shows
+/// or misses is remembered for each camera; where markers hang, for all.
 class MarkerMemory {
  public:
   explicit MarkerMemory(const AttentionConfig& config) : config_(config) {}
+
+  /// The camera whose images the following is about, until another is told.
+  void lookThrough(std::size_t camera) { camera_ = camera; }
 
   /// Adds a marker in its place, seen from the pose of its frame.
   void addSeen(const RememberedSighting& sighting);
@@ -114,12 +118,17 @@ class MarkerMemory {
 
  private:
   static constexpr double kNever = -1e300;
-  struct Record {
+  /// What came of looking for a marker with one camera.
+  struct Looks {
     double seen = kNever;
     double missed = kNever;
     Eigen::Vector3d missed_from = Eigen::Vector3d::Zero();
     /// Since it was last seen.
     int misses = 0;
+  };
+  struct Record {
+    /// By camera; only as far as cameras looked for it.
+    std::vector<Looks> looks;
     std::optional<RememberedSighting> in_place;
     std::optional<RememberedSighting> elsewhere;
     int times_in_place = 0;
@@ -128,11 +137,15 @@ class MarkerMemory {
     std::size_t group = 0;
   };
   Record& of(std::size_t entry);
+  /// What this camera looked for.
+  Looks& looksOf(std::size_t entry);
+  const Looks& looksAt(std::size_t entry) const;
   void addElsewhere(const RememberedSighting& sighting, std::size_t group);
   std::size_t newGroup(const std::optional<Eigen::Isometry3d>& motion);
-  void addFirst(const Record& record, bool is_seen);
+  void addFirst(const Looks& looks, bool is_seen);
 
   AttentionConfig config_;
+  std::size_t camera_ = 0;
   double first_looks_ = 0.0;
   double first_seen_ = 0.0;
   /// By map entry; only as far as entries were looked for.

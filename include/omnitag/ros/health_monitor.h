@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -44,8 +45,8 @@ class HealthMonitor {
   void imageRefused(const std::string& why);
   /// The image was not newer than the previous one.
   void imageLate();
-  /// The image was lost because the mounting was not known.
-  void transformMissing(const std::string& why);
+  /// The camera's image was lost because its mounting was not known.
+  void transformMissing(const std::string& why, const std::string& camera);
   /// tf was read and sent. `failure`: why that was not possible; empty if it was.
   void transformsServed(const std::string& failure);
   /// `conflict`: why no transform is sent, from ParentWatch; empty if all is well.
@@ -65,13 +66,26 @@ class HealthMonitor {
     std::optional<Clock::time_point> last_line;
   };
 
+  /// What is known of a source's images.
+  struct Arrival {
+    std::uint64_t received = 0;
+    std::optional<Clock::time_point> last;
+    /// The same by ROS's clock.
+    ros::Time last_time;
+    /// Why the last one was refused; empty if it was not.
+    std::string refusal;
+  };
   /// Notes when an image came from the last source, and when it was done with: a simulated clock
   /// may reach its stamp only in between.
-  void imageIsHere();
-  /// Why a source's images are missed; empty if they are not.
-  std::string whatIsMissing() const;
-  /// Whether ROS's clock has hardly moved since the last image, as while a bag is paused.
-  bool isPaused() const;
+  void imageIsHere(const std::string& refusal = "");
+  /// Also counts images that gave way to newer ones before they were looked at.
+  void noteArrivals();
+  /// What is wrong with images or missed of them, for all sources; empty if nothing is.
+  std::string problemOfImages() const;
+  /// Whether ROS's clock has hardly moved since a source's last image, as while a bag is paused.
+  static bool isPaused(const Arrival& arrival);
+  /// Whether all sources have been silent for some time.
+  bool areAllSilent() const;
   void reportImages(Report& report);
   void reportTransforms(Report& report);
   void reportLocalization(Report& report);
@@ -106,10 +120,11 @@ class HealthMonitor {
   Clock::time_point last_report_;
   std::uint64_t received_at_last_report_ = 0;
   /// By source.
-  std::vector<std::optional<Clock::time_point>> last_images_;
+  std::vector<Arrival> arrivals_;
   std::size_t last_source_ = 0;
-  /// Of the last image, by ROS's clock.
-  ros::Time last_image_time_;
+  /// By camera: what its images lack of transforms, and advice.
+  std::map<std::string, std::string> missing_transforms_;
+  std::map<std::string, std::string> advice_of_;
   std::uint64_t refused_images_ = 0;
   std::uint64_t late_images_ = 0;
   std::uint64_t late_at_last_report_ = 0;

@@ -32,11 +32,11 @@ struct ReceivedImage {
   std::function<cv_bridge::CvImageConstPtr()> decode;
 };
 
-/// Subscribes to images and hands them on one by one, to one thread: of those that wait, the one
-/// with the oldest stamp. While images of a source wait, the oldest give way to newer ones and are
-/// counted. How many images this process received and dropped is known exactly, unless the thread
-/// stays away for more than a second. How many the network or the sender dropped is not, since
-/// neither stamps nor sequence numbers show it.
+/// Subscribes to images and hands them on one by one, to one thread: of the sources that
+/// have some, the one that has waited since the oldest stamp. While images of a source wait, the
+/// oldest give way to newer ones and are counted. How many images this process received and dropped
+/// is known exactly, unless the thread stays away for more than a second. How many the network or
+/// the sender dropped is not, since neither stamps nor sequence numbers show it.
 ///
 /// Messages arrive on a queue of its own, which that thread serves itself: a nodelet manager would
 /// wake two of its threads for each message first.
@@ -63,9 +63,9 @@ class ImageInput {
   /// The following are safe to call from any thread, also while the input is being closed.
   const std::string& topic(std::size_t source) const { return topics_[source]; }
   std::size_t sources() const { return topics_.size(); }
-  /// Of the source that has the fewest.
-  std::uint32_t publishers() const;
-  std::uint64_t received() const { return received_; }
+  std::uint32_t publishers(std::size_t source) const;
+  std::uint64_t received(std::size_t source) const { return waiting_[source].received; }
+  std::uint64_t received() const;
   std::uint64_t dropped() const { return dropped_; }
 
  private:
@@ -85,9 +85,14 @@ class ImageInput {
   std::vector<Subscription> subscriptions_;
   std::vector<std::string> topics_;
 
-  /// By source.
-  std::vector<std::deque<ReceivedImage>> waiting_;
-  std::atomic<std::uint64_t> received_ = 0;
+  /// What waits of a source, and the stamp of the first image that came since its last turn: a
+  /// source whose images always give way to newer ones still gets its turn.
+  struct Waiting {
+    std::deque<ReceivedImage> images;
+    ros::Time since;
+    std::atomic<std::uint64_t> received = 0;
+  };
+  std::vector<Waiting> waiting_;
   std::atomic<std::uint64_t> dropped_ = 0;
   std::atomic<bool> is_closed_ = false;
 };

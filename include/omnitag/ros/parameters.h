@@ -21,9 +21,9 @@ struct FrameNames {
 
 /// One of the robot's cameras.
 struct CameraParameters {
-  /// In messages and topics; empty for the only one.
+  /// In messages and topics; empty where there is no list of cameras.
   std::string name;
-  /// Empty, which only a single camera's may be: `camera_info` beside the images describes it.
+  /// Empty, only where there is no list: `camera_info` beside the images describes it.
   std::string camera_file;
   /// Topic of its images, which other cameras may share; and the transport in which they come, as
   /// image_transport calls it.
@@ -80,8 +80,8 @@ struct LocalizerParameters {
   double robot_radius = 0.2;
 
   LocalizerConfig localizer;
-  /// Whether messages and topics name the camera.
-  bool hasSeveralCameras() const { return cameras.size() > 1; }
+  /// Whether there is a list `cameras`, so that messages and topics name the camera.
+  bool hasCameraList() const { return !cameras.front().name.empty(); }
 
   /// Whether the map is extended by markers that it lacks, and how.
   bool mapping = false;

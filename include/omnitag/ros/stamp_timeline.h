@@ -37,6 +37,13 @@ class StampTimeline {
   /// Where an image that comes now would belong.
   StampPlace place(const ros::Time& stamp) const;
 
+  /// s by which a stamp lies behind the last one, negative if after it; nothing before the first
+  /// one. Among cameras, stamps from before the clock was set and after it come mixed for a while.
+  std::optional<double> behind(const ros::Time& stamp) const;
+
+  /// s, on the timeline, of the last image.
+  double lastTime() const { return last_time_; }
+
   /// Takes the image that belongs there; not to be called for a late one.
   void take(const ros::Time& stamp, const StampPlace& place);
 
@@ -47,6 +54,9 @@ class StampTimeline {
   /// s by which the clock was set without a stamp showing it yet, and how long ago on the timeline.
   double pending_step_ = 0.0;
   double pending_for_ = 0.0;
+  /// The step that a stamp has shown, and how long ago on the timeline.
+  double shown_step_ = 0.0;
+  double shown_for_ = 0.0;
 };
 
 }  // namespace omnitag

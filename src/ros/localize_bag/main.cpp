@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <exception>
 #include <iostream>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -34,8 +35,8 @@ struct Summary {
   std::size_t markers = 0;
   std::vector<double> milliseconds;
   std::string first_problem;
-  /// As of the last frame.
-  std::vector<std::string> advice;
+  /// As of the last frame of each camera.
+  std::map<std::string, std::vector<std::string>> advice;
 
   void add(const LocalizedImage& localized) {
     ++frames;
@@ -43,7 +44,7 @@ struct Summary {
     without_odometry += localized.input.odometry_problem.empty() ? 0 : 1;
     markers += static_cast<std::size_t>(localized.result.acceptedMarkers());
     milliseconds.push_back(1e3 * localized.result.timings.total);
-    advice = localized.result.advice;
+    advice[localized.camera_name] = localized.result.advice;
   }
 };
 
@@ -60,8 +61,12 @@ void print(const Summary& summary, std::uint64_t late) {
   if (summary.without_odometry > 0) {
     std::printf("without odometry:  %zu\n", summary.without_odometry);
   }
-  for (const std::string& line : summary.advice)
-    std::printf("advice:            %s\n", line.c_str());
+  for (const auto& [camera, lines] : summary.advice) {
+    for (const std::string& line : lines) {
+      std::printf("advice:            %s%s\n", camera.empty() ? "" : (camera + ": ").c_str(),
+                  line.c_str());
+    }
+  }
   if (late > 0) std::printf("late, left out:    %llu\n", static_cast<unsigned long long>(late));
 }
 

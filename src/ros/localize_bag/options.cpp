@@ -109,7 +109,7 @@ LocalizerParameters parametersOf(const BagOptions& options) {
   if (!options.params.empty()) {
     parameters = readParameters(YamlReader::fromFile(options.params));
   }
-  if (parameters.hasSeveralCameras()) {
+  if (parameters.hasCameraList()) {
     const auto refuse = [](const std::string& option) {
       throw InputError(option + ": expected no such option, as --params has `cameras`");
     };

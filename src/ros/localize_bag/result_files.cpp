@@ -57,13 +57,15 @@ void ResultFiles::add(const ros::Time& stamp, const LocalizedImage& localized,
   const FrameResult& result = localized.result;
   for (const MarkerDetection& detection : result.detections) addDetection(stamp, detection, map);
   poses_.stream << stampOf(stamp);
+  if (localized.is_newest) {
+    writePose();
+    last_stamp_ = stamp;
+  }
   const auto estimate = result.map_from_base ? std::optional(result.publishedPose()) : std::nullopt;
   if (estimate) {
     const Pose& pose = estimate->pose;
     const Eigen::Quaterniond rotation(pose.toIsometry().linear());
-    if (localized.is_newest) writePose();
-    if (localized.is_newest || stamp == last_stamp_) {
-      last_stamp_ = stamp;
+    if (stamp == last_stamp_) {
       last_line_ = stampOf(stamp);
       for (const double value :
            {pose.x, pose.y, pose.z, rotation.x(), rotation.y(), rotation.z(), rotation.w()}) {
