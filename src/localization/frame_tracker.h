@@ -88,10 +88,10 @@ class FrameTracker {
   /// Whether the solution is off the prediction, or leaves out some that were found, while too few
   /// agree with it sharply to be sure that they hang in their places.
   bool isDoubtful() const;
-  /// Looks for the patterns of all again from a pose, or of those that do not agree sharply with the
-  /// solution, far around and however slanted they are, and solves again: markers that were recognized from a wrong pose are drawn a little toward that
-  /// pose. If that finds more, also looks for the others again. Keeps the old state if no pose
-  /// agrees then.
+  /// Looks for the patterns of all again from a pose, or of those that do not agree sharply with
+  /// the solution, far around and however slanted they are, and solves again: markers that were
+  /// recognized from a wrong pose are drawn a little toward that pose. If that finds more, also
+  /// looks for the others again. Keeps the old state if no pose agrees then.
   void lookAgain(const Pose& pose, bool are_all);
   bool recognizes() const { return tools_.config.estimation.kind == EstimatorKind::kPhotometric; }
   PoseModel poseModel() const { return tools_.config.motion.pose_model; }
