@@ -31,7 +31,10 @@ double seconds(std::chrono::steady_clock::duration duration) {
 std::string joined(const std::map<std::string, std::string>& by_camera) {
   std::vector<std::string> parts;
   for (const auto& [camera, text] : by_camera) {
-    if (!text.empty()) parts.push_back(camera.empty() ? text : camera + ": " + text);
+    if (text.empty()) continue;
+    std::string& part = parts.emplace_back(camera);
+    if (!camera.empty()) part += ": ";
+    part += text;
   }
   return boost::algorithm::join(parts, "; ");
 }
@@ -152,17 +155,21 @@ void HealthMonitor::parentChecked(const std::string& conflict) {
   update(&parent_, conflict, "tf has no other parent of what is sent", ros::console::levels::Error);
 }
 
+void HealthMonitor::noteStatus(const LocalizationStatus& status) {
+  const bool has_pose = status.has_pose != 0;
+  const bool is_tracked = has_pose && status.markers_used > 0;
+  const bool is_recent = last_tracked_ && seconds(Clock::now() - *last_tracked_) < kTracked;
+  if (is_tracked) last_tracked_ = Clock::now();
+  // A camera that sees no marker is no trouble while another does.
+  const bool is_left_to_another = has_pose && !is_tracked && !status.camera.empty() && is_recent;
+  if (!is_left_to_another) last_status_ = status;
+}
+
 void HealthMonitor::localized(const LocalizationStatus& status, const FrameResult& result,
                               const std::string& odometry_problem) {
   const std::lock_guard<std::mutex> lock(mutex_);
   imageIsHere();
-  // A camera that sees no marker is no trouble while another does.
-  const bool is_tracked = status.has_pose && status.markers_used > 0;
-  const bool is_left_to_another = status.has_pose && !is_tracked && last_tracked_ &&
-                                  !status.camera.empty() &&
-                                  seconds(Clock::now() - *last_tracked_) < kTracked;
-  if (is_tracked) last_tracked_ = Clock::now();
-  if (!is_left_to_another) last_status_ = status;
+  noteStatus(status);
   last_pose_ = result.map_from_base;
   update(&images_, problemOfImages(), "images are coming");
   missing_transforms_[status.camera] =

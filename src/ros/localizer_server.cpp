@@ -84,6 +84,33 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
       map_publisher_(node, localizer_.frames().map, parameters_.publish_marker_tf),
       pose_keeper_(node, name_, parameters_.pose_file, parameters_.save_pose_period),
       health_(node, private_node, input_, localizer_.map()) {
+  advertise();
+  map_services_.emplace(node_, name_, !parameters_.frames.map.empty(), &settings_);
+  tuning_ = std::make_unique<LiveTuning>(private_node, name_, parameters_.localizer, &settings_,
+                                         [this](bool enabled) { is_enabled_ = enabled; });
+  if (parameters_.drag_markers) {
+    marker_dragging_ = std::make_unique<MarkerDragging>(node_.resolveName("edit_map"), name_,
+                                                        localizer_.frames().map, &settings_,
+                                                        [this] { return saveMap(); });
+  }
+  map_publisher_.publish(localizer_.map(), localizer_.ignoredMarkers());
+  takeSavedPose();
+
+  announce(cameras);
+  thread_ = std::thread(&LocalizerServer::run, this);
+}
+
+void LocalizerServer::announce(const std::vector<DescribedCamera>& cameras) const {
+  std::string text = name_ + ": ";
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    text += "camera " + cameras[i].origin + ", images from " +
+            input_.topic(sourceOf(parameters_.cameras[i], sources_)) + "; ";
+  }
+  text += std::to_string(localizer_.map().markers.size()) + " markers of " + parameters_.map_file;
+  ROS_INFO_STREAM(text);
+}
+
+void LocalizerServer::advertise() {
   constexpr uint32_t kTransformQueue = 100;
   transform_publisher_ = node_.advertise<tf2_msgs::TFMessage>("/tf", kTransformQueue);
   pose_publisher_ = node_.advertise<geometry_msgs::PoseStamped>("pose", 10);
@@ -100,8 +127,8 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
         const std::lock_guard<std::mutex> lock(map_mutex_);
         subscriber.publish(map_drawing_.markers());
       });
-  for (std::size_t i = 0; i < cameras.size(); ++i) {
-    debug_image_painters_.emplace_back(cameras[i].model, localizer_.map());
+  for (std::size_t i = 0; i < parameters_.cameras.size(); ++i) {
+    debug_image_painters_.emplace_back(localizer_.cameras()[i], localizer_.map());
     debug_image_publishers_.push_back(
         image_transport_.advertise(debugImageTopic(parameters_.cameras[i].name), 1));
   }
@@ -119,25 +146,6 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
             onSaveMap(&response);
             return true;
           });
-
-  map_services_.emplace(node_, name_, !parameters_.frames.map.empty(), &settings_);
-  tuning_ = std::make_unique<LiveTuning>(private_node, name_, parameters_.localizer, &settings_,
-                                         [this](bool enabled) { is_enabled_ = enabled; });
-  if (parameters_.drag_markers) {
-    marker_dragging_ = std::make_unique<MarkerDragging>(node_.resolveName("edit_map"), name_,
-                                                        localizer_.frames().map, &settings_,
-                                                        [this] { return saveMap(); });
-  }
-  map_publisher_.publish(localizer_.map(), localizer_.ignoredMarkers());
-  takeSavedPose();
-
-  for (std::size_t i = 0; i < cameras.size(); ++i) {
-    ROS_INFO_STREAM(name_ << ": camera " << cameras[i].origin << ", images from "
-                          << input_.topic(sourceOf(parameters_.cameras[i], sources_)));
-  }
-  ROS_INFO_STREAM(name_ << ": " << localizer_.map().markers.size() << " markers of "
-                        << parameters_.map_file);
-  thread_ = std::thread(&LocalizerServer::run, this);
 }
 
 LocalizerServer::~LocalizerServer() {

@@ -86,6 +86,7 @@ class HealthMonitor {
   static bool isPaused(const Arrival& arrival);
   /// Whether all sources have been silent for some time.
   bool areAllSilent() const;
+  void noteStatus(const LocalizationStatus& status);
   void reportImages(Report& report);
   void reportTransforms(Report& report);
   void reportLocalization(Report& report);

@@ -53,6 +53,10 @@ class LocalizerServer {
   LocalizerServer& operator=(const LocalizerServer&) = delete;
 
  private:
+  /// The topics and services of its own.
+  void advertise();
+  /// In the log, what it starts with.
+  void announce(const std::vector<DescribedCamera>& cameras) const;
   void run();
   /// What must be done whether images come or not: the clock, tf, repeating map -> odom.
   void keepUp();

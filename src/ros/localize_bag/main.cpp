@@ -117,18 +117,39 @@ void checkSpan(const BagOptions& options, const BagInput& input) {
                    boost::algorithm::join(options.bags, ", "));
 }
 
-void run(const BagOptions& options) {
-  const LocalizerParameters parameters = parametersOf(options);
+/// Counts a frame, and warns of what is odd about it.
+void note(const LocalizedImage& localized, const std::string& stamp, const Progress& progress,
+          Summary* summary) {
+  if (localized.went_back > 0.0) progress.warn(stamp + ": stamps went back: started anew");
+  const std::string& odometry_problem = localized.input.odometry_problem;
+  if (!odometry_problem.empty() && summary->without_odometry < kMaxWarnings) {
+    progress.warn(stamp + ": " + odometry_problem);
+  }
+  summary->add(localized);
+}
+
+std::vector<std::string> topicsOf(const LocalizerParameters& parameters) {
   std::vector<std::string> topics;
   for (const CameraParameters& camera : parameters.cameras) topics.push_back(camera.image);
+  return topics;
+}
+
+std::vector<DescribedCamera> camerasOf(const LocalizerParameters& parameters,
+                                       const BagInput& input) {
+  std::vector<DescribedCamera> cameras;
+  for (std::size_t i = 0; i < parameters.cameras.size(); ++i) {
+    cameras.push_back(input.cameraOf(parameters.cameras[i].camera_file, i));
+  }
+  return cameras;
+}
+
+void run(const BagOptions& options) {
+  const LocalizerParameters parameters = parametersOf(options);
+  const std::vector<std::string> topics = topicsOf(parameters);
   BagInput input(options.bags, topics, options.span);
   checkSpan(options, input);
   mountCamera(options, parameters, &input);
-  std::vector<DescribedCamera> cameras;
-  for (std::size_t i = 0; i < topics.size(); ++i) {
-    cameras.push_back(input.cameraOf(parameters.cameras[i].camera_file, i));
-  }
-  ImageLocalizer localizer(parameters, cameras);
+  ImageLocalizer localizer(parameters, camerasOf(parameters, input));
   ResultFiles files(options.trajectory, options.poses, options.detections);
   std::optional<ResultBag> output;
   openOutput(options, parameters, input, localizer, &output);
@@ -145,14 +166,7 @@ void run(const BagOptions& options) {
       const std::optional<LocalizedImage> localized = localizer.localize(
           image, input.transforms(), {output.has_value(), output.has_value()}, camera);
       if (localized) {
-        if (localized->went_back > 0.0) {
-          progress.warn(stampText(stamp) + ": stamps went back: started anew");
-        }
-        const std::string& odometry_problem = localized->input.odometry_problem;
-        if (!odometry_problem.empty() && summary.without_odometry < kMaxWarnings) {
-          progress.warn(stampText(stamp) + ": " + odometry_problem);
-        }
-        summary.add(*localized);
+        note(*localized, stampText(stamp), progress, &summary);
         files.add(stamp, *localized, localizer.map());
         if (output) output->add(message.getTime(), *localized, localizer);
       }
