@@ -18,6 +18,8 @@ namespace {
 constexpr double kReportPeriod = 1.0;
 /// s without an image until the camera counts as gone.
 constexpr double kImageTimeout = 3.0;
+/// s after the start in which images need not have come.
+constexpr double kStart = 0.9 * kReportPeriod;
 /// s for which a pose counts as that of markers, whichever camera showed them.
 constexpr double kTracked = 1.0;
 /// s between two log lines about the same lasting problem.
@@ -217,6 +219,8 @@ std::string HealthMonitor::problemOfImages() const {
     const std::string topic =
         input_.topic(source) + " (" + std::to_string(input_.publishers(source)) + " publishers)";
     if (!arrival.last) {
+      // Of several, one is always the first.
+      if (seconds(now - start_) < kStart) continue;
       problems.push_back("waiting for the first image on " + topic);
     } else if (seconds(now - *arrival.last) > kImageTimeout && !isPaused(arrival)) {
       problems.push_back("waiting for images on " + topic + ", none for " +

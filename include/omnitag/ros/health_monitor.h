@@ -102,7 +102,8 @@ class HealthMonitor {
   void settle(Subject* subject, const std::string& all_is_well);
 
   const ImageInput& input_;
-  std::string name_;
+  const std::string name_;
+  const Clock::time_point start_ = Clock::now();
 
   std::mutex mutex_;
   MarkerMap map_;
