@@ -216,7 +216,8 @@ void Localizer::learnFrom(const Frame& frame, const MountedCamera& camera, bool 
   result->image_lag = image_lag_.lag();
   if (was_searched) learnBlur(frame, camera, result);
   if (!result->map_from_base || result->is_open) return;
-  if (result->disagreement.freedom > 0.0) knowledge.disagreement.add(result->disagreement);
+  if (was_tracked_ && result->disagreement.freedom > 0.0)
+    knowledge.disagreement.add(result->disagreement);
   // Mapping takes what images show whose own markers give the pose.
   const bool is_settled = was_tracked_ || (config_.exploring_views == 0 && isSeenByAnother(frame));
   if (was_searched || !is_settled) return;
