@@ -86,16 +86,14 @@ std::vector<Account> Localizer::track(const Frame& frame, const MountedCamera& c
   std::vector<PoseEstimate> others;
   const std::optional<PoseEstimate> pose =
       followMarkers(tools, frame, camera, predicted, is_likeliest, &result, seen, &others);
+  // A camera that looks at a bare wall, or is covered, leaves the search to one that is not.
+  const bool is_blind = !pose && contradictions(result, map_) == 0 && isSeenByAnother(frame);
   const auto lookForIt = [&](bool is_refuted) -> std::vector<Account> {
-    if (is_likeliest) return lookFor(frame, camera, std::move(account), predicted, is_refuted);
+    if (is_likeliest && !is_blind)
+      return lookFor(frame, camera, std::move(account), predicted, is_refuted);
     carryOn(predicted, is_refuted, map_, &result);
     return {std::move(account)};
   };
-  if (!pose && contradictions(result, map_) == 0 && isSeenByAnother(frame)) {
-    // This camera looks at a bare wall, or is covered.
-    carryOn(predicted, false, map_, &result);
-    return {std::move(account)};
-  }
   // If most of the readings contradict, the prediction itself is in doubt.
   if (!pose || contradictions(result, map_) > result.acceptedMarkers()) return lookForIt(false);
   if (!markersAgree(camera, predicted, pose->pose, result)) return lookForIt(true);

@@ -27,6 +27,27 @@ sensor_msgs::ImagePtr blackImage(const std::string& encoding, std::uint32_t byte
   return image;
 }
 
+/// Two topics, both connected.
+struct TwoSources {
+  explicit TwoSources(int queue_size)
+      : input(node, ros::NodeHandle("~"), {{"left", "raw"}, {"right", "raw"}}, queue_size) {
+    while (left.getNumSubscribers() == 0 || right.getNumSubscribers() == 0) {
+      ros::WallDuration(0.01).sleep();
+    }
+  }
+
+  static void send(const ros::Publisher& publisher, unsigned second) {
+    const sensor_msgs::ImagePtr image = blackImage(sensor_msgs::image_encodings::MONO8, 1);
+    image->header.stamp = ros::Time(second, 0);
+    publisher.publish(image);
+  }
+
+  ros::NodeHandle node;
+  ros::Publisher left = node.advertise<sensor_msgs::Image>("left", 5);
+  ros::Publisher right = node.advertise<sensor_msgs::Image>("right", 5);
+  ImageInput input;
+};
+
 class ImageInputTest : public testing::Test {
  protected:
   ImageInputTest()
@@ -65,48 +86,32 @@ TEST_F(ImageInputTest, convertsColorsIntoAnImageOfItsOwn) {
 }
 
 TEST_F(ImageInputTest, givesTheOneThatHasWaitedLongestAndDropsOfEach) {
-  ros::Publisher left = node_.advertise<sensor_msgs::Image>("left", 5);
-  ros::Publisher right = node_.advertise<sensor_msgs::Image>("right", 5);
-  ImageInput input(node_, ros::NodeHandle("~"), {{"left", "raw"}, {"right", "raw"}}, 2);
-  while (left.getNumSubscribers() == 0 || right.getNumSubscribers() == 0) {
-    ros::WallDuration(0.01).sleep();
-  }
-  const auto send = [](const ros::Publisher& publisher, unsigned second) {
-    const sensor_msgs::ImagePtr image = blackImage(sensor_msgs::image_encodings::MONO8, 1);
-    image->header.stamp = ros::Time(second, 0);
-    publisher.publish(image);
-  };
-  for (const unsigned second : {11U, 13U, 15U}) send(right, second);
-  for (const unsigned second : {12U, 14U}) send(left, second);
-  while (input.received() < 5) input.serve(0.1);
-  EXPECT_EQ(input.dropped(), 1U);
+  TwoSources two(2);
+  for (const unsigned second : {11U, 13U, 15U}) TwoSources::send(two.right, second);
+  for (const unsigned second : {12U, 14U}) TwoSources::send(two.left, second);
+  while (two.input.received() < 5) two.input.serve(0.1);
+  EXPECT_EQ(two.input.dropped(), 1U);
   // The right one has waited since 11, which gave way.
   for (const unsigned second : {13U, 12U, 14U, 15U}) {
-    const std::optional<ReceivedImage> image = input.next(0.0);
+    const std::optional<ReceivedImage> image = two.input.next(0.0);
     ASSERT_TRUE(image);
     EXPECT_EQ(image->header.stamp, ros::Time(second, 0));
-    EXPECT_EQ(input.topic(image->source), node_.resolveName(second % 2 == 0 ? "left" : "right"));
+    EXPECT_EQ(two.input.topic(image->source),
+              node_.resolveName(second % 2 == 0 ? "left" : "right"));
   }
-  EXPECT_FALSE(input.next(0.0));
+  EXPECT_FALSE(two.input.next(0.0));
 }
 
 TEST_F(ImageInputTest, lookedAtRarelyGivesEachSourceItsTurn) {
-  ros::Publisher left = node_.advertise<sensor_msgs::Image>("left", 5);
-  ros::Publisher right = node_.advertise<sensor_msgs::Image>("right", 5);
-  ImageInput input(node_, ros::NodeHandle("~"), {{"left", "raw"}, {"right", "raw"}}, 1);
-  while (left.getNumSubscribers() == 0 || right.getNumSubscribers() == 0) {
-    ros::WallDuration(0.01).sleep();
-  }
+  TwoSources two(1);
   std::string turns;
   for (unsigned pair = 0; pair < 6; ++pair) {
     // A pair comes at the same moment, and there is time for one of the two.
-    for (const ros::Publisher& publisher : {left, right}) {
-      const sensor_msgs::ImagePtr image = blackImage(sensor_msgs::image_encodings::MONO8, 1);
-      image->header.stamp = ros::Time(100 + pair, 0);
-      publisher.publish(image);
+    for (const ros::Publisher& publisher : {two.left, two.right}) {
+      TwoSources::send(publisher, 100 + pair);
     }
-    while (input.received() < 2 * (pair + 1)) input.serve(0.1);
-    const std::optional<ReceivedImage> image = input.next(0.0);
+    while (two.input.received() < 2 * (pair + 1)) two.input.serve(0.1);
+    const std::optional<ReceivedImage> image = two.input.next(0.0);
     ASSERT_TRUE(image);
     turns += image->source == 0 ? 'l' : 'r';
   }

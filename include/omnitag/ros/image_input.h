@@ -32,8 +32,8 @@ struct ReceivedImage {
   std::function<cv_bridge::CvImageConstPtr()> decode;
 };
 
-/// Subscribes to images and hands them on one by one, to one thread: of the sources that
-/// have some, the one that has waited since the oldest stamp. While images of a source wait, the
+/// Subscribes to images and hands them on one by one, to one thread: of the sources that have
+/// some, the one that has waited since the oldest stamp. While images of a source wait, the
 /// oldest give way to newer ones and are counted. How many images this process received and dropped
 /// is known exactly, unless the thread stays away for more than a second. How many the network or
 /// the sender dropped is not, since neither stamps nor sequence numbers show it.
@@ -81,6 +81,7 @@ class ImageInput {
     image_transport::Subscriber subscriber;
     ros::Subscriber compressed_subscriber;
   };
+  /// Guards the subscriptions.
   mutable std::mutex subscriber_mutex_;
   std::vector<Subscription> subscriptions_;
   std::vector<std::string> topics_;

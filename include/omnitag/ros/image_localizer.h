@@ -48,8 +48,8 @@ struct LocalizedImage {
 /// same poses. Not safe to use from two threads at once.
 class ImageLocalizer {
  public:
-  /// Loads the map. Throws InputError if the map or a parameter is wrong.
-  /// `cameras`: those of the parameters, in their order.
+  /// Loads the map. `cameras`: those of the parameters, in their order. Throws InputError if the
+  /// map or a parameter is wrong.
   ImageLocalizer(const LocalizerParameters& parameters,
                  const std::vector<DescribedCamera>& cameras);
 

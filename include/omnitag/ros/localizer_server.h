@@ -42,9 +42,8 @@ namespace omnitag {
 /// does all the work, so that the newest image waits for nothing else.
 class LocalizerServer {
  public:
-  /// `parameters`: those of `private_node`. Throws InputError with one line if one of them or the
-  /// map is wrong.
-  /// `cameras`: of the parameters, in their order.
+  /// `parameters`: those of `private_node`. `cameras`: theirs, in their order. Throws InputError
+  /// with one line if one of them or the map is wrong.
   LocalizerServer(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
                   const LocalizerParameters& parameters,
                   const std::vector<DescribedCamera>& cameras);

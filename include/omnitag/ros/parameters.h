@@ -80,12 +80,13 @@ struct LocalizerParameters {
   double robot_radius = 0.2;
 
   LocalizerConfig localizer;
-  /// Whether there is a list `cameras`, so that messages and topics name the camera.
-  bool hasCameraList() const { return !cameras.front().name.empty(); }
 
   /// Whether the map is extended by markers that it lacks, and how.
   bool mapping = false;
   MarkerMapperConfig mapper;
+
+  /// Whether there is a list `cameras`, so that messages and topics name the camera.
+  bool hasCameraList() const { return !cameras.front().name.empty(); }
 };
 
 /// Reads every parameter from a mapping; absent ones keep their defaults. Throws InputError with
