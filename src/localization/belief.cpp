@@ -162,6 +162,14 @@ std::vector<WeightedPose> weighted(const std::vector<Account>& accounts) {
   return poses;
 }
 
+/// How many times likelier than the other a hypothesis must be for the other to be given up.
+double oddsBetween(const Hypothesis& a, const Hypothesis& b, const EvidenceConfig& config) {
+  const auto isOfStart = [](const Hypothesis& hypothesis) {
+    return hypothesis.isWithinStart() && hypothesis.log_of_carried == 0.0;
+  };
+  return isOfStart(a) && isOfStart(b) ? std::max(config.odds, config.odds_at_start) : config.odds;
+}
+
 }  // namespace
 
 std::vector<Account> judged(std::vector<Account> accounts, const MountedCamera& camera,
@@ -178,9 +186,12 @@ std::vector<Account> judged(std::vector<Account> accounts, const MountedCamera& 
     return a.log_probability > b.log_probability;
   });
   std::vector<Account> kept;
-  const double least = accounts.front().log_probability - std::log(evidence.config().odds);
+  const double most = accounts.front().log_probability;
   for (Account& account : accounts) {
-    if (account.log_probability < least || kept.size() == kMostHypotheses) break;
+    if (kept.size() == kMostHypotheses) break;
+    const Hypothesis& likeliest = kept.empty() ? account.hypothesis : kept.front().hypothesis;
+    const double odds = oddsBetween(likeliest, account.hypothesis, evidence.config());
+    if (account.log_probability < most - std::log(odds)) continue;
     const bool is_double = std::any_of(kept.begin(), kept.end(), [&account](const Account& other) {
       return haveSamePose(account, other);
     });

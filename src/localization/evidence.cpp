@@ -33,8 +33,8 @@ double lengthOfTree(std::vector<Eigen::Vector3d> points, double shortest) {
 
 EvidenceConfig readEvidenceConfig(const YamlReader& reader) {
   reader.allowOnly({"carried", "carried_without_odometry", "misread", "moved", "moved_per_second",
-                    "together", "missed", "mistaken_start", "mistaken", "odds", "open_deviation",
-                    "in_place"});
+                    "together", "missed", "mistaken_start", "mistaken", "odds", "odds_at_start",
+                    "open_deviation", "in_place"});
   constexpr Interval kProbability{1e-30, 1.0};
   EvidenceConfig config;
   reader.read("carried", &config.carried, kProbability);
@@ -48,6 +48,7 @@ EvidenceConfig readEvidenceConfig(const YamlReader& reader) {
   reader.read("missed", &config.missed, kProbability);
   reader.read("in_place", &config.in_place, kPositive);
   reader.read("odds", &config.odds, {1.0, 1e30});
+  reader.read("odds_at_start", &config.odds_at_start, {1.0, 1e30});
   reader.read("open_deviation", &config.open_deviation, kNonNegative);
   return config;
 }

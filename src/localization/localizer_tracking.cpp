@@ -46,10 +46,8 @@ PoseEstimate predictionFrom(const PoseEstimate& alternative) {
 
 /// Whether markers lead so far from a given pose that they may rather hang elsewhere.
 bool isFarFromStart(const Account& account, const Hypothesis& before) {
-  constexpr double kFar = 4.0;  // standard deviations, exceeded once in a thousand
   const Hypothesis& hypothesis = account.hypothesis;
-  return hypothesis.start && before.memory.countInPlace() == 0 &&
-         deviationsOfStart(*hypothesis.start, hypothesis.start_error) > kFar;
+  return hypothesis.start && before.memory.countInPlace() == 0 && !hypothesis.isWithinStart();
 }
 
 }  // namespace

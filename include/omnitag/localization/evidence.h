@@ -40,6 +40,10 @@ struct EvidenceConfig {
   double in_place = 2.5;
   /// How many times likelier than another a hypothesis must be for the other to be given up.
   double odds = 100.0;
+  /// The same between two that a pose from outside leaves open: which of two groups was moved then
+  /// rests on their sizes alone. With 100, one marker in its place against five that were moved as
+  /// one is given up, and the pose is as wrong as they are far (group_study).
+  double odds_at_start = 1e4;
   /// m: while two hypotheses are possible, the likelier one is published with a covariance that
   /// covers the other, unless its deviation is then larger than this.
   double open_deviation = 0.25;

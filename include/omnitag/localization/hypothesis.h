@@ -29,6 +29,9 @@ struct Hypothesis {
   /// From now on its poses derive from `pose`, or from markers if there is none.
   void restart(const std::optional<PosePrior>& pose);
 
+  /// Whether its poses derive from one from outside, and are where that leaves open.
+  bool isWithinStart() const;
+
   /// Natural logarithm of its probability, up to a constant that all hypotheses share.
   double logProbability(const Evidence& evidence) const;
 };
