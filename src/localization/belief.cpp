@@ -135,6 +135,23 @@ bool haveSamePose(const Account& a, const Account& b) {
   return apart.head<3>().cwiseAbs().maxCoeff() < kNear;
 }
 
+/// Drops poses that a search found where the markers of another account are tracked: that one knows
+/// what earlier images showed from there.
+void dropFoundAgain(std::vector<Account>* accounts) {
+  const std::vector<Account>& all = *accounts;
+  std::vector<Account> kept;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(kept), [&all](const Account& account) {
+    const auto& pose = account.result.map_from_base;
+    if (!account.is_of_search || !pose) return true;
+    return std::none_of(all.begin(), all.end(), [&pose](const Account& other) {
+      const auto& there = other.result.map_from_base;
+      const bool is_tracked = !other.is_of_search && there && other.result.acceptedMarkers() > 0;
+      return is_tracked && agree(*pose, *there);
+    });
+  });
+  *accounts = std::move(kept);
+}
+
 /// A pose, widened to cover another one that has this probability.
 PoseEstimate covering(const PoseEstimate& pose, const PoseEstimate& other, double probability) {
   // The markers of the other pose may be a little off, too, when two poses contend.
@@ -174,12 +191,17 @@ double oddsBetween(const Hypothesis& a, const Hypothesis& b, const EvidenceConfi
 
 std::vector<Account> judged(std::vector<Account> accounts, const MountedCamera& camera,
                             const Evidence& evidence) {
+  dropFoundAgain(&accounts);
   exchangeSightings(&accounts);
   for (Account& account : accounts) {
     const double missed = account.is_of_search ? 0.0
                                                : evidence.logOfMissed(account.result.missed,
                                                                       account.hypothesis.memory);
+    Hypothesis& hypothesis = account.hypothesis;
+    const double before = evidence.logOfPlaces(hypothesis.memory);
     remember(camera, evidence, accounts, &account);
+    const double returned = before - evidence.logOfPlaces(hypothesis.memory);
+    hypothesis.log_of_returned = std::min(hypothesis.log_of_returned, returned);
     account.log_probability = account.hypothesis.logProbability(evidence) + missed;
   }
   std::stable_sort(accounts.begin(), accounts.end(), [](const Account& a, const Account& b) {

@@ -121,6 +121,34 @@ bool FrameTracker::mayBeInPlace(const MarkerObservation& observation,
   });
 }
 
+void FrameTracker::findOthersBesideMoved() {
+  // From the pose of one marker, the motion of others is not known well enough.
+  if (tools_.memory.countInPlace() < 2) return;
+  for (const DisplacedGroup& group : tools_.memory.displacedGroups()) {
+    if (!group.motion) continue;
+    std::vector<MarkerObservation> seen;
+    for (const Sighting& sighting : sightings_) {
+      if (!sighting.observation) continue;
+      const std::vector<std::size_t>& entries = group.entries;
+      if (std::find(entries.begin(), entries.end(), sighting.observation->map_entry) !=
+          entries.end()) {
+        seen.push_back(*sighting.observation);
+      }
+    }
+    PosePrior there = prior_;
+    there.pose = Pose::fromIsometry(*group.motion * prior_.pose.toIsometry());
+    const auto solution = estimatePose(tools_.map, camera_, seen, there, tools_.config.estimation);
+    if (!solution) continue;
+    // The motion is known no better than that pose.
+    PoseEstimate belief = solution->map_from_base;
+    belief.pose = Pose::fromIsometry(group.motion->inverse() * belief.pose.toIsometry());
+    belief.covariance *= 2.0;
+    if (!recognizeAll(belief, false)) continue;
+    solve();
+    return findOthers();
+  }
+}
+
 double FrameTracker::mostInPlace() const {
   return tools_.config.evidence.in_place * std::sqrt(tools_.lasting_excess);
 }

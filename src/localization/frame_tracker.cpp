@@ -78,6 +78,7 @@ std::optional<PoseEstimate> FrameTracker::track() {
     solve();
     findOthers();
     decodeAnchors();
+    if (has_prior_ && !solution_) findOthersBesideMoved();
     // What a vague prediction leads to first may be markers that were moved as one, from whose pose
     // those in their places are not found.
     const bool is_first = solution_ && tools_.memory.countInPlace() == 0;

@@ -106,6 +106,9 @@ class FrameTracker {
   std::optional<PoseSolution> solutionOfObserved(const PosePrior& prior);
   /// The observations of `observed_`.
   std::vector<MarkerObservation> observations() const;
+  /// Where all that was found hangs elsewhere: looks for the others from the pose that markers of
+  /// one group give, whose motion is known, and solves.
+  void findOthersBesideMoved();
   /// If markers lead to another pose than the prediction or other markers do: keeps to the
   /// prediction or the others, and notes the pose.
   void settleConflicts();

@@ -6,6 +6,7 @@ void Hypothesis::restart(const std::optional<PosePrior>& pose) {
   start = pose;
   start_error.setIdentity();
   log_of_carried = 0.0;
+  log_of_returned = 0.0;
 }
 
 bool Hypothesis::isWithinStart() const {
@@ -14,7 +15,7 @@ bool Hypothesis::isWithinStart() const {
 }
 
 double Hypothesis::logProbability(const Evidence& evidence) const {
-  double sum = log_of_carried + evidence.logOfPlaces(memory);
+  double sum = log_of_carried + log_of_returned + evidence.logOfPlaces(memory);
   if (start) sum += evidence.logOfStart(*start, start_error, memory.hasElsewhere());
   return sum;
 }

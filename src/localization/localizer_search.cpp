@@ -91,8 +91,11 @@ std::vector<Account> Localizer::lookFor(const Frame& frame, const MountedCamera&
     account.hypothesis.is_lost = !predicted;
     return {std::move(account)};
   }
-  const bool is_expected = predicted && agree(*predicted, *pose);
   std::vector<std::size_t> entries = acceptedEntries(result);
+  const bool are_moved = std::all_of(entries.begin(), entries.end(), [&before](std::size_t entry) {
+    return before.memory.isElsewhere(entry);
+  });
+  const bool is_expected = predicted && !are_moved && agree(*predicted, *pose);
   if (!is_expected && predicted) {
     account = stayingAt(*predicted, result, std::move(account));
     for (const std::size_t entry : entriesWherePredicted(tools, camera, *predicted, result)) {
@@ -108,11 +111,7 @@ std::vector<Account> Localizer::lookFor(const Frame& frame, const MountedCamera&
     return accounts;
   }
   // If nothing else is in view, the robot may just as well be elsewhere.
-  const bool is_moved =
-      !predicted && std::all_of(entries.begin(), entries.end(), [&before](std::size_t entry) {
-        return before.memory.isElsewhere(entry);
-      });
-  if (is_moved) {
+  if (!predicted && are_moved) {
     result.elsewhere = std::move(entries);
     withhold(map_, &result);
     account.result = std::move(result);

@@ -117,6 +117,40 @@ TEST_F(BeliefTest, MarkersThatWereInPlaceAMomentAgoDoNotMoveTogether) {
   EXPECT_EQ(outcome({0}, {1, 2, 3, 4}), Outcome::kStays) << "one alone may";
 }
 
+TEST_F(BeliefTest, WhatHungElsewhereIsNotForgottenByBeingInItsPlace) {
+  sawInPlace({4, 5, 6, 7, 8});
+  FrameResult earlier = result({0, 1, 2, 3}, there_);
+  std::vector<RememberedSighting> group;
+  for (const MarkerDetection& each : earlier.detections) {
+    group.push_back(sightingOf(each, earlier, camera_, here_));
+  }
+  before_.memory.addGroup(group, there_.toIsometry() * here_.toIsometry().inverse());
+  const double moved = evidence_.logOfPlaces(before_.memory);
+  ASSERT_LT(moved, std::log(1e-2));
+  const std::vector<Account> kept = accounts({0, 1, 2, 3}, {}, false);
+  // A robot that was carried would have to have been so just as they returned to their places.
+  EXPECT_LT(std::abs(kept.front().result.map_from_base->pose.x - here_.x), 0.01);
+  EXPECT_NEAR(kept.front().log_probability, moved, 1e-9);
+  for (const Account& account : kept) {
+    const double carried = account.hypothesis.log_of_carried;
+    EXPECT_LE(account.log_probability, moved + carried + 1e-9);
+  }
+}
+
+TEST_F(BeliefTest, ASearchThatFindsATrackedPoseKnowsNothingBetter) {
+  before_.restart(
+      PosePrior::about(floorEstimate(here_, Eigen::Vector3d(0.01, 0.01, 0.0076).asDiagonal())));
+  Hypothesis there = before_;
+  there.log_of_carried = evidence_.logOfCarried(true);
+  Account tracked{there, result({0, 1, 2}, there_)};
+  Account found{before_, result({0, 1, 2}, there_), true};
+  found.hypothesis.memory.moveBy(there_.toIsometry() * here_.toIsometry().inverse(),
+                                 evidence_.contradiction());
+  const std::vector<Account> kept = judged({found, tracked}, camera_, evidence_);
+  ASSERT_EQ(kept.size(), 1U);
+  EXPECT_FALSE(kept.front().is_of_search);
+}
+
 TEST_F(BeliefTest, ThoseThatAreMissedSpeakForARobotThatWasCarried) {
   sawInPlace({3, 4, 5, 6, 7, 8});
   EXPECT_EQ(outcome({0, 1}, {}, true, {3, 4, 5, 6, 7, 8}), Outcome::kMoved);

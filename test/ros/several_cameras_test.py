@@ -68,7 +68,7 @@ class SeveralCamerasTest(unittest.TestCase):
         self.publishers[name].publish(image)
 
     def check_poses(self):
-        self.assertEqual(len(self.poses.messages), len(self.sent))
+        self.assertTrue(wait_until(lambda: len(self.poses.messages) == len(self.sent)))
         for pose in self.poses.messages:
             x, y, yaw = self.truth[pose.header.stamp]
             distance = np.hypot(pose.pose.position.x - x, pose.pose.position.y - y)
@@ -77,6 +77,7 @@ class SeveralCamerasTest(unittest.TestCase):
 
     def check_frames(self):
         """Each camera's detections are in its frame, and its debug images on its topic."""
+        self.assertTrue(wait_until(lambda: len(self.detections.messages) == len(self.sent)))
         frames = [detections.header.frame_id for detections in self.detections.messages]
         own = self.images[0].header.frame_id
         self.assertEqual(frames, [own if name == "front" else "back_optical"
