@@ -23,8 +23,8 @@ struct Hypothesis {
   bool is_lost = false;
   /// Natural logarithm of the probability that something moved the robot unnoticed.
   double log_of_carried = 0.0;
-  /// The same of what it had to assume about markers that are in their places again: the least likely
-  /// return of them in one image.
+  /// The same of what it had to assume about markers that are in their places again: the least
+  /// likely return of some in one image.
   double log_of_returned = 0.0;
   /// Stamp (s) of the last image whose markers gave its pose.
   double seen_stamp = std::numeric_limits<double>::infinity();
