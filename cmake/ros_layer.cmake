@@ -4,6 +4,7 @@ add_library(omnitag_ros SHARED
   src/ros/conversions.cpp
   src/ros/debug_image.cpp
   src/ros/debug_image_layout.cpp
+  src/ros/debug_images.cpp
   src/ros/frame_assembler.cpp
   src/ros/frame_markers.cpp
   src/ros/health_monitor.cpp

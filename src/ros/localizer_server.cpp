@@ -73,6 +73,7 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
       frame_markers_(localizer_.frames().map, parameters_.robot_radius),
       path_(parameters_.path_min_step, parameters_.path_max_poses),
       image_transport_(node),
+      debug_images_(parameters_.cameras, localizer_, &image_transport_),
       settings_(parameters_, localizer_.cameras(),
                 [this](std::shared_ptr<Successor> successor) {
                   const std::lock_guard<std::mutex> lock(request_mutex_);
@@ -127,11 +128,6 @@ void LocalizerServer::advertise() {
         const std::lock_guard<std::mutex> lock(map_mutex_);
         subscriber.publish(map_drawing_.markers());
       });
-  for (std::size_t i = 0; i < parameters_.cameras.size(); ++i) {
-    debug_image_painters_.emplace_back(localizer_.cameras()[i], localizer_.map());
-    debug_image_publishers_.push_back(
-        image_transport_.advertise(debugImageTopic(parameters_.cameras[i].name), 1));
-  }
   initial_pose_subscriber_ =
       node_.subscribe("initialpose", 1, &LocalizerServer::onInitialPose, this);
   global_localization_server_ =
@@ -234,7 +230,7 @@ void LocalizerServer::localize(const cv_bridge::CvImageConstPtr& image, std::siz
   localizer_.assembler(camera).check(*image);
   waitForTransforms(image->header, camera);
   try {
-    const WantedExtras wanted{debug_image_publishers_[camera].getNumSubscribers() > 0,
+    const WantedExtras wanted{debug_images_.areWanted(camera),
                               pose_measured_publisher_.getNumSubscribers() > 0};
     const std::optional<LocalizedImage> localized =
         localizer_.localize(image, transforms_.buffer(), wanted, camera);
@@ -311,13 +307,7 @@ void LocalizerServer::publish(const LocalizedImage& localized) {
   if (markers_publisher_.getNumSubscribers() > 0) {
     markers_publisher_.publish(frame_markers_.draw(localized, localizer_.map()));
   }
-  if (debug_image_publishers_[camera].getNumSubscribers() > 0) {
-    const cv::Mat painting =
-        debug_image_painters_[camera].paint(localized.input.frame.image, localized.result);
-    debug_image_publishers_[camera].publish(
-        cv_bridge::CvImage(localized.input.header, sensor_msgs::image_encodings::BGR8, painting)
-            .toImageMsg());
-  }
+  debug_images_.publish(localized, camera);
   health_.localized(messages.status, localized.result, localized.input.odometry_problem);
 }
 
@@ -368,12 +358,8 @@ void LocalizerServer::keepPose(const LocalizedImage& localized) {
       {localizer_.frames().map, localized.input.header.stamp.toSec(), result.publishedPose()});
 }
 
-void LocalizerServer::paintMap() {
-  for (DebugImagePainter& painter : debug_image_painters_) painter.setMap(localizer_.map());
-}
-
 void LocalizerServer::showMap() {
-  paintMap();
+  debug_images_.setMap(localizer_.map());
   health_.startedAnew();
   map_publisher_.publish(localizer_.map(), localizer_.ignoredMarkers());
   std::vector<ProvisionalMarker> provisional = localizer_.provisional();
@@ -391,7 +377,7 @@ void LocalizerServer::showMap() {
 void LocalizerServer::publishMap(bool is_changed) {
   std::vector<ProvisionalMarker> provisional = localizer_.provisional();
   if (is_changed) {
-    paintMap();
+    debug_images_.setMap(localizer_.map());
     map_publisher_.publish(localizer_.map(), localizer_.ignoredMarkers());
   }
   const std::lock_guard<std::mutex> lock(map_mutex_);

@@ -20,6 +20,10 @@ from tf2_msgs.msg import TFMessage
 NAMES = ("front", "back")
 
 
+def pixels_of(image):
+    return np.frombuffer(image.data, np.uint8).reshape(image.height, image.width, 3)
+
+
 class SeveralCamerasTest(unittest.TestCase):
     def setUp(self):
         self.images, static_transforms = read_bag()
@@ -29,6 +33,7 @@ class SeveralCamerasTest(unittest.TestCase):
         self.detections = Topic("detections", MarkerDetectionArray)
         self.transforms = Topic("/tf", TFMessage)
         self.paintings = {name: Topic(name + "/debug_image", Image) for name in NAMES}
+        self.joint_paintings = Topic("debug_image", Image)
         self.publishers = {name: rospy.Publisher("/{}/image/compressed".format(name),
                                                  CompressedImage, queue_size=100)
                            for name in NAMES}
@@ -40,6 +45,7 @@ class SeveralCamerasTest(unittest.TestCase):
         ends = [self.poses.subscriber, self.status.subscriber, self.detections.subscriber,
                 self.transforms.subscriber, self.tf, static]
         ends += [painting.subscriber for painting in self.paintings.values()]
+        ends.append(self.joint_paintings.subscriber)
         ends += self.publishers.values()
         self.assertTrue(wait_until(lambda: is_connected(*ends)))
         # One image of both at the same moment, then in turns.
@@ -58,6 +64,7 @@ class SeveralCamerasTest(unittest.TestCase):
         self.assertTrue(all(status.has_pose for status in self.status.messages))
         self.check_poses()
         self.check_frames()
+        self.check_joint_paintings()
         self.check_transforms()
         diagnostics.wait_for_report("localizer: localization", DiagnosticStatus.OK, "tracking")
         self.check_missing_camera(diagnostics)
@@ -88,6 +95,18 @@ class SeveralCamerasTest(unittest.TestCase):
                 lambda: len(self.paintings[name].messages) == len(stamps)))
             self.assertEqual([image.header.stamp for image in self.paintings[name].messages],
                              stamps)
+
+    def check_joint_paintings(self):
+        """What RViz shows: the last image of each camera, beside each other."""
+        self.assertTrue(wait_until(
+            lambda: len(self.joint_paintings.messages) == len(self.sent)))
+        own = {name: self.paintings[name].messages[-1] for name in NAMES}
+        joint = self.joint_paintings.messages[-1]
+        width = own["front"].width
+        self.assertEqual((joint.width, joint.height), (2 * width, own["front"].height))
+        pixels = pixels_of(joint)
+        np.testing.assert_array_equal(pixels[:, :width], pixels_of(own["front"]))
+        np.testing.assert_array_equal(pixels[:, width:], pixels_of(own["back"]))
 
     def check_transforms(self):
         """tf would complain of a second transform of the same stamp."""

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "omnitag/ros/clock_watch.h"
-#include "omnitag/ros/debug_image.h"
+#include "omnitag/ros/debug_images.h"
 #include "omnitag/ros/frame_markers.h"
 #include "omnitag/ros/health_monitor.h"
 #include "omnitag/ros/image_input.h"
@@ -71,7 +71,6 @@ class LocalizerServer {
   void logClockStep(double step) const;
   /// Forgets what was shown and reported before stamps went back by this (s).
   void startAnew(double went_back);
-  void paintMap();
   void publish(const LocalizedImage& localized);
   void sendTransform(const std::optional<geometry_msgs::TransformStamped>& transform,
                      bool has_pose);
@@ -117,11 +116,10 @@ class LocalizerServer {
   MapDrawing map_drawing_;
   std::vector<ProvisionalMarker> provisional_;
   FrameMarkers frame_markers_;
-  /// By camera.
-  std::vector<DebugImagePainter> debug_image_painters_;
   PathRecorder path_;
 
   image_transport::ImageTransport image_transport_;
+  DebugImages debug_images_;
   ros::Publisher transform_publisher_;
   ros::Publisher pose_publisher_;
   ros::Publisher pose_with_covariance_publisher_;
@@ -130,8 +128,6 @@ class LocalizerServer {
   ros::Publisher status_publisher_;
   ros::Publisher path_publisher_;
   ros::Publisher markers_publisher_;
-  /// By camera.
-  std::vector<image_transport::Publisher> debug_image_publishers_;
   ros::Subscriber initial_pose_subscriber_;
   ros::ServiceServer global_localization_server_;
   ros::ServiceServer save_map_server_;
