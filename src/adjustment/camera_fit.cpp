@@ -48,7 +48,8 @@ CameraFit::CameraFit(const CameraTemplate& guess, const MarkerMap& map,
   CalibrationData data = selectObservations(map, frames, !config.is_rough);
   remarks = std::move(data.remarks);
   const MountedCamera camera = model().mounted(bundle.values);
-  if (!config.is_rough) {
+  // A lying camera sees the markers of all walls in a band across its image.
+  if (!config.is_rough && (config.is_free || isUpright(mounting))) {
     checkCoverage(data.frames, camera.model().imagePlane(), config.is_free);
   }
   for (const CalibrationFrame& frame : data.frames) {

@@ -23,13 +23,12 @@ Eigen::Matrix3d fromRollPitchYaw(const Eigen::Vector3d& roll_pitch_yaw) {
 
 LeaningMounting::LeaningMounting(const Eigen::Isometry3d& base_from_camera)
     : position_(base_from_camera.translation().head<2>()) {
-  const double lean = leanOf(base_from_camera);
-  if (lean > radians(45.0)) {
-    throw InputError(
-        "mounting: expected an optical axis near the vertical, found one that leans by " +
-        std::to_string(std::lround(degrees(lean))) + " degrees");
-  }
   const Eigen::Vector3d angles = rollPitchYaw(base_from_camera.linear());
+  if (std::abs(angles.y()) > radians(60.0)) {
+    throw InputError("mounting: expected a pitch within 60 degrees of the level, found " +
+                     std::to_string(std::lround(degrees(angles.y()))) +
+                     ": a camera that lies on its side cannot be calibrated");
+  }
   values_ = {base_from_camera.translation().z(), angles.x(), angles.y()};
   yaw_ = angles.z();
 }
@@ -39,6 +38,10 @@ Eigen::Isometry3d LeaningMounting::at(const Values& values) const {
   base_from_camera.linear() = fromRollPitchYaw({values.y(), values.z(), yaw_});
   base_from_camera.translation() = Eigen::Vector3d(position_.x(), position_.y(), values.x());
   return base_from_camera;
+}
+
+bool isUpright(const Eigen::Isometry3d& base_from_camera) {
+  return leanOf(base_from_camera) < radians(45.0);
 }
 
 double leanOf(const Eigen::Isometry3d& base_from_camera) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "omnitag/adjustment/leaning_mounting.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/localization/triangulation.h"
 
@@ -17,15 +18,27 @@ constexpr int kStarts = 8;
 /// If a sight misses its landmark by more, it is of another marker, or the pose is wrong.
 constexpr double kLargeError = radians(20.0);
 
+/// In which direction a pixel looks. Of an upright camera, only the azimuth about its axis counts,
+/// which does not depend on how the optics image elevation; a lying one images both.
+std::optional<Eigen::Vector3d> directionInBase(const MountedCamera& camera,
+                                               const Eigen::Vector2d& pixel) {
+  if (!isUpright(camera.baseFromCamera())) {
+    const std::optional<Ray> ray = camera.rayInBase(pixel);
+    return ray ? std::optional(ray->direction) : std::nullopt;
+  }
+  const auto ideal = camera.model().imagePlane().idealFromPixel(pixel);
+  if (!ideal) return std::nullopt;
+  return camera.baseFromCamera().linear() * Eigen::Vector3d(ideal->x(), ideal->y(), 0.0);
+}
+
 std::vector<LandmarkSight> sightsOf(const MarkerMap& map, const MountedCamera& camera,
                                     const CalibrationFrame& frame) {
   constexpr double kDeviation = radians(2.0);
   std::vector<LandmarkSight> sights;
   for (const MarkerObservation& observation : frame.observations) {
-    const auto ideal = camera.model().imagePlane().idealFromPixel(observation.center);
-    if (!ideal) continue;
-    const Eigen::Vector3d direction =
-        camera.baseFromCamera().linear() * Eigen::Vector3d(ideal->x(), ideal->y(), 0.0);
+    const auto seen_in = directionInBase(camera, observation.center);
+    if (!seen_in) continue;
+    const Eigen::Vector3d& direction = *seen_in;
     LandmarkSight sight;
     sight.landmark = map.markers[observation.map_entry].center().head<2>();
     sight.viewpoint = camera.baseFromCamera().translation().head<2>();

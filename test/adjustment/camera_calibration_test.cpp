@@ -44,13 +44,13 @@ class CameraCalibrationTest : public testing::Test {
 
   /// What counts: where markers image, RMS in pixels, whatever numbers image them so.
   double imagingError(const CalibrationResult& result, const std::string& guess,
-                      const MountedCamera& truth) {
+                      const MountedCamera& truth, int poses = 10) {
     const MountedCamera found(
         CameraTemplate::fromText(guess, "guess").widened(result.camera_values),
         result.base_from_camera);
     double squares = 0.0;
     int count = 0;
-    for (const Pose& pose : test::posesInRoom(10, 2.5, &generator)) {
+    for (const Pose& pose : test::posesInRoom(poses, 2.5, &generator)) {
       for (const Marker& marker : map.markers) {
         const auto expected = truth.pixelFromMap(pose, marker.center());
         const auto pixel = found.pixelFromMap(pose, marker.center());
@@ -206,6 +206,24 @@ TEST_F(CameraCalibrationTest, RecoversCentralCameras) {
     EXPECT_LT(imagingError(result, guesses[i], truth), 0.05) << truths[i];
     EXPECT_FALSE(result.rim_radius);
   }
+}
+
+TEST_F(CameraCalibrationTest, RecoversOneThatLooksAhead) {
+  const std::string head = "model: equidistant\nimage: {width: 700, height: 700}\n";
+  const std::string tail = "distortion: [0, 0, 0, 0]\nmax_angle: 1.65\n";
+  const Eigen::Isometry3d ahead =
+      Eigen::Translation3d(0.15, 0.0, 1.0) * Eigen::Quaterniond(0.5, -0.5, 0.5, -0.5);
+  const MountedCamera truth =
+      truthOf(head + "lens: {fx: 210, fy: 208, cx: 352.3, cy: 347.1}\n" + tail, ahead);
+  const std::string guess = head + "lens: {fx: 203, fy: 215, cx: 348, cy: 351}\n" + tail;
+  const CalibrationResult result =
+      calibrate(guess, truth, ahead * Eigen::AngleAxisd(0.04, Eigen::Vector3d(1.0, 0.0, 0.5)));
+  EXPECT_GT(result.before.rms, 3.0);
+  EXPECT_LT(result.after.rms, 1.1 * std::sqrt(2.0) * kNoise);
+  expectWithin(result, "z", 1.0);
+  expectWithin(result, "roll", -0.5 * kPi);
+  expectWithin(result, "pitch", 0.0);
+  EXPECT_LT(imagingError(result, guess, truth, 20), 0.1) << "which sees half of the room at once";
 }
 
 TEST_F(CameraCalibrationTest, LeavesOutAMarkerThatHangsElsewhere) {

@@ -50,9 +50,16 @@ TEST(LeaningMountingTest, WhatItKeepsIsAnotherPoseOfTheRobot) {
   EXPECT_TRUE(believed.values().isApprox(LeaningMounting(truth).values(), 1e-12));
 }
 
-TEST(LeaningMountingTest, RefusesAnAxisThatLies) {
-  const Eigen::Isometry3d lying(Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitX()));
-  EXPECT_NE(test::refusalOf([&] { const LeaningMounting mounting(lying); }).find("57 degrees"),
+TEST(LeaningMountingTest, TakesACameraThatLooksAheadButNotOneOnItsSide) {
+  // Its x axis to the robot's right, its y axis down.
+  const Eigen::Isometry3d ahead(Eigen::Quaterniond(0.5, -0.5, 0.5, -0.5));
+  const LeaningMounting leaning(ahead);
+  EXPECT_TRUE(leaning.at(leaning.values()).isApprox(ahead, 1e-12));
+  EXPECT_FALSE(isUpright(ahead));
+  EXPECT_TRUE(isUpright(test::lookingDown()));
+
+  const Eigen::Isometry3d on_side(ahead * Eigen::AngleAxisd(1.2, Eigen::Vector3d::UnitZ()));
+  EXPECT_NE(test::refusalOf([&] { const LeaningMounting mounting(on_side); }).find("69"),
             std::string::npos);
 }
 

@@ -19,8 +19,8 @@ class LeaningMounting {
   /// z (m), roll and pitch (rad), as in tf.
   using Values = Eigen::Vector3d;
 
-  /// x, y and yaw stay those of this mounting. Throws InputError if the optical axis is nearer to
-  /// the horizontal than to the vertical.
+  /// x, y and yaw stay those of this mounting. Throws InputError if its pitch is beyond 60 degrees:
+  /// roll and yaw then turn about nearly the same axis.
   explicit LeaningMounting(const Eigen::Isometry3d& base_from_camera);
 
   /// The values of the constructor's mounting.
@@ -34,6 +34,9 @@ class LeaningMounting {
   double yaw_;
   Values values_;
 };
+
+/// Whether the camera's optical axis is nearer to the vertical than to the horizontal.
+bool isUpright(const Eigen::Isometry3d& base_from_camera);
 
 /// Angle between the camera's optical axis and the vertical, in rad.
 double leanOf(const Eigen::Isometry3d& base_from_camera);
