@@ -138,18 +138,19 @@ bool haveSamePose(const Account& a, const Account& b) {
 /// Drops poses that a search found where the markers of another account are tracked: that one knows
 /// what earlier images showed from there.
 void dropFoundAgain(std::vector<Account>* accounts) {
-  const std::vector<Account>& all = *accounts;
-  std::vector<Account> kept;
-  std::copy_if(all.begin(), all.end(), std::back_inserter(kept), [&all](const Account& account) {
+  std::vector<PoseEstimate> tracked;
+  for (const Account& account : *accounts) {
+    if (account.is_of_search || account.result.acceptedMarkers() == 0) continue;
+    if (account.result.map_from_base) tracked.push_back(*account.result.map_from_base);
+  }
+  const auto isFoundAgain = [&tracked](const Account& account) {
     const auto& pose = account.result.map_from_base;
-    if (!account.is_of_search || !pose) return true;
-    return std::none_of(all.begin(), all.end(), [&pose](const Account& other) {
-      const auto& there = other.result.map_from_base;
-      const bool is_tracked = !other.is_of_search && there && other.result.acceptedMarkers() > 0;
-      return is_tracked && agree(*pose, *there);
-    });
-  });
-  *accounts = std::move(kept);
+    return account.is_of_search && pose &&
+           std::any_of(tracked.begin(), tracked.end(),
+                       [&pose](const PoseEstimate& there) { return agree(*pose, there); });
+  };
+  accounts->erase(std::remove_if(accounts->begin(), accounts->end(), isFoundAgain),
+                  accounts->end());
 }
 
 /// A pose, widened to cover another one that has this probability.

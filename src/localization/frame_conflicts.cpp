@@ -8,6 +8,15 @@
 #include "omnitag/measurement/consensus.h"
 
 namespace omnitag {
+namespace {
+
+/// What a prior says of the pose from which a moved group would hang in its place.
+PosePrior movedBy(const Eigen::Isometry3d& motion, PosePrior prior) {
+  prior.pose = Pose::fromIsometry(motion * prior.pose.toIsometry());
+  return prior;
+}
+
+}  // namespace
 
 void FrameTracker::settleConflicts() {
   if (!solution_ || !has_prior_) return;
@@ -115,9 +124,7 @@ bool FrameTracker::mayBeInPlace(const MarkerObservation& observation,
                                 const std::vector<Eigen::Isometry3d>& motions) const {
   if (!agreesWithPrior(tools_, camera_, observation, prior_)) return false;
   return std::none_of(motions.begin(), motions.end(), [&](const Eigen::Isometry3d& motion) {
-    PosePrior there = prior_;
-    there.pose = Pose::fromIsometry(motion * prior_.pose.toIsometry());
-    return agreesWithPrior(tools_, camera_, observation, there);
+    return agreesWithPrior(tools_, camera_, observation, movedBy(motion, prior_));
   });
 }
 
@@ -135,9 +142,8 @@ void FrameTracker::findOthersBesideMoved() {
         seen.push_back(*sighting.observation);
       }
     }
-    PosePrior there = prior_;
-    there.pose = Pose::fromIsometry(*group.motion * prior_.pose.toIsometry());
-    const auto solution = estimatePose(tools_.map, camera_, seen, there, tools_.config.estimation);
+    const auto solution = estimatePose(tools_.map, camera_, seen, movedBy(*group.motion, prior_),
+                                       tools_.config.estimation);
     if (!solution) continue;
     // The motion is known no better than that pose.
     PoseEstimate belief = solution->map_from_base;
