@@ -3,6 +3,7 @@
 import os
 import threading
 import time
+import xmlrpc.client
 from typing import Dict, List, Optional, Tuple
 
 import cv2
@@ -210,11 +211,27 @@ def is_connected(*ends) -> bool:
     master knows at the other end of their topic, and that there is one."""
     publishers, subscribers, _ = rosgraph.Master(rospy.get_name()).getSystemState()
     for end in ends:
-        nodes = dict(subscribers if isinstance(end, rospy.Publisher) else publishers)
-        peers = nodes.get(end.resolved_name, [])
-        if not peers or end.get_num_connections() < len(peers):
+        if isinstance(end, rospy.Publisher):
+            peers = dict(subscribers).get(end.resolved_name, [])
+            connected = end.get_num_connections() >= len(peers)
+        else:
+            peers = dict(publishers).get(end.resolved_name, [])
+            connected = all(publishes_to_this_node(peer, end.resolved_name) for peer in peers)
+        if not peers or not connected:
             return False
     return True
+
+
+def publishes_to_this_node(node: str, topic: str) -> bool:
+    """Whether what a node publishes from now on comes here: as that node has it, as a subscriber
+    counts its connections before they are made."""
+    try:
+        uri = rosgraph.Master(rospy.get_name()).lookupNode(node)
+        _, _, connections = xmlrpc.client.ServerProxy(uri).getBusInfo(rospy.get_name())
+    except (OSError, rosgraph.MasterException):
+        return False
+    return any(peer == rospy.get_name() and direction == "o" and name == topic
+               for _, peer, direction, _, name, *_ in connections)
 
 
 def wait_until(condition, timeout: float = TIMEOUT) -> bool:

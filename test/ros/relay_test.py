@@ -11,7 +11,7 @@ import unittest
 import rospy
 import rostest
 from geometry_msgs.msg import Point
-from harness import Topic, wait_until
+from harness import Topic, is_connected, wait_until
 from omnitag.msg import DetectedMarker, MarkerDetectionArray
 
 HEADER = "std_msgs/Header header\n"
@@ -91,8 +91,8 @@ class RelayTest(unittest.TestCase):
             ("fiducial_vertices", FiducialArray), ("tag_detections", AprilTagDetectionArray),
             ("aruco_marker_publisher/markers", MarkerArray))]
         publisher = rospy.Publisher("detections", MarkerDetectionArray, queue_size=1)
-        self.assertTrue(wait_until(lambda: publisher.get_num_connections() and all(
-            topic.subscriber.get_num_connections() for topic in topics)))
+        self.assertTrue(wait_until(
+            lambda: is_connected(publisher, *(topic.subscriber for topic in topics))))
         array = MarkerDetectionArray()
         array.header.stamp, array.header.frame_id = rospy.Time(12.5), "camera"
         without_pose = DetectedMarker(id=9)
