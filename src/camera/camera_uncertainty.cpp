@@ -17,4 +17,14 @@ Eigen::Matrix<double, 2, kCameraModes> displacementByError(const CameraUncertain
   return displacement;
 }
 
+Eigen::Matrix<double, 2, kShapeTerms> displacementByShape(const CameraUncertainty& uncertainty,
+                                                          const Eigen::Vector2d& place) {
+  const double x = place.x();
+  const double y = place.y();
+  const Eigen::Matrix2d unit = uncertainty.local() * Eigen::Matrix2d::Identity();
+  Eigen::Matrix<double, 2, kShapeTerms> displacement;
+  displacement << x * unit, y * unit, x * x * unit, x * y * unit, y * y * unit;
+  return displacement;
+}
+
 }  // namespace omnitag

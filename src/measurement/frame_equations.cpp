@@ -13,6 +13,16 @@ namespace {
 constexpr double kRepeated = 0.25;
 
 using PoseRows = Eigen::Matrix<double, 6, kFrameUnknowns>;
+using ByPose = Eigen::Matrix<double, kFrameUnknowns, 6>;
+
+/// (1 - L) C (1 - L)^T, where L is `lost` in the columns of the pose.
+FrameMatrix withoutLost(const FrameMatrix& covariance, const ByPose& lost) {
+  const ByPose by_pose = covariance.leftCols<6>();
+  const FrameMatrix crossed = lost.lazyProduct(by_pose.transpose());
+  const ByPose lost_part = lost.lazyProduct(PoseMatrix(by_pose.topRows<6>()));
+  return covariance - crossed - crossed.transpose() +
+         FrameMatrix(lost_part.lazyProduct(lost.transpose()));
+}
 
 }  // namespace
 
@@ -26,7 +36,6 @@ void FrameEquations::add(const FrameEquations& other, double weight) {
 FrameEquations withMisplacement(const FrameEquations& marker, const PoseMatrix& misplacement) {
   // (information^-1 + misplacement)^-1, also if the information is singular. The products are lazy,
   // since Eigen would otherwise treat these matrices as large.
-  using ByPose = Eigen::Matrix<double, kFrameUnknowns, 6>;
   const ByPose by_pose = marker.information.leftCols<6>();
   const PoseMatrix information = by_pose.topRows<6>();
   const PoseMatrix factor =
@@ -38,14 +47,10 @@ FrameEquations withMisplacement(const FrameEquations& marker, const PoseMatrix& 
   equations.information -= lost.lazyProduct(by_pose.transpose());
   equations.gradient = marker.gradient;
   equations.gradient -= lost.lazyProduct(marker.gradient.head<6>());
-  // Of (1 - lost) C (1 - lost)^T.
-  const ByPose chance_by_pose = marker.by_chance.leftCols<6>();
-  const FrameMatrix crossed = lost.lazyProduct(chance_by_pose.transpose());
-  equations.by_chance = marker.by_chance - crossed - crossed.transpose();
-  const ByPose lost_chance = lost.lazyProduct(PoseMatrix(chance_by_pose.topRows<6>()));
-  equations.by_chance += lost_chance.lazyProduct(lost.transpose());
+  equations.by_chance = withoutLost(marker.by_chance, lost);
   const ByPose shared = by_pose - ByPose(lost.lazyProduct(information));
   equations.by_shared = ByPose(shared.lazyProduct(misplacement)).lazyProduct(shared.transpose());
+  if (!marker.by_shared.isZero(0.0)) equations.by_shared += withoutLost(marker.by_shared, lost);
   return equations;
 }
 

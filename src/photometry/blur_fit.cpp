@@ -77,7 +77,7 @@ BlurEquations blurEquationsOf(const MarkerPixels& pixels, const LitPatch& patch,
   Unknowns gradient = Unknowns::Zero();
   const BlurSlopes slopes(pattern, camera);
   const Light light = patch.lightAfter(change);
-  const std::vector<Eigen::Vector2d> changes = pixels.positionChanges(change);
+  const std::vector<Eigen::Vector2d> changes = patch.positionChanges(pixels, change);
   const std::size_t every = 1 + pixels.pixels.size() / at_most;
   for (std::size_t i = 0; i < pixels.pixels.size(); i += every) {
     const MarkerPixel& pixel = pixels.pixels[i];

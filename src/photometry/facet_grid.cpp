@@ -72,6 +72,7 @@ FacetGrid::FacetGrid(const Marker& marker, const TagPattern& pattern, const Moun
   for (int row = 0; row < facets_along; ++row) {
     for (int column = 0; column < facets_along; ++column) {
       Facet& facet = facets_.emplace_back();
+      facet.middle = (Eigen::Vector2d(column, row).array() + 0.5) / facets_along - 0.5;
       const auto& upper_left = nodeAt(column, row);
       const auto& upper_right = nodeAt(column + 1, row);
       const auto& lower_left = nodeAt(column, row + 1);

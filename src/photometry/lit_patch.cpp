@@ -83,6 +83,95 @@ struct FacetSums {
   Eigen::Matrix2d of_position = Eigen::Matrix2d::Zero();
 };
 
+/// Derivatives of the position on the drawing by the shape.
+Eigen::Matrix<double, 2, kShapeTerms> byShape(const Facet& facet,
+                                              const CameraUncertainty& uncertainty) {
+  return facet.by_pixel * displacementByShape(uncertainty, 2.0 * facet.middle);
+}
+
+std::vector<Eigen::Vector2d> changesOf(const MarkerPixels& pixels, const FrameVector& change,
+                                       const Shape& shape, const CameraUncertainty& uncertainty) {
+  std::vector<Eigen::Vector2d> changes = pixels.positionChanges(change);
+  if (uncertainty.isNone()) return changes;
+  for (std::size_t f = 0; f < changes.size(); ++f) {
+    changes[f] += byShape(pixels.facets()[f], uncertainty) * shape;
+  }
+  return changes;
+}
+
+/// Sums over a patch's pixels.
+struct PixelSums {
+  Eigen::Matrix<double, kLightTerms + 1, kLightTerms + 1> of_light =
+      Eigen::Matrix<double, kLightTerms + 1, kLightTerms + 1>::Zero();
+  std::vector<FacetSums<kLightTerms + 1>> facets;
+};
+
+/// Equations for unknowns, with the light eliminated: residuals that it could explain do not affect
+/// the unknowns.
+template <int kUnknowns>
+struct Unlit {
+  Light light;
+  Eigen::Matrix<double, kLightTerms, kUnknowns> light_by_unknowns;
+  Eigen::Matrix<double, kUnknowns, kUnknowns> information;
+  Eigen::Matrix<double, kUnknowns, 1> gradient;
+};
+
+/// `jacobianOf`: derivatives of the position on the drawing by the unknowns, of a facet.
+template <int kUnknowns, typename JacobianOf>
+Unlit<kUnknowns> withoutLight(const PixelSums& sums, const Eigen::LDLT<LightInformation>& factors,
+                              const JacobianOf& jacobianOf) {
+  using Jacobian = Eigen::Matrix<double, 2, kUnknowns>;
+  Unlit<kUnknowns> unlit;
+  unlit.information.setZero();
+  Eigen::Matrix<double, kLightTerms + 1, kUnknowns> mixed;
+  mixed.setZero();
+  for (std::size_t f = 0; f < sums.facets.size(); ++f) {
+    const Jacobian jacobian = jacobianOf(f);
+    const Jacobian of_position = sums.facets[f].of_position.lazyProduct(jacobian);
+    mixed += sums.facets[f].mixed.lazyProduct(jacobian);
+    unlit.information += jacobian.transpose().lazyProduct(of_position);
+  }
+  const auto light_and_unknowns = mixed.template topRows<kLightTerms>();
+  const auto light_and_residual = sums.of_light.template topRightCorner<kLightTerms, 1>();
+  unlit.light = factors.solve(light_and_residual);
+  unlit.light_by_unknowns = -factors.solve(light_and_unknowns);
+  unlit.information += light_and_unknowns.transpose() * unlit.light_by_unknowns;
+  unlit.gradient = mixed.template bottomRows<1>().transpose() +
+                   unlit.light_by_unknowns.transpose() * light_and_residual;
+  return unlit;
+}
+
+LitPatch withExactShape(const Unlit<kFrameUnknowns>& unlit) {
+  LitPatch patch;
+  patch.light = unlit.light;
+  patch.light_by_frame = unlit.light_by_unknowns;
+  patch.information = unlit.information;
+  patch.gradient = unlit.gradient;
+  return patch;
+}
+
+/// The shape, the last of the unknowns, is marginalised.
+LitPatch withoutShape(const Unlit<kFrameUnknowns + kShapeTerms>& unlit) {
+  using ShapeMatrix = Eigen::Matrix<double, kShapeTerms, kShapeTerms>;
+  const ShapeMatrix of_shape =
+      unlit.information.bottomRightCorner<kShapeTerms, kShapeTerms>() + ShapeMatrix::Identity();
+  const Eigen::LLT<ShapeMatrix> factors(of_shape);
+  const auto shape_and_frame = unlit.information.bottomLeftCorner<kShapeTerms, kFrameUnknowns>();
+  const auto light_by_shape = unlit.light_by_unknowns.rightCols<kShapeTerms>();
+  LitPatch patch;
+  patch.shape = factors.solve(unlit.gradient.tail<kShapeTerms>());
+  patch.shape_by_frame = -factors.solve(shape_and_frame);
+  patch.light = unlit.light + light_by_shape * patch.shape;
+  patch.light_by_frame =
+      unlit.light_by_unknowns.leftCols<kFrameUnknowns>() + light_by_shape * patch.shape_by_frame;
+  patch.information = unlit.information.topLeftCorner<kFrameUnknowns, kFrameUnknowns>() +
+                      shape_and_frame.transpose() * patch.shape_by_frame;
+  patch.gradient = unlit.gradient.head<kFrameUnknowns>() +
+                   patch.shape_by_frame.transpose() * unlit.gradient.tail<kShapeTerms>();
+  patch.by_shape = patch.shape_by_frame.transpose() * patch.shape_by_frame;
+  return patch;
+}
+
 }  // namespace
 
 double contrastAt(const Eigen::Vector2d& position, const Light& light) {
@@ -92,8 +181,14 @@ double contrastAt(const Eigen::Vector2d& position, const Light& light) {
          light[6] * y * y;
 }
 
+std::vector<Eigen::Vector2d> LitPatch::positionChanges(const MarkerPixels& pixels,
+                                                       const FrameVector& change) const {
+  return changesOf(pixels, change, shapeAfter(change), uncertainty);
+}
+
 std::optional<LitPatch> fitLight(const MarkerPixels& pixels, const PixelNoise& noise,
-                                 const std::optional<Light>& start,
+                                 const CameraUncertainty& uncertainty,
+                                 const std::optional<Light>& start, const Shape& start_shape,
                                  const FrameVector& expected_change) {
   constexpr std::size_t kFewestPixels = 24;
   const std::vector<MarkerPixel>& all = pixels.pixels;
@@ -101,10 +196,10 @@ std::optional<LitPatch> fitLight(const MarkerPixels& pixels, const PixelNoise& n
   const std::optional<Light> rough = start ? start : roughLight(all);
   if (!rough) return std::nullopt;
 
-  const std::vector<Eigen::Vector2d> expected = pixels.positionChanges(expected_change);
-  Eigen::Matrix<double, kLightTerms + 1, kLightTerms + 1> of_light;
-  of_light.setZero();
-  std::vector<FacetSums<kLightTerms + 1>> facets(pixels.facets().size());
+  PixelSums sums;
+  sums.facets.resize(pixels.facets().size());
+  const std::vector<Eigen::Vector2d> expected =
+      changesOf(pixels, expected_change, start_shape, uncertainty);
   // Writing a vector element by element and reading it at once as a whole would take most of the
   // time: many are written before the first is read.
   std::array<Terms, 64> terms;
@@ -116,36 +211,29 @@ std::optional<LitPatch> fitLight(const MarkerPixels& pixels, const PixelNoise& n
     }
     for (std::size_t i = 0; i < count; ++i) {
       const Eigen::Matrix<double, kLightTerms + 1, 1> light = terms[i].weight * terms[i].light;
-      FacetSums<kLightTerms + 1>& facet = facets[static_cast<std::size_t>(terms[i].facet)];
-      of_light.noalias() += light * terms[i].light.transpose();
+      FacetSums<kLightTerms + 1>& facet = sums.facets[static_cast<std::size_t>(terms[i].facet)];
+      sums.of_light.noalias() += light * terms[i].light.transpose();
       facet.mixed.noalias() += light * terms[i].position.transpose();
       facet.of_position.noalias() +=
           terms[i].weight * terms[i].position * terms[i].position.transpose();
     }
   }
-  Eigen::Matrix<double, kLightTerms + 1, kFrameUnknowns> mixed;
-  mixed.setZero();
-  FrameMatrix of_frame = FrameMatrix::Zero();
-  for (std::size_t f = 0; f < facets.size(); ++f) {
-    const FrameJacobian& by_frame = pixels.facets()[f].by_frame;
-    const FrameJacobian of_position = facets[f].of_position.lazyProduct(by_frame);
-    mixed += facets[f].mixed.lazyProduct(by_frame);
-    of_frame += by_frame.transpose().lazyProduct(of_position);
-  }
-  const auto light_and_frame = mixed.topRows<kLightTerms>();
-  const auto light_and_residual = of_light.topRightCorner<kLightTerms, 1>();
-  const auto factors = factorsOf(of_light.topLeftCorner<kLightTerms, kLightTerms>());
+  const auto factors = factorsOf(sums.of_light.topLeftCorner<kLightTerms, kLightTerms>());
   if (!factors) return std::nullopt;
-
-  LitPatch patch;
-  patch.light = *rough + factors->solve(light_and_residual);
   constexpr double kLowestContrast = 8.0;
+  const auto byFrame = [&](std::size_t f) { return pixels.facets()[f].by_frame; };
+  const auto byFrameAndShape = [&](std::size_t f) {
+    Eigen::Matrix<double, 2, kFrameUnknowns + kShapeTerms> both;
+    both << byFrame(f), byShape(pixels.facets()[f], uncertainty);
+    return both;
+  };
+  LitPatch patch = uncertainty.isNone()
+                       ? withExactShape(withoutLight<kFrameUnknowns>(sums, *factors, byFrame))
+                       : withoutShape(withoutLight<kFrameUnknowns + kShapeTerms>(sums, *factors,
+                                                                                 byFrameAndShape));
+  patch.uncertainty = uncertainty;
+  patch.light += *rough;
   if (patch.light[1] < kLowestContrast) return std::nullopt;
-  // The light is eliminated: residuals that it could explain do not affect the unknowns.
-  patch.light_by_frame = -factors->solve(light_and_frame);
-  patch.information = of_frame + light_and_frame.transpose() * patch.light_by_frame;
-  patch.gradient =
-      mixed.bottomRows<1>().transpose() + patch.light_by_frame.transpose() * light_and_residual;
   return patch;
 }
 
@@ -159,7 +247,7 @@ PixelResidual residualOf(const MarkerPixel& pixel, const Light& light,
 FrameMatrix gradientCovariance(const MarkerPixels& pixels, const LitPatch& patch,
                                const PixelNoise& noise, const FrameVector& change) {
   const Light light = patch.lightAfter(change);
-  const std::vector<Eigen::Vector2d> changes = pixels.positionChanges(change);
+  const std::vector<Eigen::Vector2d> changes = patch.positionChanges(pixels, change);
   LightInformation of_light = LightInformation::Zero();
   std::vector<FacetSums<kLightTerms>> facets(pixels.facets().size());
   int count = 0;
@@ -175,13 +263,16 @@ FrameMatrix gradientCovariance(const MarkerPixels& pixels, const LitPatch& patch
     facets[number].of_position.noalias() += by_position * by_position.transpose();
     ++count;
   }
-  // The light adapts to a change of the unknowns.
+  // The light and the shape adapt to a change of the unknowns.
   const auto& light_by_frame = patch.light_by_frame;
   FrameMatrix covariance = light_by_frame.transpose() * of_light * light_by_frame;
   Eigen::Matrix<double, kLightTerms, kFrameUnknowns> mixed;
   mixed.setZero();
   for (std::size_t f = 0; f < facets.size(); ++f) {
-    const FrameJacobian& by_frame = pixels.facets()[f].by_frame;
+    FrameJacobian by_frame = pixels.facets()[f].by_frame;
+    if (!patch.uncertainty.isNone()) {
+      by_frame += byShape(pixels.facets()[f], patch.uncertainty) * patch.shape_by_frame;
+    }
     const FrameJacobian of_position = facets[f].of_position.lazyProduct(by_frame);
     mixed += facets[f].mixed.lazyProduct(by_frame);
     covariance += by_frame.transpose().lazyProduct(of_position);

@@ -2,7 +2,9 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <vector>
 
+#include "omnitag/camera/camera_uncertainty.h"
 #include "omnitag/camera/mounted_camera.h"
 #include "omnitag/photometry/marker_patch.h"
 #include "omnitag/photometry/pixel_noise.h"
@@ -14,28 +16,46 @@ namespace omnitag {
 constexpr int kLightTerms = 7;
 using Light = Eigen::Matrix<double, kLightTerms, 1>;
 
+/// How the camera distorts the image of a marker: coefficients of displacementByShape(), of
+/// standard deviation 1 about zero.
+using Shape = Eigen::Matrix<double, kShapeTerms, 1>;
+
 /// Equations of a marker's pixels for a frame's unknowns, with the light on it fitted: grey = black
-/// + white * contrast(position). Pixels that may be clipped do not count.
+/// + white * contrast(position). Pixels that may be clipped do not count. The marker's shape, if it
+/// is uncertain, is marginalised.
 struct LitPatch {
   Light light = Light::Zero();
-  /// How the light that fits best changes with the unknowns.
+  Shape shape = Shape::Zero();
+  CameraUncertainty uncertainty;
+  /// How the light and the shape that fit best change with the unknowns.
   Eigen::Matrix<double, kLightTerms, kFrameUnknowns> light_by_frame =
       Eigen::Matrix<double, kLightTerms, kFrameUnknowns>::Zero();
+  Eigen::Matrix<double, kShapeTerms, kFrameUnknowns> shape_by_frame =
+      Eigen::Matrix<double, kShapeTerms, kFrameUnknowns>::Zero();
   /// Of the unknowns, if the pixels err independently with the assumed noise.
   FrameMatrix information = FrameMatrix::Zero();
   /// The information times the change of the unknowns that fits best.
   FrameVector gradient = FrameVector::Zero();
+  /// Covariance of the gradient's error by the shape, which all images share.
+  FrameMatrix by_shape = FrameMatrix::Zero();
 
-  /// The light that fits best after this change of the unknowns.
+  /// The light and the shape that fit best after this change of the unknowns.
   Light lightAfter(const FrameVector& change) const { return light + light_by_frame * change; }
+  Shape shapeAfter(const FrameVector& change) const { return shape + shape_by_frame * change; }
+
+  /// The change of the position on the drawing (modules), for each facet, with that shape.
+  std::vector<Eigen::Vector2d> positionChanges(const MarkerPixels& pixels,
+                                               const FrameVector& change) const;
 };
 
 /// Fits the light by weighted least squares and linearises the remaining residuals by the unknowns.
 /// Pixels are weighted by how well the light `start` explains them after the expected change of the
-/// unknowns; without `start`, by a light fitted with equal weights. Nothing if there are too few
-/// pixels or hardly any contrast.
+/// unknowns, with the shape `start_shape`; without `start`, by a light fitted with equal weights.
+/// `uncertainty`: of the camera. Nothing if there are too few pixels or hardly any contrast.
 std::optional<LitPatch> fitLight(const MarkerPixels& pixels, const PixelNoise& noise,
+                                 const CameraUncertainty& uncertainty,
                                  const std::optional<Light>& start = std::nullopt,
+                                 const Shape& start_shape = Shape::Zero(),
                                  const FrameVector& expected_change = FrameVector::Zero());
 
 /// Grey levels between black and white in some light, at a MarkerPixel's position.

@@ -45,6 +45,7 @@ FrameEquations MarkerFit::equationsWithErrors(const PixelNoise& noise,
   of_pixels.information = patch.information;
   of_pixels.gradient = patch.gradient;
   of_pixels.by_chance = gradientCovariance(pixels, patch, noise, change);
+  of_pixels.by_shared = patch.by_shape;
   return withMisplacement(of_pixels, misplacement);
 }
 
@@ -129,7 +130,7 @@ PixelNoise MarkerFitter::noise(const Fits& fits, const FrameVector& change) cons
   for (const auto& fit : fits) {
     if (!fit) continue;
     const Light light = fit->patch.lightAfter(change);
-    const std::vector<Eigen::Vector2d> changes = fit->pixels.positionChanges(change);
+    const std::vector<Eigen::Vector2d> changes = fit->patch.positionChanges(fit->pixels, change);
     const std::vector<MarkerPixel>& pixels = fit->pixels.pixels;
     for (std::size_t i = 0; i < pixels.size(); i += every) {
       const auto facet = static_cast<std::size_t>(pixels[i].facet);
@@ -142,7 +143,8 @@ PixelNoise MarkerFitter::noise(const Fits& fits, const FrameVector& change) cons
 std::optional<MarkerFit> MarkerFitter::fitOf(std::size_t index, MarkerPixels pixels,
                                              const Alignment& alignment) const {
   const std::optional<LitPatch> lit =
-      fitLight(pixels, alignment.noise, alignment.lights[index], alignment.expected_change);
+      fitLight(pixels, alignment.noise, camera_.model().uncertainty(), alignment.lights[index],
+               alignment.shapes[index], alignment.expected_change);
   if (!lit) return std::nullopt;
   const PoseMatrix misplacement =
       misplacementOf(map_.markers[entries_[index]], camera_, alignment.pose, config_);

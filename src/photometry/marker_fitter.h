@@ -43,6 +43,7 @@ struct Alignment {
   /// One for each marker; no light if the marker was not seen yet.
   std::vector<double> weights;
   std::vector<std::optional<Light>> lights;
+  std::vector<Shape> shapes;
 };
 
 /// Fits the markers of a map to a panorama, each by itself.

@@ -61,10 +61,12 @@ void apply(const FrameVector& change, Alignment* alignment) {
   alignment->error += change.tail<kImagingUnknowns>();
 }
 
-/// Keeps the lights that fit best after this change of the unknowns.
+/// Keeps the lights and the shapes that fit best after this change of the unknowns.
 void keepLights(const Linearization& all, const FrameVector& change, Alignment* alignment) {
   for (std::size_t i = 0; i < all.fits.size(); ++i) {
-    if (all.fits[i]) alignment->lights[i] = all.fits[i]->patch.lightAfter(change);
+    if (!all.fits[i]) continue;
+    alignment->lights[i] = all.fits[i]->patch.lightAfter(change);
+    alignment->shapes[i] = all.fits[i]->patch.shapeAfter(change);
   }
 }
 
@@ -233,10 +235,12 @@ double photometricMisfit(const cv::Mat& panorama, const MarkerMap& map, const Mo
   for (const MarkerPatch& patch : fitter.roughPatches(map_from_base)) {
     const MarkerPixels pixels =
         patch.pixels(panorama, patch.linesOfSight(), map_from_base, ImagingError::Zero());
-    const auto lit = fitLight(pixels, noise);
+    const auto lit = fitLight(pixels, noise, camera.model().uncertainty());
     if (!lit) return std::numeric_limits<double>::infinity();
+    const std::vector<Eigen::Vector2d> changes = lit->positionChanges(pixels, FrameVector::Zero());
     for (const MarkerPixel& pixel : pixels.pixels) {
-      const PixelResidual residual = residualOf(pixel, lit->light, Eigen::Vector2d::Zero());
+      const PixelResidual residual =
+          residualOf(pixel, lit->light, changes[static_cast<std::size_t>(pixel.facet)]);
       misfit += weightOf(residual, noise) * residual.grey * residual.grey;
     }
   }
@@ -253,6 +257,7 @@ std::optional<PhotometricFit> refinePhotometrically(
   start.pose = initial;
   start.weights.assign(entries.size(), 1.0);
   start.lights.resize(entries.size());
+  start.shapes.assign(entries.size(), Shape::Zero());
   Alignment alignment = start;
   std::optional<FinalStep> step;
   std::vector<MarkerPixels> pixels = fitter.finePixels(initial, start.error);

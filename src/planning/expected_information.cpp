@@ -1,5 +1,6 @@
 #include "omnitag/planning/expected_information.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -46,8 +47,11 @@ std::optional<FrameEquations> expectedEquations(const PlanningScene& scene, cons
   };
   const Eigen::RowVector2d across_x = whiteAcross(module_x, edges.along_x);
   const Eigen::RowVector2d across_y = whiteAcross(module_y, edges.along_y);
-  const double reach = 0.5 * marker.size / std::sqrt(3.0);
+  const double share = 1.0 / std::sqrt(3.0);
+  const double reach = 0.5 * marker.size * share;
+  const CameraUncertainty& uncertainty = scene.camera.model().uncertainty();
   Eigen::Matrix<double, 2 * kPlaces, kFrameUnknowns> rows;
+  Eigen::Matrix<double, 2 * kPlaces, kShapeTerms> by_shape;
   for (Eigen::Index k = 0; k < kPlaces; ++k) {
     const double right = k % 2 == 0 ? -reach : reach;
     const double up = k < 2 ? -reach : reach;
@@ -56,10 +60,20 @@ std::optional<FrameEquations> expectedEquations(const PlanningScene& scene, cons
     if (!scene.camera.pixelFromMap(pose, place, &by_frame)) return std::nullopt;
     rows.row(2 * k) = across_x * by_frame;
     rows.row(2 * k + 1) = across_y * by_frame;
+    const Eigen::Vector2d on_marker(k % 2 == 0 ? -share : share, k < 2 ? -share : share);
+    const auto displacement = displacementByShape(uncertainty, on_marker);
+    by_shape.row(2 * k) = across_x * displacement;
+    by_shape.row(2 * k + 1) = across_y * displacement;
   }
+  // The shape is marginalised: what it does is noise that the places share.
+  using PlaceMatrix = Eigen::Matrix<double, 2 * kPlaces, 2 * kPlaces>;
+  const PlaceMatrix of_shape = by_shape * by_shape.transpose();
+  const PlaceMatrix weight = (PlaceMatrix::Identity() + of_shape).inverse();
+  const Eigen::Matrix<double, 2 * kPlaces, kFrameUnknowns> weighted = weight * rows;
   FrameEquations equations;
-  equations.information = rows.transpose().lazyProduct(rows);
-  equations.by_chance = equations.information;
+  equations.information = rows.transpose().lazyProduct(weighted);
+  equations.by_chance = weighted.transpose().lazyProduct(weighted);
+  equations.by_shared = weighted.transpose() * of_shape * weighted;
   const Misplacement misplacement =
       misplacementOf(marker, scene.camera.model(), center_by_frame.leftCols<2>().norm(),
                      scene.config.localizer.estimation.photometric.alignment_deviation);

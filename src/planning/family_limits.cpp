@@ -59,6 +59,30 @@ double reachOf(const std::vector<std::vector<SeenFrom>>& directions, double leas
   return *middle;
 }
 
+/// Of a family's markers: how many modules lie between the corners (of pictures: features), and the
+/// width of the whole drawing, as a share of that.
+struct Layout {
+  int modules = 0;
+  double printed = 1.0;
+};
+
+Layout layoutOf(const std::string& family) {
+  if (family != kPictureFamily) {
+    const TagPattern pattern(family, 0);
+    const int modules = pattern.widthBetweenCorners();
+    return {modules, static_cast<double>(pattern.width()) / modules};
+  }
+  // As the patterns of maps/patterns have at the median; their drawing is that of any picture with
+  // ARToolKit's border.
+  constexpr int kFeatures = 8;
+  constexpr int kCells = 16;
+  PatternPicture picture;
+  picture.side = kCells;
+  for (int i = 0; i < kCells * kCells; ++i) picture.white.push_back((i / kCells + i) % 2);
+  const TagPattern pattern(picture);
+  return {kFeatures, static_cast<double>(pattern.width()) / pattern.widthBetweenCorners()};
+}
+
 }  // namespace
 
 const std::vector<FamilyLimits>& measuredFamilies() {
@@ -75,6 +99,7 @@ const std::vector<FamilyLimits>& measuredFamilies() {
       {"DICT_6X6_250", {0.9, 1.8}},
       {"DICT_7X7_250", {0.8, 2.0}},
       {"DICT_ARUCO_ORIGINAL", {1.0, 2.0}},
+      {kPictureFamily, {1.0, 2.8}},
   };
   return limits;
 }
@@ -98,9 +123,9 @@ std::vector<FamilyReach> familyReaches(const MountedCamera& camera, double size,
   for (const FamilyLimits& limits : measuredFamilies()) {
     FamilyReach reach;
     reach.family = limits.family;
-    const TagPattern pattern(limits.family, 0);
-    reach.modules = pattern.widthBetweenCorners();
-    reach.printed_width = size * pattern.width() / reach.modules;
+    const Layout layout = layoutOf(limits.family);
+    reach.modules = layout.modules;
+    reach.printed_width = size * layout.printed;
     reach.smallest = limits.smallest;
     // What is smaller is not looked for.
     constexpr VisibilityConfig kLimits;

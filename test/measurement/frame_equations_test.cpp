@@ -75,6 +75,20 @@ TEST_F(FrameEquationsTest, AMisplacementOfNothingChangesNothing) {
   EXPECT_TRUE(same.by_shared.isZero(1e-12));
 }
 
+TEST_F(FrameEquationsTest, MisplacementsOneAfterTheOtherAreTheirSum) {
+  const FrameEquations marker = equationsOf(random(kRows, kFrameUnknowns), random(kRows, 1));
+  const PoseMatrix a = random(6, 6);
+  const PoseMatrix b = random(6, 6);
+  const PoseMatrix first = 0.3 * a * a.transpose();
+  const PoseMatrix second = 0.2 * b * b.transpose();
+  const FrameEquations each = withMisplacement(withMisplacement(marker, first), second);
+  const FrameEquations both = withMisplacement(marker, first + second);
+  EXPECT_TRUE(each.information.isApprox(both.information, 1e-9));
+  EXPECT_TRUE(each.gradient.isApprox(both.gradient, 1e-9));
+  EXPECT_TRUE(each.by_chance.isApprox(both.by_chance, 1e-9));
+  EXPECT_TRUE(each.by_shared.isApprox(both.by_shared, 1e-9));
+}
+
 TEST_F(FrameEquationsTest, AnUnmovedRobotNeverStatesLessThanHalfOfOneImage) {
   Eigen::MatrixXd rows = random(40, kFrameUnknowns);
   FrameEquations image;

@@ -99,6 +99,27 @@ class PhotometricRefinementTest : public testing::Test {
     return noisy;
   }
 
+  /// The panorama, each part of it displaced by this many pixels (standard deviation along either
+  /// axis), and parts this far apart (pixels) independently.
+  static cv::Mat distorted(const cv::Mat& panorama, double deviation, double reach, unsigned seed) {
+    cv::RNG generator(1 + seed);
+    cv::Mat from_u(panorama.size(), CV_32FC1);
+    cv::Mat from_v(panorama.size(), CV_32FC1);
+    for (cv::Mat* const from : {&from_u, &from_v}) {
+      generator.fill(*from, cv::RNG::NORMAL, 0.0, 2.0 * std::sqrt(kPi) * reach * deviation);
+      cv::GaussianBlur(*from, *from, {}, reach);
+    }
+    for (int v = 0; v < panorama.rows; ++v) {
+      for (int u = 0; u < panorama.cols; ++u) {
+        from_u.at<float>(v, u) += static_cast<float>(u);
+        from_v.at<float>(v, u) += static_cast<float>(v);
+      }
+    }
+    cv::Mat distorted;
+    cv::remap(panorama, distorted, from_u, from_v, cv::INTER_LANCZOS4);
+    return distorted;
+  }
+
   /// Paints over the part of a marker that lies between two x of its frame, in half its size.
   static void cover(cv::Mat* panorama, const Marker& marker, double left, double right) {
     std::vector<cv::Point> outline;
@@ -191,6 +212,50 @@ TEST_F(PhotometricRefinementTest, WhatManyMarkersDisagreeByIsKnownOfOne) {
   EXPECT_GT(aware, 1.5);
   EXPECT_LT(of_many, 4.5);
   EXPECT_GT(of_many, 1.5);
+}
+
+TEST_F(PhotometricRefinementTest, IsAsExactAsItSaysBehindALensThatNoModeDescribes) {
+  // A fisheye that looks ahead sees two markers on the floor, near its rim and tens of pixels wide.
+  const auto lens = [](const std::string& uncertainty) {
+    return parseCamera(
+        "{model: equidistant, image: {width: 700, height: 700}, uncertainty: " + uncertainty +
+            ", lens: {fx: 210, fy: 210, cx: 350, cy: 350},"
+            " distortion: [0, 0, 0, 0], max_angle: 1.6}",
+        "lens");
+  };
+  Eigen::Isometry3d ahead(Eigen::Translation3d(0.0, 0.0, 0.8));
+  ahead.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  MarkerMap map{
+      "map",
+      {test::wallMarker(0, {0.5, 0.5, 0.0}, 0.0), test::wallMarker(1, {0.5, -0.4, 0.0}, 0.0)}};
+  for (Marker& marker : map.markers) {
+    marker.size = 0.2;
+    marker.map_from_marker.linear() = Eigen::Matrix3d::Identity();
+    marker.deviation = 0.005;
+    marker.orientation_deviation = radians(1.0);
+  }
+  const cv::Mat ideal = test::renderPanorama(map, {lens("none"), ahead}, {}, 4);
+  const MountedCamera camera(lens("{principal_point: 1, scale: 1, tilt: 1, rim: 1}"), ahead);
+  // As much as a camera of this uncertainty is allowed beside its modes, and different from one
+  // side of a marker to the other.
+  constexpr double kDistortion = 0.3;
+  constexpr double kReach = 15.0;
+  constexpr int kTrials = 30;
+  double mean_nees = 0.0;
+  double mean_square = 0.0;
+  for (unsigned i = 0; i < kTrials; ++i) {
+    const auto fit = refinePhotometrically(distorted(ideal, kDistortion, kReach, i), map, camera,
+                                           TagPatterns(map), entries(2), {},
+                                           PosePrior::standing({}, 0.005, radians(0.5)), {});
+    ASSERT_TRUE(fit);
+    const Eigen::Vector3d error = difference(fit->map_from_base.pose, {}).head<3>();
+    mean_nees += error.dot(floorCovariance(fit->map_from_base).ldlt().solve(error)) / kTrials;
+    mean_square += error.head<2>().squaredNorm() / kTrials;
+  }
+  // If the shape of a marker's image counts as exact, what distorts it moves the pose by 10 mm.
+  EXPECT_LT(std::sqrt(mean_square), 0.005);
+  // Chi-square with 3 degrees of freedom; the draws have no error of the map and of the modes.
+  EXPECT_LT(mean_nees, 3.0);
 }
 
 TEST_F(PhotometricRefinementTest, ThePoseIsTheSameFromNearAndFar) {

@@ -42,4 +42,14 @@ constexpr int kCameraModes = 6;
 Eigen::Matrix<double, 2, kCameraModes> displacementByError(const CameraUncertainty& uncertainty,
                                                            const Eigen::Vector2d& n);
 
+/// The number of coefficients of the shape of a marker's image.
+constexpr int kShapeTerms = 10;
+
+/// Pixels by which errors that no mode describes displace the image of a marker, a column for each
+/// coefficient of its shape off by a standard deviation: a polynomial of the second degree, without
+/// its constant, in each direction of the image. `place`: on the marker's drawing, from -1 to 1
+/// along either side.
+Eigen::Matrix<double, 2, kShapeTerms> displacementByShape(const CameraUncertainty& uncertainty,
+                                                          const Eigen::Vector2d& place);
+
 }  // namespace omnitag

@@ -24,7 +24,7 @@ struct FrameEquations {
 
 /// The equations of one marker that hangs elsewhere than the map says (misplacementOf()): the
 /// misplacement is marginalised, which reduces the information, and its error is shared by all
-/// images. `marker.by_shared` is ignored.
+/// images.
 FrameEquations withMisplacement(const FrameEquations& marker, const PoseMatrix& misplacement);
 
 /// The equations plus what is known beforehand, at a pose and an imaging error: the prior of the

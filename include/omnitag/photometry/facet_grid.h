@@ -16,6 +16,8 @@ namespace omnitag {
 /// or from pose to pose.
 struct Facet {
   bool is_visible = false;
+  /// Its middle on the drawing, from the drawing's middle; the sides have length 1.
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   /// Derivatives of the position on the drawing (modules) by the pixel, and by a frame's unknowns
   /// at a fixed pixel.
   Eigen::Matrix2d by_pixel = Eigen::Matrix2d::Zero();

@@ -7,8 +7,9 @@
 
 namespace omnitag {
 
-/// Pixels of the panorama per module, along the marker's longest edge, at which nine of ten
-/// markers of a family are recognized where they are predicted, and read in a search.
+/// Pixels of the panorama per module (of pictures: per feature, TagPattern::featureWidth()), along
+/// the marker's longest edge, at which nine of ten markers of a family are recognized where they
+/// are predicted, and read in a search.
 struct SmallestModules {
   double recognized = 0.0;
   double read = 0.0;
@@ -29,7 +30,7 @@ SmallestModules smallestModulesOf(const std::string& family);
 /// it is nowhere.
 struct FamilyReach {
   std::string family;
-  /// Between the corners that the library reports.
+  /// Between the corners that the library reports; of pictures: features.
   int modules = 0;
   /// m, across the whole pattern with its white border.
   double printed_width = 0.0;
