@@ -90,12 +90,11 @@ Eigen::Matrix<double, 2, kShapeTerms> byShape(const Facet& facet,
 }
 
 std::vector<Eigen::Vector2d> changesOf(const MarkerPixels& pixels, const FrameVector& change,
-                                       const Shape& shape, const CameraUncertainty& uncertainty) {
+                                       const Shape& shape_change,
+                                       const CameraUncertainty& uncertainty) {
   std::vector<Eigen::Vector2d> changes = pixels.positionChanges(change);
-  if (uncertainty.isNone()) return changes;
-  for (std::size_t f = 0; f < changes.size(); ++f) {
-    changes[f] += byShape(pixels.facets()[f], uncertainty) * shape;
-  }
+  const FacetChanges by_shape = changesByShape(pixels.facets(), shape_change, uncertainty);
+  for (std::size_t f = 0; f < by_shape.size(); ++f) changes[f] += by_shape[f];
   return changes;
 }
 
@@ -151,23 +150,25 @@ LitPatch withExactShape(const Unlit<kFrameUnknowns>& unlit) {
 }
 
 /// The shape, the last of the unknowns, is marginalised.
-LitPatch withoutShape(const Unlit<kFrameUnknowns + kShapeTerms>& unlit) {
+/// `shape`: that it is now.
+LitPatch withoutShape(const Unlit<kFrameUnknowns + kShapeTerms>& unlit, const Shape& shape) {
   using ShapeMatrix = Eigen::Matrix<double, kShapeTerms, kShapeTerms>;
   const ShapeMatrix of_shape =
       unlit.information.bottomRightCorner<kShapeTerms, kShapeTerms>() + ShapeMatrix::Identity();
   const Eigen::LLT<ShapeMatrix> factors(of_shape);
   const auto shape_and_frame = unlit.information.bottomLeftCorner<kShapeTerms, kFrameUnknowns>();
   const auto light_by_shape = unlit.light_by_unknowns.rightCols<kShapeTerms>();
+  const Shape gradient = unlit.gradient.tail<kShapeTerms>() - shape;
   LitPatch patch;
-  patch.shape = factors.solve(unlit.gradient.tail<kShapeTerms>());
+  patch.shape_change = factors.solve(gradient);
   patch.shape_by_frame = -factors.solve(shape_and_frame);
-  patch.light = unlit.light + light_by_shape * patch.shape;
+  patch.light = unlit.light + light_by_shape * patch.shape_change;
   patch.light_by_frame =
       unlit.light_by_unknowns.leftCols<kFrameUnknowns>() + light_by_shape * patch.shape_by_frame;
   patch.information = unlit.information.topLeftCorner<kFrameUnknowns, kFrameUnknowns>() +
                       shape_and_frame.transpose() * patch.shape_by_frame;
-  patch.gradient = unlit.gradient.head<kFrameUnknowns>() +
-                   patch.shape_by_frame.transpose() * unlit.gradient.tail<kShapeTerms>();
+  patch.gradient =
+      unlit.gradient.head<kFrameUnknowns>() + patch.shape_by_frame.transpose() * gradient;
   patch.by_shape = patch.shape_by_frame.transpose() * patch.shape_by_frame;
   return patch;
 }
@@ -183,23 +184,31 @@ double contrastAt(const Eigen::Vector2d& position, const Light& light) {
 
 std::vector<Eigen::Vector2d> LitPatch::positionChanges(const MarkerPixels& pixels,
                                                        const FrameVector& change) const {
-  return changesOf(pixels, change, shapeAfter(change), uncertainty);
+  return changesOf(pixels, change, shapeChangeAfter(change), uncertainty);
+}
+
+FacetChanges changesByShape(const std::vector<Facet>& facets, const Shape& shape,
+                            const CameraUncertainty& uncertainty) {
+  if (uncertainty.isNone()) return {};
+  FacetChanges changes;
+  changes.reserve(facets.size());
+  for (const Facet& facet : facets) changes.emplace_back(byShape(facet, uncertainty) * shape);
+  return changes;
 }
 
 std::optional<LitPatch> fitLight(const MarkerPixels& pixels, const PixelNoise& noise,
-                                 const CameraUncertainty& uncertainty,
-                                 const std::optional<Light>& start, const Shape& start_shape,
-                                 const FrameVector& expected_change) {
+                                 const CameraUncertainty& uncertainty, const Shape& shape,
+                                 const ExpectedPixels& expected) {
   constexpr std::size_t kFewestPixels = 24;
   const std::vector<MarkerPixel>& all = pixels.pixels;
   if (all.size() < kFewestPixels) return std::nullopt;
-  const std::optional<Light> rough = start ? start : roughLight(all);
+  const std::optional<Light> rough = expected.light ? expected.light : roughLight(all);
   if (!rough) return std::nullopt;
 
   PixelSums sums;
   sums.facets.resize(pixels.facets().size());
-  const std::vector<Eigen::Vector2d> expected =
-      changesOf(pixels, expected_change, start_shape, uncertainty);
+  const std::vector<Eigen::Vector2d> changes =
+      changesOf(pixels, expected.change, expected.shape_change, uncertainty);
   // Writing a vector element by element and reading it at once as a whole would take most of the
   // time: many are written before the first is read.
   std::array<Terms, 64> terms;
@@ -207,7 +216,7 @@ std::optional<LitPatch> fitLight(const MarkerPixels& pixels, const PixelNoise& n
     const std::size_t count = std::min(terms.size(), all.size() - first);
     for (std::size_t i = 0; i < count; ++i) {
       const MarkerPixel& pixel = all[first + i];
-      terms[i] = termsOf(pixel, *rough, noise, expected[static_cast<std::size_t>(pixel.facet)]);
+      terms[i] = termsOf(pixel, *rough, noise, changes[static_cast<std::size_t>(pixel.facet)]);
     }
     for (std::size_t i = 0; i < count; ++i) {
       const Eigen::Matrix<double, kLightTerms + 1, 1> light = terms[i].weight * terms[i].light;
@@ -227,10 +236,11 @@ std::optional<LitPatch> fitLight(const MarkerPixels& pixels, const PixelNoise& n
     both << byFrame(f), byShape(pixels.facets()[f], uncertainty);
     return both;
   };
-  LitPatch patch = uncertainty.isNone()
-                       ? withExactShape(withoutLight<kFrameUnknowns>(sums, *factors, byFrame))
-                       : withoutShape(withoutLight<kFrameUnknowns + kShapeTerms>(sums, *factors,
-                                                                                 byFrameAndShape));
+  LitPatch patch =
+      uncertainty.isNone()
+          ? withExactShape(withoutLight<kFrameUnknowns>(sums, *factors, byFrame))
+          : withoutShape(
+                withoutLight<kFrameUnknowns + kShapeTerms>(sums, *factors, byFrameAndShape), shape);
   patch.uncertainty = uncertainty;
   patch.light += *rough;
   if (patch.light[1] < kLowestContrast) return std::nullopt;

@@ -25,7 +25,8 @@ using Shape = Eigen::Matrix<double, kShapeTerms, 1>;
 /// is uncertain, is marginalised.
 struct LitPatch {
   Light light = Light::Zero();
-  Shape shape = Shape::Zero();
+  /// The change of the shape that the pixels were taken with.
+  Shape shape_change = Shape::Zero();
   CameraUncertainty uncertainty;
   /// How the light and the shape that fit best change with the unknowns.
   Eigen::Matrix<double, kLightTerms, kFrameUnknowns> light_by_frame =
@@ -39,24 +40,35 @@ struct LitPatch {
   /// Covariance of the gradient's error by the shape, which all images share.
   FrameMatrix by_shape = FrameMatrix::Zero();
 
-  /// The light and the shape that fit best after this change of the unknowns.
+  /// The light, and the change of the shape, that fit best after this change of the unknowns.
   Light lightAfter(const FrameVector& change) const { return light + light_by_frame * change; }
-  Shape shapeAfter(const FrameVector& change) const { return shape + shape_by_frame * change; }
+  Shape shapeChangeAfter(const FrameVector& change) const {
+    return shape_change + shape_by_frame * change;
+  }
 
   /// The change of the position on the drawing (modules), for each facet, with that shape.
   std::vector<Eigen::Vector2d> positionChanges(const MarkerPixels& pixels,
                                                const FrameVector& change) const;
 };
 
+/// What is expected of a marker's pixels: it determines the residuals that they are weighted by.
+struct ExpectedPixels {
+  /// If it is not known, one that is fitted with equal weights.
+  std::optional<Light> light;
+  FrameVector change = FrameVector::Zero();
+  Shape shape_change = Shape::Zero();
+};
+
+/// The changes of the position on the drawing by a shape. Empty if the camera is exact.
+FacetChanges changesByShape(const std::vector<Facet>& facets, const Shape& shape,
+                            const CameraUncertainty& uncertainty);
+
 /// Fits the light by weighted least squares and linearises the remaining residuals by the unknowns.
-/// Pixels are weighted by how well the light `start` explains them after the expected change of the
-/// unknowns, with the shape `start_shape`; without `start`, by a light fitted with equal weights.
-/// `uncertainty`: of the camera. Nothing if there are too few pixels or hardly any contrast.
+/// `uncertainty`: of the camera; `shape`: that the pixels were taken with, zero for an exact
+/// camera. Nothing if there are too few pixels or hardly any contrast.
 std::optional<LitPatch> fitLight(const MarkerPixels& pixels, const PixelNoise& noise,
-                                 const CameraUncertainty& uncertainty,
-                                 const std::optional<Light>& start = std::nullopt,
-                                 const Shape& start_shape = Shape::Zero(),
-                                 const FrameVector& expected_change = FrameVector::Zero());
+                                 const CameraUncertainty& uncertainty, const Shape& shape,
+                                 const ExpectedPixels& expected);
 
 /// Grey levels between black and white in some light, at a MarkerPixel's position.
 double contrastAt(const Eigen::Vector2d& position, const Light& light);

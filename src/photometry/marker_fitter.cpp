@@ -61,24 +61,31 @@ MarkerFitter::Fits MarkerFitter::fits(const std::vector<MarkerPatch>& patches,
                                       const Alignment& alignment) const {
   Fits fits(patches.size());
   forEachIndex(fits.size(), threads_, kRoughWorthAThread, [&](std::size_t i) {
-    fits[i] = fitOf(i, patches[i].pixels(panorama_, lines[i], alignment.pose, alignment.error),
+    fits[i] = fitOf(i,
+                    patches[i].pixels(panorama_, lines[i], alignment.pose, alignment.error,
+                                      byShape(patches[i], alignment.shapes[i])),
                     alignment);
   });
   return fits;
 }
 
-std::vector<MarkerPixels> MarkerFitter::finePixels(const Pose& pose,
-                                                   const ImagingError& error) const {
+std::vector<MarkerPixels> MarkerFitter::finePixels(const Alignment& alignment) const {
   MarkerPatch::Choice choice;
   choice.reach = 0.0;
   choice.facets = kMostFacets;
-  const MountedCamera camera = camera_.withError(error);
+  const MountedCamera camera = camera_.withError(alignment.error);
   const std::vector<MarkerPatch> fine =
-      patches(camera, pose, config_.max_final_pixels, choice, kFineWorthAThread);
+      patches(camera, alignment.pose, config_.max_final_pixels, choice, kFineWorthAThread);
   std::vector<MarkerPixels> pixels(fine.size());
-  forEachIndex(fine.size(), threads_, kFineWorthAThread,
-               [&](std::size_t i) { pixels[i] = fine[i].pixels(panorama_); });
+  forEachIndex(fine.size(), threads_, kFineWorthAThread, [&](std::size_t i) {
+    pixels[i] = fine[i].pixels(panorama_, byShape(fine[i], alignment.shapes[i]));
+  });
   return pixels;
+}
+
+FacetChanges MarkerFitter::byShape(const MarkerPatch& patch, const Shape& shape) const {
+  if (shape.isZero(0.0)) return {};
+  return changesByShape(patch.facets(), shape, camera_.model().uncertainty());
 }
 
 std::vector<MarkerPixels> MarkerFitter::someOf(const std::vector<MarkerPixels>& pixels) const {
@@ -143,8 +150,9 @@ PixelNoise MarkerFitter::noise(const Fits& fits, const FrameVector& change) cons
 std::optional<MarkerFit> MarkerFitter::fitOf(std::size_t index, MarkerPixels pixels,
                                              const Alignment& alignment) const {
   const std::optional<LitPatch> lit =
-      fitLight(pixels, alignment.noise, camera_.model().uncertainty(), alignment.lights[index],
-               alignment.shapes[index], alignment.expected_change);
+      fitLight(pixels, alignment.noise, camera_.model().uncertainty(), alignment.shapes[index],
+               {alignment.lights[index], alignment.expected_change,
+                alignment.expected_shape_changes[index]});
   if (!lit) return std::nullopt;
   const PoseMatrix misplacement =
       misplacementOf(map_.markers[entries_[index]], camera_, alignment.pose, config_);

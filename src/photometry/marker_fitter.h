@@ -44,6 +44,8 @@ struct Alignment {
   std::vector<double> weights;
   std::vector<std::optional<Light>> lights;
   std::vector<Shape> shapes;
+  /// The change of the shapes that is still expected.
+  std::vector<Shape> expected_shape_changes;
 };
 
 /// Fits the markers of a map to a panorama, each by itself.
@@ -68,14 +70,14 @@ class MarkerFitter {
   /// other poses, their lines of sight give what their pixels see.
   std::vector<MarkerPatch> roughPatches(const Pose& pose) const;
 
-  /// Each marker's fit at the alignment's pose and camera error, which must be near those of the
-  /// patches. `lines`: from linesOfSight() of the patches.
+  /// Each marker's fit at the alignment's pose, camera error and shapes, which must be near those
+  /// of the patches. `lines`: from linesOfSight() of the patches.
   Fits fits(const std::vector<MarkerPatch>& patches, const std::vector<LinesOfSight>& lines,
             const Alignment& alignment) const;
 
   /// The pixels of each marker from a pose that will hardly change any more: only pixels that see
-  /// an edge add to it.
-  std::vector<MarkerPixels> finePixels(const Pose& pose, const ImagingError& error) const;
+  /// an edge add to it. With the pose, the camera error and the shapes of the alignment.
+  std::vector<MarkerPixels> finePixels(const Alignment& alignment) const;
 
   /// A selection of the pixels, in total about as many as rough patches have.
   std::vector<MarkerPixels> someOf(const std::vector<MarkerPixels>& pixels) const;
@@ -99,6 +101,7 @@ class MarkerFitter {
   std::vector<MarkerPatch> patches(const MountedCamera& camera, const Pose& pose, int max_pixels,
                                    const MarkerPatch::Choice& choice,
                                    std::size_t worth_a_thread) const;
+  FacetChanges byShape(const MarkerPatch& patch, const Shape& shape) const;
   /// Approximate area of a marker between its corners, in pixels; 0 if a corner is not seen.
   double areaOf(const Marker& marker, const Pose& pose) const;
 

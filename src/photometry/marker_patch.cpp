@@ -78,11 +78,19 @@ std::vector<Footprint> MarkerPatch::footprints() const {
   return footprints;
 }
 
-MarkerPixels MarkerPatch::pixels(const cv::Mat& panorama) const {
+inline Eigen::Vector2d MarkerPatch::changed(const Eigen::Vector2d& position,
+                                            const FacetChanges& changes) const {
+  if (changes.empty()) return position;
+  return position + changes[static_cast<std::size_t>(facets_->numberOf(facets_->at(position)))];
+}
+
+MarkerPixels MarkerPatch::pixels(const cv::Mat& panorama, const FacetChanges& changes) const {
   MarkerPixels pixels = emptyPixels(places_.size());
   for (const PixelPosition& place : places_) {
-    const Facet* const facet = facetWithinDrawing(place.position);
-    if (facet != nullptr) pixels.pixels.push_back(pixelAt(panorama, place, *facet));
+    const Eigen::Vector2d position = changed(place.position, changes);
+    const Facet* const facet = facetWithinDrawing(position);
+    if (facet == nullptr) continue;
+    pixels.pixels.push_back(pixelAt(panorama, {place.column, place.row, position}, *facet));
   }
   return pixels;
 }
@@ -97,8 +105,8 @@ LinesOfSight MarkerPatch::linesOfSight() const {
 }
 
 MarkerPixels MarkerPatch::pixels(const cv::Mat& panorama, const LinesOfSight& lines,
-                                 const Pose& map_from_base,
-                                 const ImagingError& error_change) const {
+                                 const Pose& map_from_base, const ImagingError& error_change,
+                                 const FacetChanges& changes) const {
   const DrawingPlane plane(marker_, pattern_, map_from_base);
   const bool has_error = !error_change.isZero(0.0);
   MarkerPixels pixels = emptyPixels(places_.size());
@@ -107,6 +115,7 @@ MarkerPixels MarkerPatch::pixels(const cv::Mat& panorama, const LinesOfSight& li
     if (position && has_error) {
       *position += facets_->at(*position).by_frame.rightCols<kImagingUnknowns>() * error_change;
     }
+    if (position) position = changed(*position, changes);
     const Facet* const facet = position ? facetWithinDrawing(*position) : nullptr;
     if (facet == nullptr) continue;
     pixels.pixels.push_back(

@@ -56,23 +56,29 @@ std::optional<FrameVector> changeOf(const Linearization& all) {
   return is_seen ? solutionOf(all.equations) : std::nullopt;
 }
 
-void apply(const FrameVector& change, Alignment* alignment) {
-  alignment->pose = moved(alignment->pose, change.head<6>());
-  alignment->error += change.tail<kImagingUnknowns>();
-}
-
-/// Keeps the lights and the shapes that fit best after this change of the unknowns.
+/// Keeps the lights, and expects the shapes, that fit best after this change of the unknowns.
 void keepLights(const Linearization& all, const FrameVector& change, Alignment* alignment) {
   for (std::size_t i = 0; i < all.fits.size(); ++i) {
     if (!all.fits[i]) continue;
     alignment->lights[i] = all.fits[i]->patch.lightAfter(change);
-    alignment->shapes[i] = all.fits[i]->patch.shapeAfter(change);
+    alignment->expected_shape_changes[i] = all.fits[i]->patch.shapeChangeAfter(change);
   }
 }
 
-/// Displacement of a marker's edges by a change of the unknowns, RMS, in pixels.
-double displacementOf(const MarkerPixels& pixels, const FrameVector& change) {
-  const std::vector<Eigen::Vector2d> changes = pixels.positionChanges(change);
+/// Changes the unknowns, the shapes and the lights.
+void apply(const Linearization& all, const FrameVector& change, Alignment* alignment) {
+  alignment->pose = moved(alignment->pose, change.head<6>());
+  alignment->error += change.tail<kImagingUnknowns>();
+  keepLights(all, change, alignment);
+  for (std::size_t i = 0; i < all.fits.size(); ++i) {
+    alignment->shapes[i] += alignment->expected_shape_changes[i];
+    alignment->expected_shape_changes[i].setZero();
+  }
+}
+
+/// Displacement of a marker's edges by these changes, RMS, in pixels.
+double displacementOf(const MarkerPixels& pixels, const FacetChanges& changes) {
+  if (changes.empty()) return 0.0;
   double squares = 0.0;
   double gradient_squares = 0.0;
   for (const MarkerPixel& pixel : pixels.pixels) {
@@ -95,8 +101,19 @@ constexpr double kNear = 0.05;
 bool isShort(const Linearization& all, const FrameVector& change) {
   return change.head<6>().cwiseAbs().maxCoeff() < kShort &&
          std::all_of(all.fits.begin(), all.fits.end(), [&change](const auto& fit) {
-           return !fit || displacementOf(fit->pixels, change) < kNear;
+           return !fit || displacementOf(fit->pixels, fit->pixels.positionChanges(change)) < kNear;
          });
+}
+
+/// Whether the pixels follow the changes of the markers' shapes linearly enough: a shape is not
+/// wanted itself.
+bool areBentLittle(const Linearization& all, const FrameVector& change) {
+  constexpr double kLittle = 0.3;  // pixels
+  return std::all_of(all.fits.begin(), all.fits.end(), [&](const auto& fit) {
+    return !fit || displacementOf(fit->pixels, changesByShape(fit->pixels.facets(),
+                                                              fit->patch.shapeChangeAfter(change),
+                                                              fit->patch.uncertainty)) < kLittle;
+  });
 }
 
 /// Whether the unknowns are so near the optimum that one step suffices. Learns the step, the noise
@@ -105,7 +122,7 @@ bool isNear(const MarkerFitter& fitter, std::vector<MarkerPixels> some, const Po
             Alignment* alignment) {
   const Linearization all = combine(fitter.fits(std::move(some), *alignment), prior, *alignment);
   const std::optional<FrameVector> change = changeOf(all);
-  if (!change || !isShort(all, *change)) return false;
+  if (!change || !isShort(all, *change) || !areBentLittle(all, *change)) return false;
   alignment->expected_change = *change;
   alignment->noise = fitter.noise(all.fits, *change);
   keepLights(all, *change, alignment);
@@ -126,12 +143,11 @@ bool converge(const MarkerFitter& fitter, const std::vector<MarkerPatch>& patche
     const Linearization all = combine(fitter.fits(patches, lines, *alignment), prior, *alignment);
     const std::optional<FrameVector> change = changeOf(all);
     if (!change) return false;
-    apply(*change, alignment);
+    apply(all, *change, alignment);
     const PixelNoise before = std::exchange(alignment->noise, fitter.noise(all.fits, *change));
     const PixelNoise& noise = alignment->noise;
     const bool is_settled = step > 0 && std::abs(noise.flat - before.flat) < 0.2 * noise.flat &&
                             std::abs(noise.edge - before.edge) < 0.2 * noise.edge + 0.01;
-    keepLights(all, *change, alignment);
     if (is_settled && change->dot(all.equations.information * *change) < kConverged * kConverged) {
       return true;
     }
@@ -235,7 +251,7 @@ double photometricMisfit(const cv::Mat& panorama, const MarkerMap& map, const Mo
   for (const MarkerPatch& patch : fitter.roughPatches(map_from_base)) {
     const MarkerPixels pixels =
         patch.pixels(panorama, patch.linesOfSight(), map_from_base, ImagingError::Zero());
-    const auto lit = fitLight(pixels, noise, camera.model().uncertainty());
+    const auto lit = fitLight(pixels, noise, camera.model().uncertainty(), Shape::Zero(), {});
     if (!lit) return std::numeric_limits<double>::infinity();
     const std::vector<Eigen::Vector2d> changes = lit->positionChanges(pixels, FrameVector::Zero());
     for (const MarkerPixel& pixel : pixels.pixels) {
@@ -258,16 +274,17 @@ std::optional<PhotometricFit> refinePhotometrically(
   start.weights.assign(entries.size(), 1.0);
   start.lights.resize(entries.size());
   start.shapes.assign(entries.size(), Shape::Zero());
+  start.expected_shape_changes = start.shapes;
   Alignment alignment = start;
   std::optional<FinalStep> step;
-  std::vector<MarkerPixels> pixels = fitter.finePixels(initial, start.error);
+  std::vector<MarkerPixels> pixels = fitter.finePixels(start);
   if (isNear(fitter, fitter.someOf(pixels), prior, &alignment)) {
     step = finalStep(fitter, std::move(pixels), prior, &alignment);
   }
   if (!step || !isShort(step->all, step->change)) {
     alignment = start;
     if (!converge(fitter, fitter.roughPatches(initial), prior, &alignment)) return std::nullopt;
-    step = finalStep(fitter, fitter.finePixels(alignment.pose, alignment.error), prior, &alignment);
+    step = finalStep(fitter, fitter.finePixels(alignment), prior, &alignment);
   }
   if (!step) return std::nullopt;
   const PixelNoise noise = fitter.noise(step->all.fits, step->change);

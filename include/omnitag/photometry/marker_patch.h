@@ -61,6 +61,9 @@ struct MarkerPixels {
   std::vector<Eigen::Vector2d> positionChanges(const FrameVector& change) const;
 };
 
+/// Changes of the position on the drawing (modules), one for each facet; none at all if empty.
+using FacetChanges = std::vector<Eigen::Vector2d>;
+
 /// One for each pixel of a patch; nothing if a pixel does not see the world.
 using LinesOfSight = std::vector<std::optional<Ray>>;
 
@@ -91,16 +94,18 @@ class MarkerPatch {
   /// The footprints of the pixels that see only the drawing. Valid as long as the patch.
   std::vector<Footprint> footprints() const;
 
-  /// The same pixels with their grey levels in the panorama (CV_8UC1).
-  MarkerPixels pixels(const cv::Mat& panorama) const;
+  const std::vector<Facet>& facets() const { return facets_->facets(); }
+
+  /// The same pixels with their grey levels in the panorama (CV_8UC1), after these changes.
+  MarkerPixels pixels(const cv::Mat& panorama, const FacetChanges& changes = {}) const;
 
   /// The lines of sight of the patch's pixels in base_link, for use at other poses.
   LinesOfSight linesOfSight() const;
 
   /// As pixels() above, at a pose near the constructor's and with this change of the camera's
-  /// error. `lines`: from linesOfSight().
+  /// error, and these changes besides. `lines`: from linesOfSight().
   MarkerPixels pixels(const cv::Mat& panorama, const LinesOfSight& lines, const Pose& map_from_base,
-                      const ImagingError& error_change) const;
+                      const ImagingError& error_change, const FacetChanges& changes = {}) const;
 
  private:
   /// Keeps at most `at_most` of the pixels, evenly spread.
@@ -109,6 +114,8 @@ class MarkerPatch {
   const Facet* facetWithinDrawing(const Eigen::Vector2d& position) const;
   MarkerPixel pixelAt(const cv::Mat& panorama, const PixelPosition& place,
                       const Facet& facet) const;
+  /// The position after the changes.
+  Eigen::Vector2d changed(const Eigen::Vector2d& position, const FacetChanges& changes) const;
   /// No pixels, with room for this many.
   MarkerPixels emptyPixels(std::size_t at_most) const;
 
