@@ -149,8 +149,7 @@ LitPatch withExactShape(const Unlit<kFrameUnknowns>& unlit) {
   return patch;
 }
 
-/// The shape, the last of the unknowns, is marginalised.
-/// `shape`: that it is now.
+/// The shape, the last of the unknowns, is marginalised. `shape`: what it is now.
 LitPatch withoutShape(const Unlit<kFrameUnknowns + kShapeTerms>& unlit, const Shape& shape) {
   using ShapeMatrix = Eigen::Matrix<double, kShapeTerms, kShapeTerms>;
   const ShapeMatrix of_shape =
