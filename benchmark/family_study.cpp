@@ -125,6 +125,7 @@ Scene sceneOf(const Eye& eye, const std::vector<Marker>& markers, double module,
   const double modules = pattern.widthBetweenCorners() / pattern.featureWidth();
   VisibilityConfig any;
   any.min_edge_pixels = 0.0;
+  any.max_incidence = 0.5 * kPi;
   Scene scene;
   scene.map.markers = {marker};
   Marker& sized = scene.map.markers.front();

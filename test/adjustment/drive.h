@@ -21,8 +21,7 @@ inline std::string catadioptricFile(double fx, double cx, double cy, double apex
          "}\nmirror: {apex_distance: " + std::to_string(apex_distance) + ", " + shape + "}\n";
 }
 
-inline const std::string kSphere =
-    "profile: spherical, radius_of_curvature: 0.04, rim_radius: 0.0375";
+constexpr const char* kSphere = "profile: spherical, radius_of_curvature: 0.04, rim_radius: 0.0375";
 
 /// A camera that looks down on its mirror from 1.1 m; tf's roll and pitch, besides the half turn.
 inline Eigen::Isometry3d mounting(double height, double roll, double pitch) {
