@@ -84,15 +84,16 @@ std::vector<Eye> eyes() {
 
 /// The markers of a family from which one is drawn: some ids, or all pictures.
 std::vector<Marker> markersOf(const std::string& family) {
-  constexpr int kIds = 20;
   std::vector<Marker> markers;
   if (family == kPictureFamily) {
     const MarkerMap map = loadMarkerMap(PACKAGE_DIR "/maps/paper_artoolkit.yaml");
     for (std::size_t i = 0; i < map.markers.size(); ++i) {
       if (map.markers[i].id == static_cast<int>(i)) markers.push_back(map.markers[i]);
     }
+    return markers;
   }
-  for (int id = 0; family != kPictureFamily && id < kIds; ++id) {
+  constexpr int kIds = 20;
+  for (int id = 0; id < kIds; ++id) {
     Marker marker;
     marker.family = family;
     marker.id = id;

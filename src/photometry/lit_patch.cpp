@@ -188,7 +188,7 @@ std::vector<Eigen::Vector2d> LitPatch::positionChanges(const MarkerPixels& pixel
 
 FacetChanges changesByShape(const std::vector<Facet>& facets, const Shape& shape,
                             const CameraUncertainty& uncertainty) {
-  if (uncertainty.isNone()) return {};
+  if (shape.isZero(0.0)) return {};
   FacetChanges changes;
   changes.reserve(facets.size());
   for (const Facet& facet : facets) changes.emplace_back(byShape(facet, uncertainty) * shape);

@@ -59,7 +59,8 @@ struct ExpectedPixels {
   Shape shape_change = Shape::Zero();
 };
 
-/// The changes of the position on the drawing by a shape. Empty if the camera is exact.
+/// The changes of the position on the drawing by a shape; none by one of zero, as an exact
+/// camera's.
 FacetChanges changesByShape(const std::vector<Facet>& facets, const Shape& shape,
                             const CameraUncertainty& uncertainty);
 

@@ -63,7 +63,8 @@ MarkerFitter::Fits MarkerFitter::fits(const std::vector<MarkerPatch>& patches,
   forEachIndex(fits.size(), threads_, kRoughWorthAThread, [&](std::size_t i) {
     fits[i] = fitOf(i,
                     patches[i].pixels(panorama_, lines[i], alignment.pose, alignment.error,
-                                      byShape(patches[i], alignment.shapes[i])),
+                                      changesByShape(patches[i].facets(), alignment.shapes[i],
+                                                     camera_.model().uncertainty())),
                     alignment);
   });
   return fits;
@@ -78,14 +79,10 @@ std::vector<MarkerPixels> MarkerFitter::finePixels(const Alignment& alignment) c
       patches(camera, alignment.pose, config_.max_final_pixels, choice, kFineWorthAThread);
   std::vector<MarkerPixels> pixels(fine.size());
   forEachIndex(fine.size(), threads_, kFineWorthAThread, [&](std::size_t i) {
-    pixels[i] = fine[i].pixels(panorama_, byShape(fine[i], alignment.shapes[i]));
+    pixels[i] = fine[i].pixels(panorama_, changesByShape(fine[i].facets(), alignment.shapes[i],
+                                                         camera_.model().uncertainty()));
   });
   return pixels;
-}
-
-FacetChanges MarkerFitter::byShape(const MarkerPatch& patch, const Shape& shape) const {
-  if (shape.isZero(0.0)) return {};
-  return changesByShape(patch.facets(), shape, camera_.model().uncertainty());
 }
 
 std::vector<MarkerPixels> MarkerFitter::someOf(const std::vector<MarkerPixels>& pixels) const {

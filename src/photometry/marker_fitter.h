@@ -101,7 +101,6 @@ class MarkerFitter {
   std::vector<MarkerPatch> patches(const MountedCamera& camera, const Pose& pose, int max_pixels,
                                    const MarkerPatch::Choice& choice,
                                    std::size_t worth_a_thread) const;
-  FacetChanges byShape(const MarkerPatch& patch, const Shape& shape) const;
   /// Approximate area of a marker between its corners, in pixels; 0 if a corner is not seen.
   double areaOf(const Marker& marker, const Pose& pose) const;
 

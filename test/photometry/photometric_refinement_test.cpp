@@ -57,8 +57,8 @@ class PhotometricRefinementTest : public testing::Test {
                                  {}, 1, lasting_excess);
   }
 
-  static double nees(const PhotometricFit& fit) {
-    const Eigen::Vector3d error = difference(fit.map_from_base.pose, truth()).head<3>();
+  static double nees(const PhotometricFit& fit, const Pose& true_pose = truth()) {
+    const Eigen::Vector3d error = difference(fit.map_from_base.pose, true_pose).head<3>();
     return error.dot(floorCovariance(fit.map_from_base).ldlt().solve(error));
   }
 
@@ -172,8 +172,7 @@ TEST_F(PhotometricRefinementTest, TellsTheNoiseAndIsAsExactAsItSays) {
       const auto fit = refine(withNoise(deviation, 10 + i), entries(6), off(0.003, 0.002, -0.003));
       ASSERT_TRUE(fit);
       EXPECT_NEAR(fit->noise, deviation, 0.25 * deviation);
-      const Eigen::Vector3d error = difference(fit->map_from_base.pose, truth()).head<3>();
-      mean_square += error.dot(floorCovariance(fit->map_from_base).ldlt().solve(error)) / kTrials;
+      mean_square += nees(*fit) / kTrials;
     }
     // Chi-square with 3 degrees of freedom; the covariance allows for a map that is not exact.
     EXPECT_LT(mean_square, 4.5) << deviation;
@@ -248,9 +247,8 @@ TEST_F(PhotometricRefinementTest, IsAsExactAsItSaysBehindALensThatNoModeDescribe
                                            TagPatterns(map), entries(2), {},
                                            PosePrior::standing({}, 0.005, radians(0.5)), {});
     ASSERT_TRUE(fit);
-    const Eigen::Vector3d error = difference(fit->map_from_base.pose, {}).head<3>();
-    mean_nees += error.dot(floorCovariance(fit->map_from_base).ldlt().solve(error)) / kTrials;
-    mean_square += error.head<2>().squaredNorm() / kTrials;
+    mean_nees += nees(*fit, {}) / kTrials;
+    mean_square += std::pow(test::positionError(fit->map_from_base.pose, {}), 2) / kTrials;
   }
   // If the shape of a marker's image counts as exact, what distorts it moves the pose by 10 mm.
   EXPECT_LT(std::sqrt(mean_square), 0.005);
