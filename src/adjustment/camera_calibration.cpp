@@ -70,7 +70,7 @@ class Calibrator {
 
   /// Releases more and more parameters.
   void setFree() {
-    Indices radial = fit_.indicesOf({"fx", "fy", "apex_distance", "z"});
+    Indices radial = fit_.indicesOf({"fx", "fy", "a0", "apex_distance", "z"});
     if (doubts_profile_) radial.push_back(*model().indexOf("conic_constant"));
     fit_.adjust("radial scale", radial, Moving::kCamera);
     for (const Eigen::Index index : fit_.indicesOf({"cx", "cy", "roll", "pitch"})) {
@@ -194,7 +194,7 @@ class Calibrator {
 
   void refuseIfEssential(Eigen::Index index, double deviation) const {
     const std::string& name = fit_.nameOf(index);
-    if (name != "fx" && name != "fy" && name != "cx" && name != "cy") return;
+    if (name != "fx" && name != "fy" && name != "a0" && name != "cx" && name != "cy") return;
     throw InputError("the images do not tell " + name + " (standard deviation " +
                      decimals(deviation, 1) +
                      " px): record more images in other places, with markers near and far and all "

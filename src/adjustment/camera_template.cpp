@@ -7,6 +7,7 @@
 
 #include "omnitag/camera/camera_file.h"
 #include "omnitag/camera/mirror_profile.h"
+#include "omnitag/camera/ocam_calibration.h"
 #include "omnitag/common/error.h"
 #include "omnitag/common/yaml_reader.h"
 
@@ -61,6 +62,41 @@ void addEquidistant(const YamlReader& camera, std::vector<CalibrationParameter>*
   }
 }
 
+/// `circle`: pixels, the radius up to which the polynomial counts.
+void addOcam(const OcamCalibration& calibration, double circle,
+             std::vector<CalibrationParameter>* parameters) {
+  parameters->push_back({"cx", "px", calibration.center_column, 10.0, 2.0});
+  parameters->push_back({"cy", "px", calibration.center_row, 10.0, 2.0});
+  const double depth = std::abs(calibration.polynomial.front());
+  constexpr double kShareOfDepth = 0.05;
+  for (std::size_t k = 0; k < calibration.polynomial.size(); ++k) {
+    // The toolbox leaves out a1, so that the polynomial is smooth in the image's middle.
+    const double coefficient = calibration.polynomial[k];
+    if (k == 1 && coefficient == 0.0) continue;
+    const double scale = kShareOfDepth * depth / std::pow(circle, k);
+    parameters->push_back({"a" + std::to_string(k), k == 0 ? "px" : "", coefficient, scale, scale});
+  }
+  constexpr double kScale = 0.02;
+  parameters->push_back({"c", "", calibration.c, kScale, kScale});
+  parameters->push_back({"d", "", calibration.d, kScale, kScale});
+  parameters->push_back({"e", "", calibration.e, kScale, kScale});
+}
+
+/// Writes an ocam camera's calibration into its file itself, where its numbers can be replaced.
+void includeCalibration(const OcamCalibration& calibration, YAML::Node* file) {
+  file->remove("calibration_file");
+  (*file)["image"]["width"] = calibration.image_size.width;
+  (*file)["image"]["height"] = calibration.image_size.height;
+  YAML::Node node(YAML::NodeType::Map);
+  node["polynomial"] = calibration.polynomial;
+  node["center"] = std::vector<double>{calibration.center_row, calibration.center_column};
+  node["affine"] = std::vector<double>{calibration.c, calibration.d, calibration.e};
+  for (const char* key : {"polynomial", "center", "affine"}) {
+    node[key].SetStyle(YAML::EmitterStyle::Flow);
+  }
+  (*file)["calibration"] = node;
+}
+
 /// Parameters of a central camera in addition to its lens: xi, alpha, beta.
 void addShape(const YamlReader& camera, std::vector<CalibrationParameter>* parameters) {
   for (const char* name : {"xi", "alpha", "beta"}) {
@@ -98,7 +134,21 @@ void setConicConstant(double value, YAML::Node* mirror) {
   (*mirror)["conic_constant"] = value;
 }
 
+void setOcamValue(const std::string& name, double value, YAML::Node* calibration) {
+  if (name == "cx" || name == "cy") {
+    (*calibration)["center"][name == "cy" ? 0 : 1] = value;
+  } else if (name.front() == 'a') {
+    (*calibration)["polynomial"][std::stoi(name.substr(1))] = value;
+  } else {
+    (*calibration)["affine"][name.front() - 'c'] = value;
+  }
+}
+
 void setValue(const std::string& name, double value, YAML::Node* file) {
+  if (YAML::Node calibration = (*file)["calibration"]) {
+    setOcamValue(name, value, &calibration);
+    return;
+  }
   YAML::Node lens = (*file)["lens"];
   if (lens[name]) {
     lens[name] = value;
@@ -170,14 +220,20 @@ CameraTemplate::CameraTemplate(const YAML::Node& file, std::string origin)
     : file_(file), origin_(std::move(origin)) {
   const YamlReader reader(file_, origin_);
   const std::string model = reader.text("model");
-  if (model == "ocam" || model == "equirectangular") {
+  if (model == "equirectangular") {
     reader.refuse("model",
                   "one that is calibrated (catadioptric, equidistant, unified, pinhole, "
-                  "double_sphere or eucm; an ocam file is calibrated with its own toolbox)");
+                  "double_sphere, eucm or ocam)");
   }
   const auto camera = parseCamera(emitted(file_), origin_);
   circle_ = camera->rimPixels();
 
+  if (model == "ocam") {
+    const OcamCalibration calibration = readOcamCalibration(reader);
+    includeCalibration(calibration, &file_);
+    addOcam(calibration, circle_, &parameters_);
+    return;
+  }
   addLens(reader.mapping("lens"), &parameters_);
   if (model == "catadioptric") {
     const YamlReader mirror = reader.mapping("mirror");

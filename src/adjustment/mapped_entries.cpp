@@ -12,11 +12,23 @@
 #include "omnitag/common/error.h"
 #include "omnitag/common/file_replacement.h"
 #include "omnitag/marker/marker_map_file.h"
+#include "omnitag/marker/marker_selection.h"
 
 namespace omnitag {
+namespace {
+
+constexpr double kLastDigit = 1e-6;  // of a map file, m and rad
+
+/// Whether the places or the deviations differ.
+bool differs(const Marker& a, const Marker& b) {
+  return !(a.map_from_marker.matrix() - b.map_from_marker.matrix()).isZero(kLastDigit) ||
+         std::abs(a.deviation - b.deviation) > kLastDigit ||
+         std::abs(a.orientation_deviation - b.orientation_deviation) > kLastDigit;
+}
+
+}  // namespace
 
 MapEntry mappedEntry(const Marker& marker, const MarkerCovariance& covariance) {
-  constexpr double kLastDigit = 1e-6;  // of a map file, m and rad
   MarkerEstimate estimate;
   estimate.covariance = covariance;
   const Eigen::Vector3d normal = marker.normal();
@@ -41,20 +53,28 @@ std::vector<MapEntry> usedEntries(const std::vector<ProvisionalMarker>& markers)
   return entries;
 }
 
-SavedMap addToMapFile(const std::string& path, const std::vector<MapEntry>& entries) {
-  const std::string text = readTextFile(path);
-  const MarkerMap map = parseMarkerMap(text, path);
-  std::vector<MapEntry> added;
-  std::copy_if(entries.begin(), entries.end(), std::back_inserter(added),
-               [&](const MapEntry& entry) {
-                 return entriesOf(map, entry.marker.family, entry.marker.id).empty();
-               });
-  SavedMap saved;
-  if (added.empty()) return saved;
-  replaceFile(path, withEntries(text, added, path));
-  saved.is_written = true;
-  for (const MapEntry& entry : added) saved.added.push_back(entry.marker);
-  return saved;
+LearntMap withLearnt(const std::string& text, const std::vector<RefinedMarker>& refined,
+                     const std::vector<MapEntry>& added, const std::string& origin) {
+  const MarkerMap map = parseMarkerMap(text, origin);
+  LearntMap learnt;
+  std::vector<EntryChange> changes(map.markers.size());
+  for (const RefinedMarker& each : refined) {
+    const auto entry = entryLike(map, each.in_file);
+    if (!entry || !differs(each.refined, map.markers[*entry])) continue;
+    Marker& marker = changes[*entry].moved.emplace(map.markers[*entry]);
+    marker.map_from_marker = each.refined.map_from_marker;
+    marker.deviation = each.refined.deviation;
+    marker.orientation_deviation = each.refined.orientation_deviation;
+    ++learnt.refined;
+  }
+  std::vector<MapEntry> missing;
+  std::copy_if(added.begin(), added.end(), std::back_inserter(missing), [&](const auto& entry) {
+    return entriesOf(map, entry.marker.family, entry.marker.id).empty();
+  });
+  learnt.added = missing.size();
+  learnt.text = learnt.refined > 0 ? withChanges(text, changes, missing, origin)
+                                   : withEntries(text, missing, origin);
+  return learnt;
 }
 
 std::string readTextFile(const std::string& path) {

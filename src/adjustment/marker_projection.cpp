@@ -42,6 +42,7 @@ std::optional<MarkerProjection> projectMarker(const Marker& marker, const Mounte
     const auto row = static_cast<Eigen::Index>(2 * k);
     projection.pixels.segment<2>(row) = *pixel;
     projection.by_pose.middleRows<2>(row) = by_frame.leftCols<6>();
+    projection.by_error.middleRows<2>(row) = by_frame.rightCols<kImagingUnknowns>();
     projection.by_marker.block<2, 3>(row, 0) = by_point;
     projection.by_marker.block<2, 3>(row, 3) = -by_point * crossMatrix(from_center);
     projection.by_size.segment<2>(row) = by_point * from_center / marker.size;

@@ -11,9 +11,35 @@
 namespace omnitag {
 namespace {
 
-constexpr std::array<std::string_view, 17> kFirstToHold = {
-    "radius_of_curvature", "k4", "k3",    "p2",   "p1", "k2", "k1", "xi", "apex_distance",
-    "conic_constant",      "z",  "pitch", "roll", "fy", "fx", "cy", "cx"};
+constexpr std::array<std::string_view, 29> kFirstToHold = {"radius_of_curvature",
+                                                           "k4",
+                                                           "k3",
+                                                           "p2",
+                                                           "p1",
+                                                           "k2",
+                                                           "k1",
+                                                           "a6",
+                                                           "a5",
+                                                           "a4",
+                                                           "a3",
+                                                           "a2",
+                                                           "a1",
+                                                           "e",
+                                                           "d",
+                                                           "beta",
+                                                           "alpha",
+                                                           "xi",
+                                                           "apex_distance",
+                                                           "conic_constant",
+                                                           "z",
+                                                           "pitch",
+                                                           "roll",
+                                                           "c",
+                                                           "fy",
+                                                           "fx",
+                                                           "a0",
+                                                           "cy",
+                                                           "cx"};
 
 std::ptrdiff_t rankOf(const std::string& name) {
   return std::find(kFirstToHold.begin(), kFirstToHold.end(), name) - kFirstToHold.begin();

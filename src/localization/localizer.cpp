@@ -122,6 +122,7 @@ FrameResult Localizer::process(const Frame& frame) {
   state.knowledge.last_stamp = frame.stamp;
   last_stamp_ = std::max(frame.stamp, last_stamp_.value_or(frame.stamp));
   measure(camera, &result);
+  result.camera = camera;
   if (frame.wants_measured && !result.is_open) {
     Stopwatch step;
     result.measured =

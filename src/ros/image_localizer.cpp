@@ -35,6 +35,7 @@ ImageLocalizer::ImageLocalizer(const LocalizerParameters& parameters,
   ignore();
   if (parameters_.frames.map.empty()) parameters_.frames.map = map_.frame_id;
   mapper_ = makeMapper(parameters_, cameras_, map_);
+  if (parameters_.refine_map) refinement_.emplace(cameras_, map_, parameters_.localizer.motion);
   start();
 }
 
@@ -63,16 +64,17 @@ void ImageLocalizer::exchange(Successor successor) {
   for (std::size_t i = 0; i < assemblers_.size(); ++i) {
     if (!parameters_.cameras[i].shutter) assemblers_[i].setShutter(successor.config.shutter);
   }
-  successor.localizer->continueFrom(*localizer_);
-  localizer_ = std::move(successor.localizer);
   if (successor.has_other_map) {
     map_ = std::move(successor.map);
     ignored_ = std::move(successor.ignored);
     ignored_markers_ = std::move(successor.ignored_markers);
     advisors_.assign(cameras_.size(), {});
-    if (mapper_) mapper_->setOwn(map_);
+    if (refinement_) refinement_->setMap(map_);
+    if (mapper_) mapper_->setOwn(ownMap());
   }
-  if (mapper_) localizer_->setMap(mapper_->map());
+  if (learnsMap()) successor.localizer->setMap(map());
+  successor.localizer->continueFrom(*localizer_);
+  localizer_ = std::move(successor.localizer);
 }
 
 void ImageLocalizer::start() {
@@ -114,7 +116,7 @@ std::optional<LocalizedImage> ImageLocalizer::localize(const cv_bridge::CvImageC
   if (!ignored_.empty()) nameIgnored(&localized.result);
   advisors_[camera].add(localized.result, map(), *cameras_[camera]);
   localized.result.advice = advisors_[camera].lines();
-  if (mapper_) extendMap(&localized);
+  if (learnsMap()) learnMap(&localized);
   return localized;
 }
 
@@ -154,14 +156,26 @@ void ImageLocalizer::nameIgnored(FrameResult* result) const {
                  explored.end());
 }
 
-void ImageLocalizer::extendMap(LocalizedImage* localized) {
+void ImageLocalizer::learnMap(LocalizedImage* localized) {
   Stopwatch step;
-  localized->map_changed = mapper_->add(localized->input.frame, localized->result);
-  if (localized->map_changed) localizer_->setMap(mapper_->map());
-  localizer_->seek(mapper_->unfinished());
+  const Frame& frame = localized->input.frame;
+  const bool is_refined = refinement_ && refinement_->add(frame, localized->result);
+  if (is_refined && mapper_) mapper_->setOwn(ownMap());
+  const bool is_extended = mapper_ && mapper_->add(frame, localized->result);
+  localized->map_changed = is_refined || is_extended;
+  if (localized->map_changed) localizer_->setMap(map());
+  if (mapper_) localizer_->seek(mapper_->unfinished());
   const double duration = step.lap();
   localized->result.timings.solve += duration;
   localized->result.timings.total += duration;
+}
+
+const MarkerMap& ImageLocalizer::map() const { return mapper_ ? mapper_->map() : ownMap(); }
+
+const MarkerMap& ImageLocalizer::ownMap() const { return refinement_ ? refinement_->map() : map_; }
+
+std::vector<RefinedMarker> ImageLocalizer::refined() const {
+  return refinement_ ? refinement_->refined() : std::vector<RefinedMarker>();
 }
 
 std::vector<ProvisionalMarker> ImageLocalizer::provisional() const {

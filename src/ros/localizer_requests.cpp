@@ -7,6 +7,7 @@
 
 #include "omnitag/adjustment/mapped_entries.h"
 #include "omnitag/common/error.h"
+#include "omnitag/common/file_replacement.h"
 #include "omnitag/ros/conversions.h"
 #include "omnitag/ros/localizer_server.h"
 
@@ -106,30 +107,39 @@ void LocalizerServer::onSaveMap(std_srvs::Trigger::Response* response) {
 
 std::string LocalizerServer::saveMap() {
   const std::string path = settings_.mapFile();
-  if (!parameters_.mapping && settings_.unsavedChanges() == 0) {
-    throw InputError("mapping is off and nothing was changed: the map is as " + path + " has it");
+  const bool learns = parameters_.mapping || parameters_.refine_map;
+  if (!learns && settings_.unsavedChanges() == 0) {
+    throw InputError("mapping and refine_map are off and nothing was changed: the map is as " +
+                     path + " has it");
   }
-  if (settings_.unsavedChanges() == 0) return saveMapped(path);
+  if (settings_.unsavedChanges() == 0) return saveLearnt(path);
   const std::string saved = settings_.editMap([](MapEditor* map) { return map->save(); });
-  return parameters_.mapping ? saved + "; " + saveMapped(path) : saved;
+  return learns ? saved + "; " + saveLearnt(path) : saved;
 }
 
-std::string LocalizerServer::saveMapped(const std::string& path) {
+std::string LocalizerServer::saveLearnt(const std::string& path) {
   std::vector<ProvisionalMarker> provisional;
+  std::vector<RefinedMarker> refined;
   {
     const std::lock_guard<std::mutex> lock(map_mutex_);
     provisional = provisional_;
+    refined = refined_;
   }
   const std::vector<MapEntry> entries = usedEntries(provisional);
-  const SavedMap saved = addToMapFile(path, entries);
-  if (saved.is_written) {
+  const LearntMap learnt = withLearnt(readTextFile(path), refined, entries, path);
+  if (learnt.isChanged()) {
+    replaceFile(path, learnt.text);
     // The saved markers become the map's own and no longer belong to mapping.
     settings_.editMap([](MapEditor* map) { return map->reload(); });
   }
-  const std::string done = saved.is_written
-                               ? std::to_string(saved.added.size()) + " markers added to " + path +
-                                     ", the old file is beside it with a ~"
-                               : path + " has all already";
+  std::string done = path + " has all already";
+  if (learnt.isChanged()) {
+    const std::string added = std::to_string(learnt.added) + " markers added to " + path;
+    const std::string refined = std::to_string(learnt.refined) + " refined in " + path;
+    const bool are_both = learnt.added > 0 && learnt.refined > 0;
+    done = (are_both ? refined + ", " : "") + (learnt.added > 0 ? added : refined) +
+           ", the old file is beside it with a ~";
+  }
   return done + "; " + std::to_string(provisional.size() - entries.size()) +
          " more are not known well enough yet";
 }

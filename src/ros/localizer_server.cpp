@@ -280,7 +280,7 @@ void LocalizerServer::startAnew(double went_back) {
 void LocalizerServer::publish(const LocalizedImage& localized) {
   if (localized.clock_step != 0.0) logClockStep(localized.clock_step);
   if (localized.went_back > 0.0) startAnew(localized.went_back);
-  if (localizer_.isMapping()) publishMap(localized.map_changed);
+  if (localizer_.learnsMap()) publishMap(localized.map_changed);
   const std::size_t camera = localized.input.frame.camera;
   ResultMessages messages =
       toMessages(localized, localizer_.map(), localizer_.frames(), parameters_.transform_tolerance);
@@ -367,6 +367,7 @@ void LocalizerServer::showMap() {
   {
     const std::lock_guard<std::mutex> lock(map_mutex_);
     provisional_ = std::move(provisional);
+    refined_ = localizer_.refined();
     map_drawing_.replace(localizer_.map(), provisional_);
     markers_publisher_.publish(map_drawing_.markers());
   }
@@ -382,6 +383,7 @@ void LocalizerServer::publishMap(bool is_changed) {
   }
   const std::lock_guard<std::mutex> lock(map_mutex_);
   provisional_ = std::move(provisional);
+  if (is_changed) refined_ = localizer_.refined();
   if (!map_drawing_.update(localizer_.map(), provisional_)) return;
   health_.mapChanged(localizer_.map(), provisional_);
   markers_publisher_.publish(map_drawing_.markers());

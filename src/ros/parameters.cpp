@@ -108,7 +108,7 @@ LocalizerParameters readParameters(const YamlReader& reader) {
                     "visibility", "view", "detector", "association", "recognition", "estimation",
                     "look_around", "attention", "evidence", "relocalization", "motion", "floor",
                     "pose_model", "image_time_offset", "row_readout_time", "exposure_time",
-                    "threads", "estimator", "mapping", "mapper",
+                    "threads", "estimator", "mapping", "mapper", "refine_map",
                     // Read by nodelet in the same namespace.
                     "num_worker_threads"});
   LocalizerParameters parameters;
@@ -140,6 +140,7 @@ LocalizerParameters readParameters(const YamlReader& reader) {
   parameters.cameras = readCameras(reader, parameters.localizer.shutter);
   reader.read("mapping", &parameters.mapping);
   if (reader.has("mapper")) parameters.mapper = readMarkerMapperConfig(reader.mapping("mapper"));
+  reader.read("refine_map", &parameters.refine_map);
   if (parameters.mapping) parameters.localizer.exploring_views = parameters.mapper.views_per_frame;
   return parameters;
 }

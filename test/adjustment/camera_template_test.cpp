@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -90,6 +91,35 @@ TEST(CameraTemplateTest, KnowsEveryModelsNumbers) {
   }
 }
 
+TEST(CameraTemplateTest, TakesTheCalibrationOfOcamIntoTheFile) {
+  const std::string folder = testing::TempDir();
+  std::ofstream(folder + "template_calib_results.txt")
+      << "5 -213 0 1.1e-3 -9e-7 3e-9\n0\n347.1 352.3\n1.004 0.0006 -0.0007\n700 720\n";
+  const std::string text =
+      "model: ocam\ncalibration_file: template_calib_results.txt\nmax_angle: 1.6\n";
+  const CameraTemplate camera = CameraTemplate::fromText(text, folder + "camera.yaml");
+  const auto original = parseCamera(text, folder + "camera.yaml");
+  Eigen::VectorXd values = valuesOf(camera);
+  const auto again = parseCamera(camera.text(values), "elsewhere/camera.yaml");
+  EXPECT_EQ(again->imageSize().width, 720);
+  EXPECT_EQ(again->maxRadius(), original->maxRadius());
+  const Eigen::Vector3d point(0.5, -0.4, 0.2);
+  const auto pixel = original->pixelFromPoint(point);
+  ASSERT_TRUE(pixel);
+  EXPECT_EQ(again->pixelFromPoint(point), pixel);
+  values(indexOf(camera, "cx")) += 3.0;
+  values(indexOf(camera, "cy")) -= 2.0;
+  const auto shifted = camera.camera(values)->pixelFromPoint(point);
+  ASSERT_TRUE(shifted);
+  EXPECT_LT((*shifted - *pixel - Eigen::Vector2d(3.0, -2.0)).norm(), 1e-9);
+  for (const char* name : {"a0", "a2", "a3", "a4", "c", "d", "e"}) {
+    Eigen::VectorXd changed = valuesOf(camera);
+    const Eigen::Index index = indexOf(camera, name);
+    changed(index) += 0.1 * camera.parameters()[static_cast<std::size_t>(index)].scale;
+    EXPECT_NE(camera.camera(changed)->pixelFromPoint(point), pixel) << name;
+  }
+}
+
 TEST(CameraTemplateTest, NamesTheProfileOfAConicConstant) {
   const CameraTemplate camera = CameraTemplate::fromText(
       test::catadioptricFile(1195, 250, 250, 0.21, test::kSphere), "guess");
@@ -126,7 +156,8 @@ TEST(CameraTemplateTest, FindsTheRimOfACircle) {
 
 TEST(CameraTemplateTest, RefusesWhatIsNotCalibrated) {
   const std::string message = test::refusalOf([] {
-    CameraTemplate::fromText("model: ocam\ncalibration_file: calib_results.txt\n", "guess.yaml");
+    CameraTemplate::fromText("model: equirectangular\nimage: {width: 200, height: 100}\n",
+                             "guess.yaml");
   });
   EXPECT_NE(message.find("guess.yaml"), std::string::npos) << message;
   EXPECT_NE(message.find("model"), std::string::npos) << message;

@@ -439,6 +439,13 @@ std::vector<Refusal> refusals() {
       {"OcamWithAnImage",
        std::string(kOcam) + "image: {width: 3, height: 3}\n",
        {"camera.yaml:3: image: unknown key"}},
+      {"OcamWithAShortCentre",
+       "model: ocam\nimage: {width: 9, height: 9}\ncalibration: {polynomial: [-3], center: [4], "
+       "affine: [1, 0, 0]}\n",
+       {"camera.yaml:3: calibration.center: expected a list of 2 numbers"}},
+      {"OcamWithTwoCalibrations",
+       std::string(kOcam) + "calibration: {polynomial: [-3]}\n",
+       {"camera.yaml:2: calibration_file: unknown key"}},
       {"UnknownProfile",
        sphereWith("spherical", "round"),
        {"camera.yaml:5: mirror.profile: expected one of spherical, parabolic, hyperbolic, "

@@ -34,8 +34,9 @@ Eigen::VectorXd valuesOf(const std::vector<CalibrationParameter>& parameters);
 ///
 /// The parameters are the lens's fx, fy, cx and cy; for a mirror, radius_of_curvature,
 /// conic_constant and apex_distance (only apex_distance if it is tabulated); for the equidistant
-/// model, k1 to k4; for other models, those present of xi, alpha, beta, k1, k2, p1 and p2.
-/// Everything else stays as in the file.
+/// model, k1 to k4; for other models, those present of xi, alpha, beta, k1, k2, p1 and p2. Those of
+/// the ocam model are cx and cy, the coefficients a0, a2, ... and the affine c, d and e; text() then
+/// has the calibration in the file itself. Everything else stays as in the file.
 class CameraTemplate {
  public:
   /// Throws InputError if the file does not describe a camera, or if its model cannot

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "omnitag/adjustment/map_refinement.h"
 #include "omnitag/adjustment/marker_mapper.h"
 #include "omnitag/adjustment/marker_projection.h"
 #include "omnitag/marker/marker_map.h"
@@ -17,17 +18,22 @@ MapEntry mappedEntry(const Marker& marker, const MarkerCovariance& covariance);
 /// Entries of the markers that are known well enough to be used.
 std::vector<MapEntry> usedEntries(const std::vector<ProvisionalMarker>& markers);
 
-/// The result of saving a map.
-struct SavedMap {
-  /// The markers added to the file. Markers whose family and id it already had are not among them.
-  std::vector<Marker> added;
-  /// Whether the file was written.
-  bool is_written = false;
+/// The text of a map file with what was learnt.
+struct LearntMap {
+  std::string text;
+  /// The number of markers added to the file, except those whose family and id it already had; and
+  /// of its own markers whose places or deviations changed.
+  std::size_t added = 0;
+  std::size_t refined = 0;
+
+  bool isChanged() const { return added > 0 || refined > 0; }
 };
 
-/// Adds markers to a map file in its present state, including edits made meanwhile. Throws
-/// InputError if it cannot be read, parsed or replaced; it is then unchanged.
-SavedMap addToMapFile(const std::string& path, const std::vector<MapEntry>& entries);
+/// `text`: of a map file, including edits made meanwhile; `origin` takes the place of its name in
+/// errors. A refined marker that the file no longer has is left out. Throws InputError if the text
+/// cannot be parsed or changed.
+LearntMap withLearnt(const std::string& text, const std::vector<RefinedMarker>& refined,
+                     const std::vector<MapEntry>& added, const std::string& origin);
 
 /// The text of a file. Throws InputError if it cannot be read.
 std::string readTextFile(const std::string& path);

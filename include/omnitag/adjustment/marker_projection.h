@@ -26,11 +26,13 @@ using CornerPixels = Eigen::Matrix<double, 8, 1>;
 
 CornerPixels stacked(const Corners<Eigen::Vector2d>& corners);
 
-/// The pixels of a marker's corners, and their derivatives by the robot's pose (a PoseVector), by a
-/// MarkerIncrement, and by the marker's size; per metre and per radian.
+/// The pixels of a marker's corners, and their derivatives by the robot's pose (a PoseVector), by
+/// the imaging error, by a MarkerIncrement, and by the marker's size; per metre, per radian and per
+/// standard deviation.
 struct MarkerProjection {
   CornerPixels pixels;
   Eigen::Matrix<double, 8, 6> by_pose;
+  Eigen::Matrix<double, 8, kImagingUnknowns> by_error;
   Eigen::Matrix<double, 8, 6> by_marker;
   CornerPixels by_size;
 };

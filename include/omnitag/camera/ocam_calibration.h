@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "omnitag/camera/camera_model.h"
+#include "omnitag/common/yaml_reader.h"
 
 namespace omnitag {
 
@@ -28,5 +29,9 @@ OcamCalibration loadOcamCalibration(const std::string& path);
 
 /// The same from text; `origin` takes the place of the file name in errors.
 OcamCalibration parseOcamCalibration(const std::string& text, const std::string& origin);
+
+/// The calibration of a camera file whose model is `ocam`: in the file that `calibration_file`
+/// names, or, as `calibration`, in the camera file itself. Throws InputError.
+OcamCalibration readOcamCalibration(const YamlReader& camera);
 
 }  // namespace omnitag

@@ -125,7 +125,8 @@ struct FrameResult {
   std::optional<PoseEstimate> measured;
   /// Whether the robot moves on a floor: its height and lean are then not published.
   bool is_on_floor = true;
-  /// The camera's estimated imaging error.
+  /// The camera as it took the image, and its estimated imaging error.
+  std::optional<MountedCamera> camera;
   ImagingError imaging_error = ImagingError::Zero();
   /// The blur assumed for the image, and what its pixels say about it if they aligned the pose.
   ImageBlur blur;

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "omnitag/adjustment/map_refinement.h"
 #include "omnitag/localization/advice.h"
 #include "omnitag/localization/localizer.h"
 #include "omnitag/ros/camera_info.h"
@@ -40,7 +41,7 @@ struct LocalizedImage {
   /// Whether the image is newer than all before; with several cameras, one may be overtaken by
   /// another's or be of the same stamp.
   bool is_newest = true;
-  /// Whether this image changed the map: mapping added markers, or moved some that it had added.
+  /// Whether this image changed the map: markers were added, or are known better.
   bool map_changed = false;
 };
 
@@ -81,12 +82,16 @@ class ImageLocalizer {
   /// while an image is processed.
   void exchange(Successor successor);
 
-  /// The map file's markers except ignored ones, followed by those that mapping has added.
-  const MarkerMap& map() const { return mapper_ ? mapper_->map() : map_; }
+  /// The map file's markers except ignored ones, where they are known to hang, followed by those
+  /// that mapping has added.
+  const MarkerMap& map() const;
   const std::vector<Marker>& ignoredMarkers() const { return ignored_markers_; }
-  bool isMapping() const { return mapper_.has_value(); }
+  /// Whether images may change the map.
+  bool learnsMap() const { return mapper_ || refinement_; }
   /// What mapping knows of markers that the map file does not have.
   std::vector<ProvisionalMarker> provisional() const;
+  /// The map file's markers that images have shown to hang elsewhere.
+  std::vector<RefinedMarker> refined() const;
   const CameraModels& cameras() const { return cameras_; }
   const FrameAssembler& assembler(std::size_t camera) const { return assemblers_[camera]; }
   /// With the map's frame filled in.
@@ -100,7 +105,9 @@ class ImageLocalizer {
   void ignore();
   bool isIgnored(const std::string& family, int id) const;
   void nameIgnored(FrameResult* result) const;
-  void extendMap(LocalizedImage* localized);
+  void learnMap(LocalizedImage* localized);
+  /// Without what mapping has added.
+  const MarkerMap& ownMap() const;
 
   LocalizerParameters parameters_;
   CameraModels cameras_;
@@ -111,6 +118,7 @@ class ImageLocalizer {
   std::vector<FrameAssembler> assemblers_;
   std::vector<Advisor> advisors_;
   std::vector<double> last_times_;
+  std::optional<MapRefinement> refinement_;
   std::optional<MarkerMapper> mapper_;
   std::unique_ptr<Localizer> localizer_;
   std::function<void(Localizer*)> request_;

@@ -89,7 +89,7 @@ class LocalizerServer {
   /// What was done, in words. Throws InputError.
   std::string saveMap();
   /// Adds the markers that mapping has found to a map file.
-  std::string saveMapped(const std::string& path);
+  std::string saveLearnt(const std::string& path);
   /// Starts with the pose at which the robot was last seen, unless another was given.
   void takeSavedPose();
   /// Shows a map that replaces the previous one.
@@ -111,10 +111,11 @@ class LocalizerServer {
   TransformInput transforms_;
   ClockWatch clock_watch_;
 
-  /// The map as RViz shows it, and what mapping has added to it so far.
+  /// The map as RViz shows it, and what images have shown so far of other markers and of its own.
   std::mutex map_mutex_;
   MapDrawing map_drawing_;
   std::vector<ProvisionalMarker> provisional_;
+  std::vector<RefinedMarker> refined_;
   FrameMarkers frame_markers_;
   PathRecorder path_;
 

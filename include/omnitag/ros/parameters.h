@@ -84,6 +84,8 @@ struct LocalizerParameters {
   /// Whether the map is extended by markers that it lacks, and how.
   bool mapping = false;
   MarkerMapperConfig mapper;
+  /// Whether the map's own markers are moved to where images show them, within their deviations.
+  bool refine_map = false;
 
   /// Whether there is a list `cameras`, so that messages and topics name the camera.
   bool hasCameraList() const { return !cameras.front().name.empty(); }

@@ -74,15 +74,17 @@ std::string stampText(const ros::Time& stamp) {
   return std::to_string(stamp.sec) + "." + std::to_string(stamp.nsec + 1000000000U).substr(1);
 }
 
-/// If asked for, writes the map file's text with the markers that mapping has added.
+/// If asked for, writes the map file's text with what images have shown of its markers and of others.
 void saveMap(const BagOptions& options, const ImageLocalizer& localizer) {
   if (options.mapped.empty()) return;
   const std::vector<ProvisionalMarker> provisional = localizer.provisional();
   const std::vector<MapEntry> entries = usedEntries(provisional);
   std::printf("markers mapped:    %zu, %zu more are not known well enough\n", entries.size(),
               provisional.size() - entries.size());
-  const std::string text = withEntries(readTextFile(options.map), entries, options.map);
-  replaceFile(options.mapped, movedMapText(text, options.map, options.mapped));
+  const LearntMap learnt =
+      withLearnt(readTextFile(options.map), localizer.refined(), entries, options.map);
+  if (learnt.refined > 0) std::printf("markers refined:   %zu\n", learnt.refined);
+  replaceFile(options.mapped, movedMapText(learnt.text, options.map, options.mapped));
 }
 
 /// Replaces the bag's own transform if the options give another.
