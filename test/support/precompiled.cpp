@@ -1,1 +1,1 @@
-// The tests' precompiled headers belong to a library, which needs a source to be compiled.
+// The tests' precompiled headers need a library with a source that is compiled with them.

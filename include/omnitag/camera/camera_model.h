@@ -87,7 +87,7 @@ class CameraModel {
   /// Pixels, radius of the field in the image.
   double rimPixels() const { return image_plane_.scale() * maxRadius(); }
 
-  /// How far the model may be off; not at all by default.
+  /// How far the model may be off; by default, it is exact.
   const CameraUncertainty& uncertainty() const { return uncertainty_; }
   void setUncertainty(const CameraUncertainty& uncertainty) { uncertainty_ = uncertainty; }
 

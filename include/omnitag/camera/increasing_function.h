@@ -14,8 +14,8 @@ struct ValueAndSlope {
   double slope;
 };
 
-/// How far a function surely grows: the last of evenly spaced positions in [0, end] up to which its
-/// value is finite and its slope positive at every one; 0 if it does not grow at all.
+/// Up to where a function grows: the last of evenly spaced positions in [0, end] before its value
+/// or slope is not finite, or its slope not positive; 0 if it does not grow at all.
 template <typename Function>
 double increasingUpTo(const Function& function, double end) {
   constexpr int kSteps = 4096;
