@@ -10,9 +10,9 @@
 namespace omnitag {
 
 /// Finds the markers of a frame that agree about its unknowns when others may hang elsewhere than
-/// the map says. From each marker a set grows by the marker that agrees best, as long as none
-/// disagrees. The largest set wins; of equally large ones, the one that agrees best in itself and
-/// with the prior.
+/// the map says. A set grows from each marker by the marker that agrees best, as long as it does
+/// agree. The largest set wins; of equally large ones, the one that agrees best in itself and with
+/// the prior.
 ///
 /// `markers`: linearised at `pose` and `error`, with the covariance of their errors; nothing for a
 /// marker that is not seen, which counts as agreeing. `excess`: how many times larger than expected

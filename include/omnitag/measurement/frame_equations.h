@@ -22,7 +22,7 @@ struct FrameEquations {
   void add(const FrameEquations& other, double weight);
 };
 
-/// The equations of one marker that hangs elsewhere than the map says (misplacementOf()): the
+/// The equations of one marker that may hang elsewhere than the map says (misplacementOf()): the
 /// misplacement is marginalised, which reduces the information, and its error is shared by all
 /// images.
 FrameEquations withMisplacement(const FrameEquations& marker, const PoseMatrix& misplacement);
@@ -37,8 +37,8 @@ FrameEquations withPriors(const FrameEquations& markers, const PosePrior& prior,
 int possibleErrors(const ImagingError& error);
 
 /// How badly a marker disagrees with a change of the unknowns, as chi-square with the six degrees
-/// of freedom of a pose: whatever is wrong with a single marker, it seems to hang elsewhere.
-/// `scale`: the covariance that the gradient should have; by default, that of the gradient's error.
+/// of freedom of a pose: whatever is wrong with a single marker, it seems to be misplaced. `scale`:
+/// the covariance that the gradient should have; by default, that of the gradient's error.
 double chiSquareOf(const FrameEquations& marker, const PoseMatrix& scale,
                    const FrameVector& change);
 double chiSquareOf(const FrameEquations& marker, const FrameVector& change);
