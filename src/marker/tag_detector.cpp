@@ -148,7 +148,7 @@ struct TagDetector::Library {
   void decode(const cv::Mat& image, int min_contrast, std::vector<TagDetection>* found) const;
   void decodeTouching(const cv::Mat& image, int min_contrast,
                       std::vector<TagDetection>* found) const;
-  /// `seen`: the image as the library sees it, so many times as large.
+  /// `seen`: the image as the library sees it, larger by the factor `enlargement`.
   void decode(const LibraryDetector& reads, const cv::Mat& seen, double enlargement,
               const cv::Mat& image, int min_contrast, std::vector<TagDetection>* found) const;
   void matchPictures(const cv::Mat& image, int min_contrast,

@@ -26,9 +26,9 @@ struct PatternPicture {
   double whiteAt(int column, int row) const { return white[gridIndex(column, row, side)]; }
 };
 
-/// Reads a pattern file of ARToolKit: four blocks, each turned by a quarter against the one before,
-/// of three planes (blue, green, red) of as many rows as columns, with values from 0 (black) to
-/// 255. The first block is the upright picture; its luma is taken as Rec. 601 has it. Throws
+/// Reads a pattern file of ARToolKit: four blocks, each turned by a quarter relative to the one
+/// before, of three planes (blue, green, red) of as many rows as columns, with values from 0
+/// (black) to 255. The first block is the upright picture; its luma follows Rec. 601. Throws
 /// InputError, with the path, if the file cannot be read, has other contents or hardly any
 /// contrast.
 PatternPicture loadPatternPicture(const std::string& path);
