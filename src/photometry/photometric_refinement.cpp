@@ -105,8 +105,8 @@ bool isShort(const Linearization& all, const FrameVector& change) {
          });
 }
 
-/// Whether the pixels follow the changes of the markers' shapes linearly enough: a shape is not
-/// wanted itself.
+/// Whether the pixels follow the changes of the markers' shapes linearly enough: the shapes
+/// themselves are of no interest.
 bool areBentLittle(const Linearization& all, const FrameVector& change) {
   constexpr double kLittle = 0.3;  // pixels
   return std::all_of(all.fits.begin(), all.fits.end(), [&](const auto& fit) {
