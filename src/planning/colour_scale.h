@@ -8,7 +8,7 @@
 namespace omnitag {
 
 /// Colours for deviations on a logarithmic scale: blue for the smallest, over pale yellow to red,
-/// which people who see colours differently tell apart, too.
+/// which colour-blind people can tell apart, too.
 class ColourScale {
  public:
   /// Covers nearly all of a floor's position deviations.

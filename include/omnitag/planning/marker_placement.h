@@ -24,7 +24,7 @@ struct MarkerPlacement {
   std::vector<Marker> markers;
   /// As in GreedyChoice.
   double guaranteed_share = 1.0;
-  /// Among how many places they were chosen.
+  /// The number of places from which they were chosen.
   std::size_t candidates = 0;
 };
 
