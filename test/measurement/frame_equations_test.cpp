@@ -34,7 +34,7 @@ class FrameEquationsTest : public testing::Test {
 };
 
 TEST_F(FrameEquationsTest, MarginalisingIsEstimatingWithThePrior) {
-  // Against one large least squares in which each marker's misplacement is estimated, too.
+  // Against one large least-squares problem that also estimates each marker's misplacement.
   constexpr int kMarkers = 3;
   const int unknowns = kFrameUnknowns + 6 * kMarkers;
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(unknowns, unknowns);

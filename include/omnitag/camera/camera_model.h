@@ -91,8 +91,8 @@ class CameraModel {
   const CameraUncertainty& uncertainty() const { return uncertainty_; }
   void setUncertainty(const CameraUncertainty& uncertainty) { uncertainty_ = uncertainty; }
 
-  /// Pixels by which each mode of the uncertainty, off by a standard deviation, displaces the image
-  /// at a pixel.
+  /// Displacement of the image at a pixel (pixels) by each mode of the uncertainty, off by a
+  /// standard deviation.
   Eigen::Matrix<double, 2, kCameraModes> displacementByError(const Eigen::Vector2d& pixel) const;
 
   /// Whether images may also be larger or smaller than the camera's by an integer factor.

@@ -38,7 +38,7 @@ struct CameraUncertainty {
 /// The number of modes, in the order above.
 constexpr int kCameraModes = 6;
 
-/// Pixels by which each mode, off by a standard deviation, displaces the image at `n` (see above).
+/// Displacement of the image at `n` (pixels; see above) by each mode, off by a standard deviation.
 Eigen::Matrix<double, 2, kCameraModes> displacementByError(const CameraUncertainty& uncertainty,
                                                            const Eigen::Vector2d& n);
 

@@ -27,8 +27,8 @@ struct FrameEquations {
 /// images.
 FrameEquations withMisplacement(const FrameEquations& marker, const PoseMatrix& misplacement);
 
-/// The equations plus what is known beforehand, at a pose and an imaging error: the prior of the
-/// pose, and that each part of the imaging error has standard deviation 1 about zero.
+/// The equations plus the priors at a pose and an imaging error: that of the pose, and for each
+/// part of the imaging error a standard deviation of 1 about zero.
 FrameEquations withPriors(const FrameEquations& markers, const PosePrior& prior, const Pose& pose,
                           const ImagingError& error);
 
