@@ -22,7 +22,7 @@ constexpr int kCells = 16;
 /// Cells of the border around a picture, as far as its blur reaches into it.
 constexpr int kAround = 3;
 
-/// Pixels; in smaller squares, pictures are hardly different.
+/// Pixels; in smaller squares, pictures hardly differ.
 constexpr double kLeastInside = 6.0;
 
 /// Grey levels.

@@ -34,7 +34,7 @@ const std::vector<std::string> kFiles = {
     "# my hall\nfamily: tag36h11\nsize: 0.30   # m\nmarkers:\n"
     "  - {id: 3, position: [1.0, 2.5, 0.8], yaw: -1.5708}   # by the window\n"
     "  - {id: 7, name: \"a # b\", position: [4, 0, 1.1], yaw: 3.1416, size: 0.20}\n\n# the end",
-    // Not indented, entries over several lines, other keys behind.
+    // Not indented, entries over several lines, followed by other keys.
     "markers:\n- id: 3\n  position: [1, 2, 3]\n  yaw: 0\n- id: 4\n  position: [1, 2, 3]\n"
     "  orientation: [0, 0, 0, 1]\n  # about the size\nsize: 0.4\nfamily: tag36h11\n",
     // In brackets, on one line or several.

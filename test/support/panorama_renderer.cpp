@@ -114,7 +114,7 @@ bool isAimedAt(const Board& board, const double* origin, const double* direction
 
 constexpr double kBackgroundGrey = 120.0;
 
-/// Grey level of the first board that a ray meets from its front, and how far away that is.
+/// Grey level of the first board that a ray meets from its front.
 std::optional<double> greyAlong(const std::vector<Board>& boards, const Ray& ray_in_map) {
   double nearest = std::numeric_limits<double>::infinity();
   std::optional<double> grey;

@@ -100,8 +100,8 @@ class CameraModel {
   void setScalesToImage(bool scales) { scales_to_image_ = scales; }
 
   /// The camera for images of another size. Unchanged if the size is the camera's own, or if it
-  /// must not scale. With scaled pixels and deviations if both sides are an integer multiple of the
-  /// camera's, or an integer fraction, cut off by less than a pixel. Nothing for any other size.
+  /// must not scale. Scaled, with its deviations, if both sides are an integer multiple or fraction
+  /// of the camera's, cut off by less than a pixel. Nothing for any other size.
   std::shared_ptr<const CameraModel> ofImage(const ImageSize& size) const;
 
   const ImageSize& imageSize() const { return image_size_; }

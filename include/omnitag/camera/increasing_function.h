@@ -47,7 +47,7 @@ class InverseFunction {
 
   const Function& function() const { return function_; }
 
-  /// The x at which the function has this value; the nearer end if it never has.
+  /// The x at which the function has this value; the nearer end if it never does.
   double operator()(double value) const {
     const double position = (value - first_value_) / value_step_;
     if (!(position > 0.0)) return starts_.front();

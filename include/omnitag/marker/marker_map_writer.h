@@ -25,8 +25,8 @@ std::string newMapText(const std::string& frame_id, const std::vector<MapEntry>&
 /// Entries are written to micrometres and microradians. A marker that is upright to a microradian
 /// has a `yaw` and a `roll`, any other an `orientation`.
 ///
-/// Throws InputError if `text` is no marker map, or if the result would not be read back as the old
-/// markers and the new ones.
+/// Throws InputError if `text` is not a marker map, or if the result would not be read back as the
+/// old markers and the new ones.
 std::string withEntries(const std::string& text, const std::vector<MapEntry>& entries,
                         const std::string& origin);
 

@@ -12,10 +12,10 @@ constexpr const char* kPictureFamily = "artoolkit";
 
 /// The picture of a marker, within its black border.
 struct PatternPicture {
-  /// Where it was read from, and the same as the map names it.
+  /// Where it was read from, and its path as the map states it.
   std::string path;
   std::string name;
-  /// Width of the border, as a share of the marker's edge; ARToolKit's own.
+  /// Width of the border, as a share of the marker's edge; by default, ARToolKit's.
   double border = 0.25;
   /// Cells along either side.
   int side = 0;

@@ -31,7 +31,7 @@ class TagPattern {
   /// family does not have.
   TagPattern(const std::string& family, int id);
   TagPattern(const apriltag_family& family, int id);
-  /// A picture's cells consist of as many modules as make its border a whole number of them.
+  /// Each cell of a picture consists of enough modules to make its border a whole number of them.
   explicit TagPattern(const PatternPicture& picture);
   /// Throws InputError as above.
   explicit TagPattern(const Marker& marker);

@@ -15,8 +15,8 @@ namespace omnitag {
 /// the prior.
 ///
 /// `markers`: linearised at `pose` and `error`, with the covariance of their errors; nothing for a
-/// marker that is not seen, which counts as agreeing. `excess`: how many times larger than expected
-/// squared errors are.
+/// marker that is not seen, which counts as agreeing. `excess`: the factor by which squared errors
+/// exceed what is expected.
 std::vector<bool> consensusOf(const std::vector<std::optional<FrameEquations>>& markers,
                               const PosePrior& prior, const Pose& pose, const ImagingError& error,
                               double excess);

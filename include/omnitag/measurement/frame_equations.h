@@ -47,8 +47,8 @@ double chiSquareOf(const FrameEquations& marker, const FrameVector& change);
 std::optional<FrameVector> solutionOf(const FrameEquations& equations);
 
 /// The pose with its covariance, after the unknowns have changed as the equations ask. `markers`:
-/// without priors. `excess`: how many times larger than expected the variances of markers and
-/// camera turned out to be.
+/// without priors. `excess`: the factor by which the variances of markers and camera exceed what is
+/// expected.
 ///
 /// An estimate has random errors, errors that this image shares with earlier ones, and errors of
 /// the prior. The prior's own shared part may err in the image's direction or against it; the
