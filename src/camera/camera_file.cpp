@@ -57,7 +57,7 @@ Place placeOf(const std::string& text) {
   return {text.substr(0, mark), text.substr(mark + 1)};
 }
 
-/// Whether a text begins as OCamCalib's does: with a number, after comments.
+/// Whether a text begins as OCamCalib's files do: with a number, after comments.
 bool isOcamCalibration(const std::string& text) {
   std::istringstream lines(text);
   std::string line;

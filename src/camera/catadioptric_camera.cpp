@@ -156,8 +156,8 @@ CatadioptricCamera::Reflection CatadioptricCamera::reflectAt(double rho) const {
 
 double CatadioptricCamera::startingRho(const Eigen::Vector2d& point) const {
   // The elevation of a point, seen from its point of reflection, determines that point of
-  // reflection. Seen from elsewhere on the mirror it nearly does, and better from the place that
-  // this gives.
+  // reflection. Seen from elsewhere on the mirror, it gives an estimate, from which the next one is
+  // better.
   constexpr int kRounds = 2;
   Eigen::Vector2d origin = origin_by_elevation_[kElevationSamples / 2];
   for (int i = 0; i < kRounds; ++i) {

@@ -74,7 +74,7 @@ std::optional<MountedCamera::Image> MountedCamera::imageOf(const Eigen::Vector3d
     image.pixel = *pixel;
     return image;
   }
-  // A row more or less hardly changes where the point is at that moment.
+  // The time of a neighbouring row hardly changes where the point is.
   constexpr int kRounds = 3;
   double time = shutter_.timeOf(0.5 * camera_->imageSize().height);
   Eigen::Isometry3d motion;
@@ -98,7 +98,7 @@ std::optional<MountedCamera::Image> MountedCamera::imageOf(const Eigen::Vector3d
   later.col(1) += shutter_.row_readout_time * (by_point * velocity);
   by_point = later.inverse() * by_point;
   image.by_point = by_point * motion.linear().transpose();
-  // A velocity displaces along the middle of the turn.
+  // A velocity displaces the base along the direction at the middle of its turn.
   Eigen::Matrix3d by_velocities;
   by_velocities << rotationOf(-0.5 * time * rotationPart(motion_.velocity)).leftCols<2>(),
       Eigen::Vector3d::UnitZ().cross(then);

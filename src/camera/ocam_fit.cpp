@@ -17,7 +17,7 @@ constexpr int kLeastDegree = 4;
 constexpr int kLargestDegree = 16;
 
 /// A camera's half-plane through the axis, sampled: angles off the axis (rad), radii (pixels), and
-/// the derivatives of the radii by the angle.
+/// the derivatives of the radii with respect to the angle.
 struct Profile {
   Eigen::ArrayXd angles;
   Eigen::ArrayXd radii;
@@ -31,7 +31,7 @@ Profile profileOf(const CentralCamera& camera, double scale) {
   for (int i = 0; i < kSamples; ++i) {
     const double angle = camera.maxAngle() * (i + 0.5) / kSamples;
     const double along = (camera.throughMirror() ? -1.0 : 1.0) * std::cos(angle);
-    // At a distance of 1, the derivative by the angle is the derivative along the tangent.
+    // At a distance of 1, the derivative by angle is the derivative along the tangent.
     const std::optional<RadialImage> image = camera.imageFromPoint(std::sin(angle), along);
     const double toward = camera.throughMirror() ? 1.0 : -1.0;
     profile.angles(i) = angle;
@@ -63,8 +63,8 @@ std::vector<double> fitPolynomial(const Eigen::ArrayXd& x, const Eigen::ArrayXd&
   return coefficients;
 }
 
-/// Raises the degree of a fit until it is good enough, and keeps the best polynomial; gives
-/// its error.
+/// Raises the degree of a fit until it is good enough, and keeps the best polynomial. Returns its
+/// error.
 template <typename Fit, typename Error>
 double growDegree(double tolerance, std::vector<double>* polynomial, const Fit& fit,
                   const Error& error_of) {

@@ -9,8 +9,8 @@
 /// first order.
 namespace omnitag {
 
-/// Longitude and latitude, in [-pi, pi] and [-pi / 2, pi / 2], of a point of the azimuthal plane,
-/// and on request their derivative by it, which is infinite at the poles +-y.
+/// Longitude and latitude, in [-pi, pi] and [-pi / 2, pi / 2], of a point of the azimuthal plane
+/// and, on request, their derivative with respect to it, which is infinite at the poles +-y.
 Eigen::Vector2d plateCarreeFromAzimuthal(const Eigen::Vector2d& azimuthal,
                                          Eigen::Matrix2d* jacobian = nullptr);
 

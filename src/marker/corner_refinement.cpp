@@ -93,7 +93,7 @@ Line refineEdge(const cv::Mat& image, const Corners<Eigen::Vector2d>& corners, s
   constexpr double kLongestReach = 3.0;
   const double depth = std::min(edge.distance(before), edge.distance(beyond));
   const double reach = std::min(0.5 * depth / modules_per_edge, kLongestReach);
-  // Close to a corner the neighbouring edge interferes, the more the more it is inclined.
+  // Close to a corner the neighbouring edge interferes; the more it is inclined, the farther.
   const double lean_before = (before - from).dot(edge.direction()) / edge.distance(before);
   const double lean_beyond = (beyond - to).dot(edge.direction()) / edge.distance(beyond);
   const double lean = std::max(std::abs(lean_before), std::abs(lean_beyond));

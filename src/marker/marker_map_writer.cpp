@@ -224,7 +224,7 @@ Span wholeOf(const std::string& text, const Span& item, bool is_in_brackets) {
   return {text[before] == ',' ? before : item.begin, item.end};
 }
 
-/// What the digits leave.
+/// Rounding errors of the digits that are written.
 constexpr double kTolerance = 2e-6;
 
 /// Whether both have the same id or the same picture, whose id changes with the entries before it.

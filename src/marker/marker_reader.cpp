@@ -11,7 +11,7 @@
 namespace omnitag {
 namespace {
 
-/// Whether a view cuts a tag, or nearly so: its edges are then not where they seem to be.
+/// Whether a view cuts a tag, or nearly does: its edges are then not where they seem to be.
 bool isCut(const TagDetection& tag, const cv::Size& size) {
   constexpr double kHalfAModule = 0.06;  // in lengths of an edge
   const double margin = kHalfAModule * meanEdge(tag.corners);

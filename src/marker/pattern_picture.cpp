@@ -17,7 +17,7 @@ constexpr int kBlocks = 4;
 constexpr int kPlanes = 3;
 constexpr int kFewestCells = 4;
 constexpr int kMostCells = 64;
-/// Of blue, green and red in the luma of Rec. 601.
+/// Shares of blue, green and red in the luma of Rec. 601.
 constexpr std::array<double, kPlanes> kLuma = {0.114, 0.587, 0.299};
 
 std::vector<double> valuesOf(const std::string& path) {

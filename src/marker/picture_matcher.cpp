@@ -22,7 +22,7 @@ constexpr int kCells = 16;
 /// Cells of the border around a picture, as far as its blur reaches into it.
 constexpr int kAround = 3;
 
-/// Pixels; in smaller squares, pictures are hardly different.
+/// Pixels; in smaller squares, pictures hardly differ.
 constexpr double kLeastInside = 6.0;
 
 /// Grey levels.
@@ -107,14 +107,14 @@ cv::Mat blurred(const cv::Mat& cells, const Eigen::Vector2d& blur) {
   return result(cv::Rect(kAround, kAround, kCells, kCells));
 }
 
-/// The independent ways in which blurred pictures vary: of white noise behind this blur (cells), as
-/// many as N^2 / (2 pi sx sy); together as if both spectra were Gaussian.
+/// The independent ways in which blurred pictures vary: white noise behind this blur (cells) has
+/// N^2 / (2 pi sx sy); both limits are combined as if both spectra were Gaussian.
 double dimensionsBehind(const Eigen::Vector2d& blur, double dimensions) {
   const double of_blur = kCells * kCells / std::max(1.0, 2.0 * kPi * blur.prod());
   return 1.0 / (1.0 / dimensions + 1.0 / of_blur);
 }
 
-/// How much likelier (logarithm) one of two pictures is, which correlate by a and b.
+/// Logarithm of how much likelier a picture that correlates by a is than one that correlates by b.
 double logRatio(double a, double b, double dimensions) {
   constexpr double kLeast = 1e-6;
   return 0.5 * dimensions * std::log((1.0 - b * b) / std::max(1.0 - a * a, kLeast));

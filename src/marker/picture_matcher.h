@@ -24,14 +24,14 @@ struct PictureMatch {
   int modules_per_edge = 0;
 };
 
-/// Tells which of some pictures is within the border of a square, by normalized correlation in all
-/// four turns, whatever the light is and however blurred the image.
+/// Identifies which of some pictures is within the border of a square, by normalized correlation in
+/// all four turns, whatever the light and however blurred the image.
 ///
 /// A match must be unlikely to come about by chance (correlationThreshold(), with the dimensions
 /// that the blur leaves of the picture's own), and likelier than any other picture and turn: for n
 /// independent parts with noise of unknown size, the likelihoods of two pictures that correlate
 /// with the square by a and b have the ratio ((1 - b^2) / (1 - a^2))^(n / 2). A picture that looks
-/// alike when it is turned is thus never told.
+/// the same when turned is thus never matched.
 class PictureMatcher {
  public:
   explicit PictureMatcher(const std::map<int, std::shared_ptr<const PatternPicture>>& pictures);
@@ -49,7 +49,7 @@ class PictureMatcher {
     int id;
     double border;
     double dimensions;
-    /// CV_32F, shares of white, within some of the border.
+    /// CV_32F, shares of white, with some of the border around them.
     cv::Mat cells;
   };
   /// What a square shows within a border: the standard deviation in grey levels, and its cells

@@ -42,7 +42,7 @@ double decodingTableBytes(const apriltag_family_t& family, int hamming) {
 
 int affordableHamming(const apriltag_family_t& family, int wanted) {
   constexpr double kLargestTable = 64e6;
-  // More wrong bits than this could belong to another id as well.
+  // With more wrong bits, the code could be that of another id.
   int hamming = std::min(wanted, (static_cast<int>(family.h) - 1) / 2);
   while (hamming > 0 && decodingTableBytes(family, hamming) > kLargestTable) --hamming;
   return hamming;
@@ -148,7 +148,7 @@ struct TagDetector::Library {
   void decode(const cv::Mat& image, int min_contrast, std::vector<TagDetection>* found) const;
   void decodeTouching(const cv::Mat& image, int min_contrast,
                       std::vector<TagDetection>* found) const;
-  /// `seen`: the image as the library sees it, so many times as large.
+  /// `seen`: the image as the library sees it, larger by the factor `enlargement`.
   void decode(const LibraryDetector& reads, const cv::Mat& seen, double enlargement,
               const cv::Mat& image, int min_contrast, std::vector<TagDetection>* found) const;
   void matchPictures(const cv::Mat& image, int min_contrast,
@@ -186,8 +186,8 @@ void TagDetector::Library::decode(const cv::Mat& image, int min_contrast,
 
 void TagDetector::Library::decodeTouching(const cv::Mat& image, int min_contrast,
                                           std::vector<TagDetection>* found) const {
-  // To the library, black squares that touch are one shape. White that is wider by half a pixel
-  // parts them.
+  // To the library, black squares that touch are one shape. Widening the white by half a pixel
+  // separates them.
   constexpr double kEnlargement = 2.0;
   cv::Mat enlarged;
   cv::resize(image, enlarged, {}, kEnlargement, kEnlargement, cv::INTER_CUBIC);
@@ -237,7 +237,7 @@ std::vector<TagDetection> TagDetector::detect(const cv::Mat& image, int min_cont
   if (image.type() != CV_8UC1 || std::max(image.cols, image.rows) > kLargestSide) {
     throw std::invalid_argument("tag detection needs a CV_8UC1 image, at most 32767 pixels a side");
   }
-  // The library reads outside images that are smaller than its 4 x 4 pixel tiles.
+  // The library reads beyond the bounds of images smaller than its 4 x 4 pixel tiles.
   if (std::min(image.cols, image.rows) < library_->smallest_side) return {};
   std::vector<TagDetection> found;
   if (!library_->families->codes.empty()) library_->decode(image, min_contrast, &found);

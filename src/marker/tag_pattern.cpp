@@ -15,7 +15,7 @@
 namespace omnitag {
 namespace {
 
-/// Modules: of a Gaussian with a larger standard deviation, Profile does not hold all.
+/// Modules, largest standard deviation of a Gaussian that a Profile holds completely.
 constexpr double kWidest = 3.9;
 
 /// A wide Gaussian as rectangles side by side along each axis, in standard deviations.
@@ -71,8 +71,8 @@ double borderCells(const PatternPicture& picture) {
   return picture.border * picture.side / (1.0 - 2.0 * picture.border);
 }
 
-/// The fewest modules of which a cell can consist such that the border is a whole number of them,
-/// give or take a hundredth of a cell or, at most, a twenty-fourth.
+/// The fewest modules per cell that make the border a whole number of modules, give or take a
+/// hundredth of a cell or, at most, a twenty-fourth.
 int modulesPerCell(const PatternPicture& picture) {
   constexpr double kTolerance = 0.01;
   constexpr int kMost = 12;

@@ -34,7 +34,7 @@ void FrameEquations::add(const FrameEquations& other, double weight) {
 }
 
 FrameEquations withMisplacement(const FrameEquations& marker, const PoseMatrix& misplacement) {
-  // (information^-1 + misplacement)^-1, also if the information is singular. The products are lazy,
+  // (information^-1 + misplacement)^-1, even if the information is singular. The products are lazy,
   // since Eigen would otherwise treat these matrices as large.
   const ByPose by_pose = marker.information.leftCols<6>();
   const PoseMatrix information = by_pose.topRows<6>();

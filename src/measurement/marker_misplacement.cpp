@@ -16,7 +16,7 @@ Misplacement misplacementOf(const Marker& marker, const CameraModel& camera,
 
 PoseMatrix seenFrom(const Pose& map_from_base, const Marker& marker,
                     const Misplacement& misplacement) {
-  // Turning the base back with the marker about its centre moves it by (base - centre) x rotation.
+  // Turning the base back about the marker's centre moves the base by (base - centre) x rotation.
   const Eigen::Isometry3d isometry = map_from_base.toIsometry();
   const Eigen::Vector3d from_marker = isometry.translation() - marker.center();
   const Eigen::Matrix3d base_from_map = isometry.linear().transpose();

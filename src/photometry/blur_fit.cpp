@@ -8,9 +8,9 @@
 namespace omnitag {
 namespace {
 
-/// Half of the second derivative of the share of white along a way on the drawing (modules), times
-/// the way's square: the change due to blurring along it by this variance. Nothing if that reaches
-/// off the drawing.
+/// Half of the second derivative of the share of white along `way` on the drawing (modules), times
+/// its square: the change due to blurring along it by this variance. Nothing if that reaches off
+/// the drawing.
 std::optional<double> rise(const TagPattern& pattern, const TagPattern::Window& window,
                            const Eigen::Vector2d& position, double white,
                            const Eigen::Vector2d& way) {
@@ -24,7 +24,7 @@ std::optional<double> rise(const TagPattern& pattern, const TagPattern::Window& 
          white;
 }
 
-/// Derivative of a pixel's share of white by each part of the blur.
+/// Derivative of a pixel's share of white with respect to each part of the blur.
 class BlurSlopes {
  public:
   BlurSlopes(const TagPattern& pattern, const MountedCamera& camera)
@@ -47,7 +47,7 @@ class BlurSlopes {
     BlurVector slopes(by_variance, by_variance * radius * radius, 0.0);
     if (camera_.knowsExposure()) return slopes;
 
-    // A turn by an angle sweeps each pixel evenly along a way.
+    // A turn sweeps each pixel evenly along a line.
     const Eigen::Vector2d sweep = facet.by_frame.col(2);
     const double pixels = (facet.by_pixel.inverse() * sweep).norm();
     const double angle = kStep / pixels;

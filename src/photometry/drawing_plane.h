@@ -37,9 +37,9 @@ class DrawingPlane {
                            half_ + origin.y() + range * direction.y());
   }
 
-  /// Derivative of meet() by the pose of the base (a PoseVector): the point moves with the line of
-  /// sight, which moves with the base, and along it back to the plane. Only valid if the line of
-  /// sight meets the plane.
+  /// Derivative of meet() with respect to the pose of the base (a PoseVector): the point moves with
+  /// the line of sight, which moves with the base, and along it back to the plane. Only valid if
+  /// the line of sight meets the plane.
   Eigen::Matrix<double, 2, 6> derivative(const Ray& in_base) const {
     const Eigen::Vector3d origin = drawing_from_base_ * in_base.origin + translation_;
     const Eigen::Vector3d direction = drawing_from_base_ * in_base.direction;

@@ -7,7 +7,7 @@
 namespace omnitag {
 namespace {
 
-/// 1, and the terms that the contrast is the sum of.
+/// 1, and the terms of the contrast's polynomial.
 Light regressorsOf(const MarkerPixel& pixel) {
   const double x = pixel.position.x();
   const double y = pixel.position.y();
@@ -18,7 +18,7 @@ Light regressorsOf(const MarkerPixel& pixel) {
   return regressors;
 }
 
-/// Derivative of a pixel's grey level by the position on the drawing, in this light.
+/// Derivative of a pixel's grey level with respect to the position on the drawing, in this light.
 Eigen::Vector2d greyByPosition(const MarkerPixel& pixel, const Light& light) {
   return contrastAt(pixel.position, light) * pixel.white_by_position;
 }
@@ -57,9 +57,9 @@ std::optional<Light> roughLight(const std::vector<MarkerPixel>& pixels) {
 struct Terms {
   double weight = 0.0;
   int facet = 0;
-  /// Derivatives of the grey level by the light's coefficients, and the residual.
+  /// Derivatives of the grey level with respect to the light's coefficients, and the residual.
   Eigen::Matrix<double, kLightTerms + 1, 1> light;
-  /// Derivatives by the position.
+  /// Derivatives with respect to the position.
   Eigen::Vector2d position;
 };
 
@@ -75,15 +75,15 @@ Terms termsOf(const MarkerPixel& pixel, const Light& light, const PixelNoise& no
   return terms;
 }
 
-/// Sums over a facet's pixels. All of them see the drawing move alike, so that derivatives by the
-/// unknowns are worked out once for each facet.
+/// Sums over a facet's pixels. All of them see the drawing move alike, so derivatives with respect
+/// to the unknowns are worked out once for each facet.
 template <int kTerms>
 struct FacetSums {
   Eigen::Matrix<double, kTerms, 2> mixed = Eigen::Matrix<double, kTerms, 2>::Zero();
   Eigen::Matrix2d of_position = Eigen::Matrix2d::Zero();
 };
 
-/// Derivatives of the position on the drawing by the shape.
+/// Derivatives of the position on the drawing with respect to the shape.
 Eigen::Matrix<double, 2, kShapeTerms> byShape(const Facet& facet,
                                               const CameraUncertainty& uncertainty) {
   return facet.by_pixel * displacementByShape(uncertainty, 2.0 * facet.middle);
@@ -115,7 +115,7 @@ struct Unlit {
   Eigen::Matrix<double, kUnknowns, 1> gradient;
 };
 
-/// `jacobianOf`: derivatives of the position on the drawing by the unknowns, of a facet.
+/// `jacobianOf`: gives a facet's derivatives of the position on the drawing by the unknowns.
 template <int kUnknowns, typename JacobianOf>
 Unlit<kUnknowns> withoutLight(const PixelSums& sums, const Eigen::LDLT<LightInformation>& factors,
                               const JacobianOf& jacobianOf) {
@@ -208,7 +208,7 @@ std::optional<LitPatch> fitLight(const MarkerPixels& pixels, const PixelNoise& n
   sums.facets.resize(pixels.facets().size());
   const std::vector<Eigen::Vector2d> changes =
       changesOf(pixels, expected.change, expected.shape_change, uncertainty);
-  // Writing a vector element by element and reading it at once as a whole would take most of the
+  // Reading a vector as a whole right after writing it element by element would take most of the
   // time: many are written before the first is read.
   std::array<Terms, 64> terms;
   for (std::size_t first = 0; first < all.size(); first += terms.size()) {

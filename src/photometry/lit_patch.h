@@ -37,7 +37,7 @@ struct LitPatch {
   FrameMatrix information = FrameMatrix::Zero();
   /// The information times the change of the unknowns that fits best.
   FrameVector gradient = FrameVector::Zero();
-  /// Covariance of the gradient's error by the shape, which all images share.
+  /// Covariance of the gradient's error due to the shape, which all images share.
   FrameMatrix by_shape = FrameMatrix::Zero();
 
   /// The light, and the change of the shape, that fit best after this change of the unknowns.
@@ -53,18 +53,18 @@ struct LitPatch {
 
 /// What is expected of a marker's pixels: it determines the residuals that they are weighted by.
 struct ExpectedPixels {
-  /// If it is not known, one that is fitted with equal weights.
+  /// If unknown, one is fitted with equal weights.
   std::optional<Light> light;
   FrameVector change = FrameVector::Zero();
   Shape shape_change = Shape::Zero();
 };
 
-/// The changes of the position on the drawing by a shape; none by one of zero, as an exact
-/// camera's.
+/// The changes of the position on the drawing due to a shape; none if it is zero, as for an exact
+/// camera.
 FacetChanges changesByShape(const std::vector<Facet>& facets, const Shape& shape,
                             const CameraUncertainty& uncertainty);
 
-/// Fits the light by weighted least squares and linearises the remaining residuals by the unknowns.
+/// Fits the light by weighted least squares and linearises the remaining residuals in the unknowns.
 /// `uncertainty`: of the camera; `shape`: that the pixels were taken with, zero for an exact
 /// camera. Nothing if there are too few pixels or hardly any contrast.
 std::optional<LitPatch> fitLight(const MarkerPixels& pixels, const PixelNoise& noise,

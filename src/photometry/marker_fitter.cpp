@@ -12,11 +12,11 @@
 namespace omnitag {
 namespace {
 
-/// Markers that are worth a thread.
+/// How many markers are worth a thread.
 constexpr std::size_t kRoughWorthAThread = 8;
 constexpr std::size_t kFineWorthAThread = 2;
 
-/// Pixels to fit that are worth a thread.
+/// How many pixels to fit are worth a thread.
 constexpr std::size_t kFitWorthAThread = 700;
 
 /// Most facets along a marker's side, and least pixels along the side of a facet if there

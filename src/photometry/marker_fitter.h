@@ -75,8 +75,8 @@ class MarkerFitter {
   Fits fits(const std::vector<MarkerPatch>& patches, const std::vector<LinesOfSight>& lines,
             const Alignment& alignment) const;
 
-  /// The pixels of each marker from a pose that will hardly change any more: only pixels that see
-  /// an edge add to it. With the pose, the camera error and the shapes of the alignment.
+  /// The pixels of each marker at the alignment's pose, camera error and shapes. The pose should
+  /// hardly change any more: only pixels that see an edge contribute to it.
   std::vector<MarkerPixels> finePixels(const Alignment& alignment) const;
 
   /// A selection of the pixels, in total about as many as rough patches have.

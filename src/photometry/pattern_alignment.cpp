@@ -16,8 +16,8 @@ constexpr double kConvergedOnTheWay = 0.3;
 /// be.
 constexpr double kBlurOnTheWay = 0.2;
 
-/// Black, contrast, and contrast times the change of the displacement and, row by row, of the
-/// stretch.
+/// The unknowns: black, contrast, and contrast times the change of the displacement and, row by
+/// row, of the stretch.
 constexpr int kDisplaced = 4;
 constexpr int kStretched = 8;
 
@@ -107,7 +107,7 @@ class Aligner {
   double size_;
 };
 
-/// Whether some pixels see less of the pattern than it is blurred by on the way.
+/// Whether some pixels see less of the pattern than the blur on the way.
 bool isSharp(const std::vector<Footprint>& footprints, double blur) {
   return std::any_of(footprints.begin(), footprints.end(), [blur](const Footprint& footprint) {
     return footprint.facet->window.size().minCoeff() < blur;

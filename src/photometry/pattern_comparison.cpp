@@ -121,9 +121,9 @@ bool PatternComparison::compare(const TagPattern& pattern) {
 }
 
 double PatternComparison::dimensionsOfPicture(const TagPattern& pattern) const {
-  // The variance of a square window along either side is a twelfth of its area. White noise behind
-  // a Gaussian of the variance v has N / (2 pi v) dimensions, N: its area; together with the
-  // picture's own as if its spectrum were Gaussian, too.
+  // The variance of a square window along either side is a twelfth of its area. White noise of the
+  // area N behind a Gaussian of the variance v has N / (2 pi v) dimensions; they are combined with
+  // the picture's own as if its spectrum were Gaussian, too.
   const auto pixels = static_cast<double>(pixels_.size());
   const double variance = window_areas_ / pixels / 12.0;
   const double of_pixels = std::min(pixels, pattern.dataArea() / (2.0 * kPi * variance));

@@ -30,7 +30,7 @@ class PatternComparison {
   /// modules that are black or white at random, each at the noise that suits it best. If they do
   /// show such modules, that happens at most once in as many cases (Markov's inequality). Unlike a
   /// correlation, this does not require strong, coarse features to be as sharp as weak, fine ones:
-  /// a blurred pattern is accepted by what the noise leaves of it. Never of a picture, whose cells
+  /// a blurred pattern is accepted by what the noise leaves of it. False for pictures, whose cells
   /// are not independent.
   bool isLikelierThanOthers(double log_ratio) const;
 

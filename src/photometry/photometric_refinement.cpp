@@ -30,8 +30,8 @@ Linearization combine(MarkerFitter::Fits fits, const PosePrior& prior, const Ali
   return {std::move(fits), withPriors(markers, prior, alignment.pose, alignment.error)};
 }
 
-/// Weight of a marker after this change of the unknowns: it is less for one that disagrees with the
-/// others, since it is shaded or misplaced by more than the map allows.
+/// Weight of a marker after this change of the unknowns: less for one that disagrees with the
+/// others, because it is shaded, or misplaced by more than the map allows.
 double weightOf(const MarkerFit& fit, const FrameVector& change) {
   // 95 of 100 markers stay below this chi-square; their pixels usually err twice as much as they
   // would independently of each other.
@@ -105,8 +105,8 @@ bool isShort(const Linearization& all, const FrameVector& change) {
          });
 }
 
-/// Whether the pixels follow the changes of the markers' shapes linearly enough: a shape is not
-/// wanted itself.
+/// Whether the pixels follow the changes of the markers' shapes linearly enough: the shapes
+/// themselves are of no interest.
 bool areBentLittle(const Linearization& all, const FrameVector& change) {
   constexpr double kLittle = 0.3;  // pixels
   return std::all_of(all.fits.begin(), all.fits.end(), [&](const auto& fit) {

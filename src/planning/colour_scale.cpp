@@ -42,7 +42,7 @@ double ColourScale::shareOf(double deviation) const {
 }
 
 cv::Vec3b ColourScale::colourAt(double share) {
-  // ColorBrewer's RdYlBu, from its end (Harrower and Brewer 2003); R, G, B.
+  // ColorBrewer's RdYlBu, reversed (Harrower and Brewer 2003); R, G, B.
   constexpr std::array<std::array<double, 3>, 7> kColours{{{69, 117, 180},
                                                            {145, 191, 219},
                                                            {224, 243, 248},

@@ -7,8 +7,8 @@
 
 namespace omnitag {
 
-/// Colours for deviations on a logarithmic scale: blue for the smallest, over pale yellow to red,
-/// which people who see colours differently tell apart, too.
+/// Colours for deviations on a logarithmic scale, from blue for the smallest through pale yellow to
+/// red, which colour-blind people can tell apart, too.
 class ColourScale {
  public:
   /// Covers nearly all of a floor's position deviations.

@@ -10,8 +10,8 @@
 namespace omnitag {
 namespace {
 
-/// Share of their amplitude that stripes keep, each as wide as a module (pixels), when they are
-/// averaged over a pixel.
+/// Share of their amplitude that stripes as wide as a module (pixels) keep when they are averaged
+/// over a pixel.
 double transferOf(double module) {
   const double angle = 0.5 * kPi / std::max(module, 0.5);
   return std::sin(angle) / angle;

@@ -72,8 +72,8 @@ Layout layoutOf(const std::string& family) {
     const int modules = pattern.widthBetweenCorners();
     return {modules, static_cast<double>(pattern.width()) / modules};
   }
-  // As the patterns of maps/patterns have at the median; their drawing is that of any picture with
-  // ARToolKit's border.
+  // The median of the patterns in maps/patterns, which are drawn like any picture with ARToolKit's
+  // border.
   constexpr int kFeatures = 8;
   constexpr int kCells = 16;
   PatternPicture picture;

@@ -47,7 +47,7 @@ class Measure {
 
 struct Bound {
   std::size_t candidate;
-  /// At least the candidate's gain; that itself if this many were chosen when it was computed.
+  /// The candidate's gain when `chosen` others were chosen: an upper bound of its gain now.
   double gain;
   std::size_t chosen;
 };

@@ -41,7 +41,7 @@ std::vector<int> unusedIds(const MarkerMap& map, const NewMarkers& wanted) {
   return ids;
 }
 
-/// Places and headings as somebody can measure them.
+/// Rounds places and headings to what somebody can measure.
 double rounded(double value, double step) { return step * std::round(value / step); }
 
 Marker markerAt(const WallPlace& place, const NewMarkers& wanted, int id) {

@@ -98,7 +98,7 @@ Eigen::Vector2d OccupancyGrid::cellsFromMap(const Eigen::Vector2d& point) const 
 
 Cell OccupancyGrid::at(const Eigen::Vector2d& point) const {
   const Eigen::Vector2d cells = cellsFromMap(point).array().floor();
-  // What is off by more than an integer holds is off the grid, too.
+  // Compared before the conversion to integers, which could not hold points far off the grid.
   if (!(cells.minCoeff() >= 0.0 && cells.x() < columns_ && cells.y() < rows_)) {
     return Cell::kUnknown;
   }

@@ -136,7 +136,7 @@ void drawFloor(const OccupancyGrid& grid, const FloorPrediction& floor, const Co
   }
 }
 
-/// On a pale ground, so that it is read on any colour.
+/// On a pale ground, so that it is readable on any colour.
 void label(const std::string& text, const cv::Point2d& middle, const cv::Scalar& colour,
            cv::Mat* image) {
   const cv::Size size = sizeOfText(text, kTextSize);
@@ -167,7 +167,7 @@ void drawMarker(const Marker& marker, const cv::Scalar& colour, const Frame& fra
   label(std::to_string(marker.id), center + kToLabel * out, colour, image);
 }
 
-/// The least of 1, 2 or 5 times a power of ten that is at least `least`.
+/// The smallest of 1, 2 or 5 times a power of ten that is at least `least`.
 double roundStep(double least) {
   const double decade = std::pow(10.0, std::floor(std::log10(least)));
   for (const double factor : {1.0, 2.0, 5.0}) {

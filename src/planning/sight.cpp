@@ -13,8 +13,8 @@ namespace {
 bool isPointInSight(const OccupancyGrid& grid, const Eigen::Vector2d& viewpoint,
                     const Eigen::Vector2d& point, const Eigen::Vector2d& normal,
                     double wall_depth) {
-  // A line of sight that grazes a wall stays near it for long, but what is farther along the wall
-  // is another one, as beyond the corner of a room.
+  // A line of sight that grazes a wall stays near it for long, but cells farther along it belong to
+  // another wall, as beyond the corner of a room.
   constexpr double kLeastCosine = 0.35;
   // A marker on the floor or under the ceiling faces no horizontal direction.
   constexpr double kUpright = 0.1;

@@ -109,7 +109,7 @@ std::optional<WallPlace> placeAt(const Border& border, const std::vector<Border>
   const bool is_wide = wall.along.low <= -half && wall.along.high >= half;
   const bool is_whole = static_cast<double>(wall.borders) * resolution >= kWhole * width;
   if (!wall.isFlat(resolution) || !is_wide || !is_whole) return std::nullopt;
-  // A longer piece shows the direction better, where it is as flat.
+  // A longer piece shows the direction better, if it is as flat.
   const Line longer = lineNear(border, borders, std::max(kLong, width));
   const Line& line = longer.isFlat(resolution) ? longer : wall;
   const Eigen::Vector2d on_wall =

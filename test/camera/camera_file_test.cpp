@@ -150,7 +150,7 @@ constexpr char kCalibration[] =
     "# direct\n5 -289.5569 0 1.538894e-03 -3.14032e-06 7.206996e-09\n# inverse\n2 434.4 226.0\n"
     "# center\n390.9 423.7\n# affine\n0.999 -0.0003 -0.0001\n# size\n800 848\n";
 
-/// A folder's camera file, with what stands beside it.
+/// The path of a camera file with this text, beside a calib_results.txt.
 std::string writtenCamera(const std::string& text) {
   const std::string folder = testing::TempDir();
   std::ofstream(folder + "calib_results.txt") << kCalibration;

@@ -111,7 +111,7 @@ TEST_P(EveryCamera, scalesToImagesOfItsPixelsPutTogether) {
   EXPECT_FALSE(scalable->ofImage({2 * size.width, 3 * size.height}));
   EXPECT_FALSE(scalable->ofImage({0, 0}));
   for (const double factor : {1.0 / 3.0, 0.5, 1.0, 2.0}) {
-    // What an odd number of pixels leaves at the end is cut off.
+    // Pixels that an odd number leaves over at the end are cut off.
     const ImageSize scaled{static_cast<int>(factor * size.width + 1e-9),
                            static_cast<int>(factor * size.height + 1e-9)};
     const auto other = scalable->ofImage(scaled);

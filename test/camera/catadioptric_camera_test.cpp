@@ -198,7 +198,7 @@ TEST_P(EverySampleCamera, seesUpToTheRaysAtItsEdges) {
   const MeridionalRay last = *camera().rayFromRadius(camera().maxRadius());
   const MeridionalRay first = *camera().rayFromRadius(camera().minRadius());
   for (const double range : {0.01, 0.5, 20.0}) {
-    // A little counter-clockwise, from the lens's side up, and clockwise.
+    // A point beside a ray, toward larger elevations if the angle is positive.
     const auto beside = [range](const MeridionalRay& ray, double angle) -> Eigen::Vector2d {
       return ray.origin + range * (Eigen::Rotation2Dd(angle) * ray.direction);
     };
@@ -336,8 +336,8 @@ TEST(Axis, isSeenInTheImagesCentreWithACentralDerivative) {
   const std::optional<Eigen::Vector2d> pixel = camera.pixelFromPoint(point, &jacobian);
   ASSERT_TRUE(pixel);
   EXPECT_EQ(*pixel, Eigen::Vector2d(249.5, 249.5));
-  // A ball's virtual image of something at the distance g before its apex, seen across: b = g f /
-  // (g + f) behind the apex and smaller by b / g, with f = R / 2.
+  // A ball's virtual image of an object at the distance g before its apex is b = g f / (g + f)
+  // behind the apex and, across the axis, smaller by b / g, with f = R / 2.
   const double g = 1.21;
   const double b = g * 0.02 / (g + 0.02);
   const double pixels_per_metre = 1225.0 * (b / g) / (0.21 + b);

@@ -130,8 +130,8 @@ TEST(Ocam, looksAlongTheToolboxsRays) {
   EXPECT_GT(backwards, 10);
 }
 
-/// Rays of all over the image, and the angles off the axis that a formula gives for radii of the
-/// ideal plane.
+/// Compares rays from all over the image with the angles off the axis that a formula gives for
+/// radii of the ideal plane.
 void expectAngles(const CentralCamera& camera, const std::function<double(double)>& angle_of) {
   int compared = 0;
   for (double radius = 0.003; radius < camera.maxRadius(); radius += 0.0071) {

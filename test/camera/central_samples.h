@@ -21,7 +21,7 @@
 
 namespace omnitag {
 
-/// A central camera for tests, and what somebody else's code makes of the same parameters.
+/// A central camera for tests, and somebody else's code for the same parameters.
 struct CentralSample {
   std::string name;
   std::shared_ptr<const CentralCamera> camera;
@@ -77,8 +77,8 @@ inline cv::Matx33d enlarged(cv::Matx33d matrix, double factor) {
   return matrix;
 }
 
-/// From the first sphere to the second by hand; from there on it is the unified model, whose
-/// parameter is alpha / (1 - alpha) and whose focal length 1 / (1 - alpha) times as long.
+/// From the first sphere to the second by hand; from there on it is the unified model with the
+/// parameter alpha / (1 - alpha), and a focal length 1 / (1 - alpha) times as long.
 inline CentralSample doubleSphereSample(const std::string& name, const ImageSize& size,
                                         const ImagePlane& plane,
                                         const DoubleSphereCamera::Parameters& parameters,
@@ -93,8 +93,8 @@ inline CentralSample doubleSphereSample(const std::string& name, const ImageSize
   return {name, std::make_shared<DoubleSphereCamera>(size, plane, parameters, limits), oracle};
 }
 
-/// The ellipsoid becomes a sphere, and the model the unified one, where what is across the axis is
-/// stretched by the root of beta; the image is stretched as much.
+/// Stretching directions across the axis by the root of beta turns the ellipsoid into a sphere and
+/// the model into the unified one; the image is stretched as much.
 inline CentralSample eucmSample(const std::string& name, const ImageSize& size,
                                 const ImagePlane& plane, const EucmCamera::Parameters& parameters,
                                 const FieldLimits& limits = {}) {

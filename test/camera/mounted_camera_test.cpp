@@ -101,7 +101,7 @@ class MovingCameraTest : public MountedCameraTest {
 TEST_P(MovingCameraTest, SeesAPointWhereItIsWhenItsRowIsExposed) {
   const auto pixel = moving().pixelFromMap(pose_, point_);
   ASSERT_TRUE(pixel);
-  // A camera that stands where the moving one is by then. Many small steps make up the way.
+  // A resting camera where the moving one is by then, integrated in many small steps.
   const double time = 0.004 + 6e-5 * pixel->y();
   constexpr int kSteps = 10000;
   Eigen::Isometry3d then = pose_.toIsometry();

@@ -15,7 +15,7 @@ namespace omnitag {
 struct SampleCamera {
   std::string name;
   CatadioptricCamera camera;
-  /// The surface's sag (m) at a distance from the axis (m), written down anew.
+  /// The surface's sag (m) at a distance from the axis (m), written down independently.
   std::function<long double(long double)> sag;
   double apex_distance;
   /// The visible part of the mirror, m from the axis.
@@ -80,7 +80,7 @@ inline std::vector<SampleCamera> sampleCameras() {
                      0.21,
                      0.0,
                      0.0375});
-  // Its image reaches to the ball's silhouette, sin = R / (R + d), where the edge is out of sight.
+  // Its image ends at the ball's silhouette, sin = R / (R + d); the edge is out of sight.
   samples.push_back(
       {"Ball",
        {{1000, 1000}, squareLens(2600.0, 499.5), {MirrorProfile::conic(0.04, 0.0), 0.21, 0.0395}},

@@ -65,7 +65,7 @@ TEST_P(TabulatedRayTest, IsOffByLessThanAThousandthOfAPixelWhereRaysTurnEvenly) 
       ++even;
       largest_where_even = std::max(largest_where_even, error);
     }
-    // Where the ray starts matters as far as that shifts it across.
+    // The ray's origin matters only as far as it shifts the ray sideways.
     constexpr double kNear = 1.0;  // m
     const Eigen::Vector3d shift = tabulated->origin - exact->origin;
     largest_shift =

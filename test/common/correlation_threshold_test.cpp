@@ -12,7 +12,7 @@ namespace omnitag {
 namespace {
 
 /// Share of the sphere in n dimensions that is within acos(t) of a given direction, by Simpson's
-/// rule over the angle: slices have areas in proportion to sin^(n - 2).
+/// rule over the angle: the area of a slice is proportional to sin^(n - 2).
 double capShare(int n, double t) {
   const auto integral = [n](double until) {
     constexpr int kSteps = 20000;

@@ -47,7 +47,7 @@ TEST(ForEachIndex, UsesAllOfItsThreadsAtOnce) {
   constexpr int kThreads = 3;
   std::atomic<int> at_work{0};
   std::atomic<bool> did_meet{true};
-  // Each waits for the others: one alone would not see them come.
+  // Each waits for the others, so a single thread would wait in vain.
   forEachIndex(kThreads, kThreads, 1, [&](std::size_t) {
     ++at_work;
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);

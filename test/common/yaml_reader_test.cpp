@@ -9,7 +9,7 @@ namespace {
 
 YamlReader reader(const std::string& text) { return YamlReader::fromText(text, "file.yaml"); }
 
-/// What the InputError says that `action` must throw.
+/// The message of the InputError that `action` must throw.
 std::string refusal(const std::function<void()>& action) {
   try {
     action();

@@ -109,7 +109,7 @@ TEST(ArucoFamilyTest, IsReadInEveryTurn) {
 }
 
 TEST(ArucoFamilyTest, CorrectsNoMoreThanIsSafe) {
-  // Two wrong bits in DICT_4X4_50 may be another marker; one is not.
+  // Two wrong bits in DICT_4X4_50 may give another marker; one does not.
   constexpr int kModule = 12;
   constexpr int kSide = 4;
   const TagDetector detector({}, {"DICT_4X4_50"});
@@ -179,7 +179,7 @@ TEST(AprilGridFamily, TagsAreReadThoughTheirCornersTouch) {
       const TagDetection& middle = tags[4];
       EXPECT_EQ(middle.id, 4);
       EXPECT_LT((middle.center - Eigen::Vector2d(200.0, 200.0)).norm(), 0.1) << module;
-      // The lower left corner is 5 modules to the left of the middle and below.
+      // The lower left corner is 5 modules to the left of the middle and 5 below it.
       const Eigen::Vector2d off =
           5.0 * module *
           Eigen::Vector2d(-std::cos(turn) - std::sin(turn), -std::sin(turn) + std::cos(turn));

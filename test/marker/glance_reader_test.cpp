@@ -135,7 +135,7 @@ TEST_P(GlanceReaderTest, ReadsWhatIsInTheSectorAndNothingElse) {
         EXPECT_EQ(isRead({azimuth + off, half_width}), is_whole)
             << marker.id << ", " << half_width << ", " << off;
       }
-      // Half of it is on either side.
+      // The sector ends in its middle.
       EXPECT_FALSE(isRead({azimuth + half_width, half_width})) << marker.id << ", " << half_width;
     }
   }
@@ -145,7 +145,7 @@ TEST_P(GlanceReaderTest, LooksFirstWhereTheMarkersAre) {
   constexpr double kOverlap = 0.3;
   for (const Marker& marker : map_.markers) {
     cv::Mat panorama = test::renderPanorama({"map", {marker}}, camera_, truth_);
-    // Noise all over the image, and more of light and dark where no marker can be.
+    // Noise all over the image, and stronger contrasts where no marker can be.
     cv::Mat noise(panorama.size(), CV_8S);
     cv::randn(noise, 0.0, 10.0);
     cv::add(panorama, noise, panorama, cv::noArray(), CV_8U);
@@ -183,7 +183,7 @@ TEST_P(GlanceReaderTest, LooksEverywhereAtOnceWhereMarkersCanBeAtTheAxis) {
 
 TEST_P(GlanceReaderTest, MayStartWithWhatStandsOut) {
   cv::Mat panorama = test::renderPanorama(map_, camera_, truth_);
-  // One marker in deep shade: all around it, and so in no contrast to speak of.
+  // One marker in deep shade, with its surroundings: it has hardly any contrast.
   const MarkerReading exact = *test::exactReading(map_.markers[0], camera_, truth_);
   const double reach = meanEdge(exact.corners);
   const cv::Rect shade =
@@ -216,7 +216,7 @@ TEST_P(GlanceReaderTest, ReadsTheLargestWhereSomeAreEnough) {
   const Glance seen = reader_.read(panorama, reader_.count() - 1, warper_, camera_.axisUp(), aim);
   ASSERT_EQ(seen.readings.size(), 2U);
   for (const MarkerReading& reading : seen.readings) {
-    constexpr double kAlike = 0.97;  // as corners are found before they are refined
+    constexpr double kAlike = 0.97;  // the largest are chosen before corners are refined
     EXPECT_GT(meanEdge(reading.corners), kAlike * edges[edges.size() - 2]);
   }
 }

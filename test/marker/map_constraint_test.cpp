@@ -19,7 +19,7 @@ std::vector<MapConstraint> constraintsOf(const std::string& text) {
   return readConstraints(YamlReader::fromText(kMarkers + text, "map.yaml"));
 }
 
-/// What loading a whole map with these constraints says; empty where it loads.
+/// The error of loading a whole map with these constraints; empty if it loads.
 std::string refusal(const std::string& text) {
   try {
     parseMarkerMap(kMarkers + text, "map.yaml");

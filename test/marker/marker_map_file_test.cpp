@@ -41,13 +41,13 @@ TEST(MarkerMapFile, ReadsDefaultsAndExceptions) {
   EXPECT_EQ(map.markers[1].name, "door");
   EXPECT_EQ(map.markers[1].size, 2.0);
   EXPECT_LT((map.markers[1].normal() + Vector3d::UnitX()).norm(), 1e-12);
-  // The viewer looks along +x, has -y to the right; after a quarter turn x is up.
+  // The viewer looks along +x, with -y to the right; after a quarter turn x is up.
   EXPECT_LT((map.markers[1].map_from_marker.linear().col(0) - Vector3d::UnitZ()).norm(), 1e-6);
 
   EXPECT_EQ(map.markers[2].id, 3);
   EXPECT_EQ(map.markers[2].family, "tag16h5");
 
-  // Half a turn about x: the face looks down. The norm, 0.05 % off, is made good.
+  // Half a turn about x: the face looks down. The norm, 0.05 % off, is corrected.
   EXPECT_LT((map.markers[3].normal() + Vector3d::UnitZ()).norm(), 1e-12);
   EXPECT_NEAR(map.markers[3].map_from_marker.linear().determinant(), 1.0, 1e-12);
 }
@@ -74,7 +74,7 @@ TEST(MarkerMapFile, FrameIsMapWhereNotGiven) {
 struct BadMap {
   const char* name;
   std::string text;
-  /// All must be in the one line that says what is wrong.
+  /// All must be in the one line of the error.
   std::vector<std::string> fragments;
 };
 
@@ -251,7 +251,7 @@ TEST(MarkerMapFileTest, MarkersHangAboutWhereItSays) {
   EXPECT_THROW(parseMarkerMap("orientation_deviation: 3\n" + markers, "map.yaml"), InputError);
 }
 
-/// Of a map in the package's folder of maps.
+/// The text of a map in the package's folder of maps.
 std::string patternMap(const std::string& entries, const std::string& defaults = "") {
   return "{family: artoolkit, size: 0.5, " + defaults + " markers: [" + entries + "]}";
 }

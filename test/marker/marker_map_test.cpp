@@ -25,7 +25,7 @@ void expectAxes(const Eigen::Quaterniond& map_from_marker, const Vector3d& x, co
   EXPECT_LT((map_from_marker * Vector3d::UnitZ() - z).norm(), kTolerance);
 }
 
-// The marker on the wall x = 0 looks east; who looks at it looks west and has north to the right.
+// The marker on the wall x = 0 faces east; its viewer looks west, with north to the right.
 TEST(UprightOrientation, AtYawZeroTheNormalIsTheMapsX) {
   expectAxes(uprightOrientation(0.0, 0.0), Vector3d::UnitY(), Vector3d::UnitZ(), Vector3d::UnitX());
 }

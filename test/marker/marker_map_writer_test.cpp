@@ -30,11 +30,11 @@ MapEntry entry(int id, double yaw, double tilt) {
 }
 
 const std::vector<std::string> kFiles = {
-    // A list of its own lines, with comments, and no newline at the end.
+    // A list on its own lines, with comments, and no newline at the end.
     "# my hall\nfamily: tag36h11\nsize: 0.30   # m\nmarkers:\n"
     "  - {id: 3, position: [1.0, 2.5, 0.8], yaw: -1.5708}   # by the window\n"
     "  - {id: 7, name: \"a # b\", position: [4, 0, 1.1], yaw: 3.1416, size: 0.20}\n\n# the end",
-    // Not indented, entries over several lines, other keys behind.
+    // Not indented, entries over several lines, followed by other keys.
     "markers:\n- id: 3\n  position: [1, 2, 3]\n  yaw: 0\n- id: 4\n  position: [1, 2, 3]\n"
     "  orientation: [0, 0, 0, 1]\n  # about the size\nsize: 0.4\nfamily: tag36h11\n",
     // In brackets, on one line or several.
@@ -91,7 +91,7 @@ TEST(MarkerMapWriterTest, AddsMarkersAndLeavesAllElseByteForByte) {
   const std::vector<MapEntry> added = {entry(10, 0.7, 0.0), entry(11, -2.0, 0.3)};
   for (const std::string& file : kFiles) {
     const std::string text = withEntries(file, added, "map.yaml");
-    // What was there, in its order: the new text is the old one with something put in.
+    // What was there, in its order: the new text is the old one with something inserted.
     std::size_t same = 0;
     while (same < file.size() && text[same] == file[same]) ++same;
     const std::string rest = file.substr(same);

@@ -57,7 +57,7 @@ TEST_F(MarkerPredictionTest, LeavesOutWhatCannotBeSeen) {
   beyond_range.size = 10.0;
   Marker too_small = facingOrigin(3.0, 0.5);
   too_small.size = 0.1;
-  // The camera looks down on its mirror: right above it hangs its own image.
+  // The camera looks down on its mirror: directly above, it sees itself.
   const Marker above = facingOrigin(0.01, 0.5, 5.0);
   EXPECT_TRUE(predict({from_behind, grazing, beyond_range, too_small, above}).empty());
 }

@@ -28,7 +28,7 @@ class PatternFileTest : public testing::Test {
     return loadPatternPicture(path_);
   }
 
-  /// What it says of a file with this text.
+  /// The error for a file with this text.
   std::string refusal(const std::string& text) const {
     try {
       load(text);
@@ -109,7 +109,7 @@ TEST(PatternPictureTest, RandomPicturesOfItsSpectrumVaryInSoManyWays) {
     double products = 0.0;
     double norms = 0.0;
     for (int i = 0; i < kTrials; ++i) {
-      // White noise that is filtered by the picture has its spectrum, and no phase of it.
+      // White noise filtered by the picture has its spectrum, but not its phase.
       cv::Mat noise(picture.side, picture.side, CV_64F);
       for (double& value : cv::Mat_<double>(noise)) value = normal(generator);
       cv::Mat filtered;
@@ -168,7 +168,7 @@ TEST(PatternPictureTest, BlurAveragesAllOfItsModules) {
         for (const auto& [module, share] : shares) {
           of_data += share * 0.5 * (pattern.dataAt(module) + 1.0);
         }
-        // The border is black, so that near the middle all white is data's.
+        // The border is black, so all white near the middle is data.
         if (place == 0.5) {
           EXPECT_NEAR(of_data, white.share, 0.03) << border << ", " << edge;
         }

@@ -168,7 +168,7 @@ TEST(PictureReadingTest, RandomSquaresAreNotTakenForAPicture) {
   const int trials = 300 / test::kSweepStride;
   for (int i = 0; i < trials; ++i) {
     PatternPicture random = *test::picture("crown");
-    // Coarse blots, which squares in the world show rather than fine grain.
+    // Coarse blots: squares in the world show these rather than fine grain.
     cv::Mat blots(4, 4, CV_64F);
     for (double& blot : cv::Mat_<double>(blots)) blot = uniform(generator);
     cv::Mat cells;

@@ -83,7 +83,7 @@ TagDrawing drawTag(const std::string& family_name, int id) {
 /// A tag in front of a white wall. `image_from_tag` maps the tag's plane, where its corners are
 /// `kTagCorners`, to pixels. A pixel is the mean over its area, whose middle has whole coordinates.
 cv::Mat render(const TagDrawing& tag, const Eigen::Matrix3d& image_from_tag, cv::Size size) {
-  // A Fibonacci lattice: a grid would let edges along its rows pass only in steps.
+  // A Fibonacci lattice: on a grid, edges along its rows would move only in steps.
   constexpr int kSamples = 89;
   constexpr int kGenerator = 55;
   const Eigen::Matrix3d tag_from_image = image_from_tag.inverse();
@@ -310,7 +310,7 @@ TEST(TagDetector, ReadsNoTagOfLessContrastThanAskedFor) {
   const TagDetector detector({}, {"tag36h11"});
   EXPECT_EQ(detector.detect(image, 45).size(), 1u);
   EXPECT_TRUE(detector.detect(image, 60).empty());
-  // The settings of the detector stay the least that is asked for, and what they are.
+  // The detector's settings remain a lower limit, and do not change.
   EXPECT_EQ(detector.detect(image, 0).size(), 1u);
   TagDetectorConfig config;
   config.min_white_black_diff = 60;

@@ -115,7 +115,7 @@ struct Parallelogram {
   TagPattern::Window window() const { return {side_u, side_v}; }
 };
 
-/// What a pixel may see: sides of up to `longest` modules that enclose 30 degrees at least.
+/// What a pixel may see: sides of up to `longest` modules, at an angle of at least 30 degrees.
 std::vector<Parallelogram> randomParallelograms(int width, int count, double longest) {
   std::mt19937 generator(3);
   std::uniform_real_distribution<double> share(0.0, 1.0);
@@ -139,8 +139,8 @@ std::vector<Parallelogram> randomParallelograms(int width, int count, double lon
   return parallelograms;
 }
 
-/// Calls back with the modules that evenly spread points of a parallelogram lie in, and with the
-/// share of the whole that each point stands for.
+/// Calls back with the module in which each of the evenly spread points of a parallelogram lies,
+/// and with the point's share of the whole.
 template <typename Visit>
 void sample(const Parallelogram& one, const Visit& visit) {
   constexpr int kSamples = 200;
@@ -240,7 +240,7 @@ TEST(TagPatternTest, TellsWhereTheDrawingIsEven) {
   }
   EXPECT_GT(even, kCount / 10);
   EXPECT_LT(even, kCount / 2);
-  // Farther than the next module it does not look.
+  // It looks no farther than the next module.
   EXPECT_TRUE(pattern.isEvenAround({0.2, 0.2}, {0.7, 1.0}));
   EXPECT_FALSE(pattern.isEvenAround({0.2, 0.2}, {0.7, 1.1}));
 }
@@ -346,7 +346,7 @@ TEST(TagPatternTest, DataSharesAreThoseOfTheRectangle) {
 }
 
 TEST(TagPatternTest, DataSharesAddUpToTheAverageOfWhatTheLayoutLeavesOpen) {
-  // Of two tags, averages over the same part can only differ by their data modules.
+  // Averages of two tags over the same part differ only by their data modules.
   const TagPattern a("tag36h11", 3);
   const TagPattern b("tag36h11", 400);
   for (const Parallelogram& one : randomRectangles(a.width(), 200, 2.0)) {
@@ -378,7 +378,7 @@ TEST(TagPatternTest, AWindowsRectangleIsAsWideAsTheWindowAlongEitherAxis) {
   }
 }
 
-/// What a pixel sees that is blurred by so many pixels, summed up over a grid of points.
+/// What a pixel that is blurred by `blur` pixels sees, summed over a grid of points.
 double blurredShare(const TagPattern& pattern, const Parallelogram& pixel, double blur) {
   constexpr int kSteps = 80;
   const double reach = 4.0 * blur + 0.5;  // pixels
@@ -411,7 +411,7 @@ TEST(TagPatternTest, ABlurredWindowSeesWhatAGaussianDoes) {
     double largest = 0.0;
     int count = 0;
     for (const Parallelogram& one : randomParallelograms(pattern.width(), 150, 0.7)) {
-      // No camera shows a marker so askew that is worth looking at.
+      // No marker that is worth looking at images this skewed.
       const Eigen::Vector2d squares = one.side_u.cwiseAbs2() + one.side_v.cwiseAbs2();
       const double mixed = one.side_u.prod() + one.side_v.prod();
       if (std::abs(mixed) > 0.6 * std::sqrt(squares.prod())) continue;

@@ -34,7 +34,7 @@ class FrameEquationsTest : public testing::Test {
 };
 
 TEST_F(FrameEquationsTest, MarginalisingIsEstimatingWithThePrior) {
-  // Against one large least squares in which each marker's misplacement is estimated, too.
+  // Against one large least-squares problem that also estimates each marker's misplacement.
   constexpr int kMarkers = 3;
   const int unknowns = kFrameUnknowns + 6 * kMarkers;
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(unknowns, unknowns);
@@ -60,7 +60,7 @@ TEST_F(FrameEquationsTest, MarginalisingIsEstimatingWithThePrior) {
   ASSERT_TRUE(change);
   EXPECT_LT((*change - expected.head<kFrameUnknowns>()).norm(), 1e-6 * expected.norm());
 
-  // The covariance, too: all that errs does so as it says.
+  // The covariance as well, since all errors are as large as stated.
   const Eigen::MatrixXd covariance = information.inverse();
   const PoseEstimate estimate = estimateOf(sum, PosePrior{}, {}, 1.0);
   EXPECT_LT((estimate.covariance - covariance.topLeftCorner<6, 6>()).norm(),
@@ -106,7 +106,7 @@ TEST_F(FrameEquationsTest, AnUnmovedRobotNeverStatesLessThanHalfOfOneImage) {
 }
 
 TEST_F(FrameEquationsTest, WhatImagesShareIsNotAveragedDown) {
-  // A robot at rest: each image errs by chance anew, and by the same misplacement of its markers.
+  // A robot at rest: each image has new random errors and the same misplacements of its markers.
   // Over many robots, the squared error is what the covariance says, or less.
   constexpr int kRobots = 300;
   constexpr int kImages = 30;
@@ -126,7 +126,7 @@ TEST_F(FrameEquationsTest, WhatImagesShareIsNotAveragedDown) {
     for (int i = 0; i < kImages; ++i) {
       FrameEquations sum;
       for (std::size_t m = 0; m < by_frame.size(); ++m) {
-        // What is measured where the truth is zero, from the estimate so far.
+        // Measurements from the estimate so far; the truth is zero.
         const Eigen::VectorXd residuals =
             shared[m] + random(kRows, 1) - by_frame[m].leftCols<6>() * mean;
         sum.add(withMisplacement(equationsOf(by_frame[m], residuals), misplacement), 1.0);

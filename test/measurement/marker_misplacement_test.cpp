@@ -13,8 +13,8 @@
 namespace omnitag {
 namespace {
 
-/// Derivative of the corners' pixels by where the marker hangs (along and about the map's axes),
-/// numerically.
+/// Numerical derivative of the corners' pixels with respect to the marker's place (along and about
+/// the map's axes).
 Eigen::Matrix<double, 8, 6> byPlace(const Marker& marker, const MountedCamera& camera,
                                     const Pose& pose) {
   constexpr double kStep = 1e-6;

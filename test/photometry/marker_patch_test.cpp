@@ -39,8 +39,7 @@ std::vector<Seen> seen(const MarkerPatch& patch) {
   return all;
 }
 
-/// A marker as a camera sees it from a pose, and what the tests know of that by the camera's
-/// projection alone.
+/// A marker as a camera sees it from a pose, and what follows from the camera's projection alone.
 struct Scene {
   std::string name;
   MountedCamera camera;
@@ -132,7 +131,7 @@ std::vector<Scene> scenes() {
 
 using ByPixel = std::map<std::pair<int, int>, Seen>;
 
-/// Each pixel must be there but once.
+/// Each pixel must occur only once.
 ByPixel byPixel(const std::vector<Seen>& footprints) {
   ByPixel by_pixel;
   for (const Seen& footprint : footprints) {
@@ -142,8 +141,8 @@ ByPixel byPixel(const std::vector<Seen>& footprints) {
   return by_pixel;
 }
 
-/// How far what a pixel sees is from the drawing's border, in terms of its own extent; negative
-/// where it reaches beyond. Nothing where the pixel does not show the marker's surroundings.
+/// Distance of what a pixel sees from the drawing's border, in units of its own extent; negative if
+/// it reaches beyond. Nothing if the pixel does not show the marker's surroundings.
 std::optional<double> roomOf(const Scene& scene, int column, int row) {
   const auto position = scene.positionAt(Eigen::Vector2d(column, row));
   if (!position) return std::nullopt;
@@ -279,7 +278,7 @@ TEST_P(MarkerPatchTest, BlurMakesTheFootprintsLarger) {
 TEST_P(MarkerPatchTest, HoldsEveryPixelThatSeesNothingButTheDrawing) {
   const Scene& scene = GetParam();
   const ByPixel held = byPixel(scene.footprints());
-  // What a pixel sees is known from the middle of a quarter of the drawing, to a fifth.
+  // The facets, a quarter of the drawing wide, tell to a fifth what a pixel sees.
   constexpr double kTolerance = 0.2;
   for (const auto& [pixel, footprint] : held) {
     EXPECT_GT(roomOf(scene, pixel.first, pixel.second).value_or(-1.0), -kTolerance);
@@ -334,7 +333,7 @@ TEST_P(MarkerPatchTest, ConsidersAboutAsManyPixelsAsAskedForOnAGrid) {
   }
 }
 
-/// Whether a pixel and those within two pixels of it see but one colour.
+/// Whether a pixel and those within two pixels of it see only one colour.
 bool seesOneColour(const Scene& scene, const Seen& footprint, double reach) {
   const Eigen::Matrix2d by_pixel = scene.pixelByPosition(footprint.position).inverse();
   std::set<double> colours;
@@ -364,7 +363,7 @@ TEST_P(MarkerPatchTest, KeepsNoMoreAtEdgesAndOnEvenGroundThanAskedFor) {
   const std::size_t all = count(kAll, kAll);
   const std::size_t edges = count(kAll, 0);
   const std::size_t even = count(0, kAll);
-  // Of nine that see even ground together one is enough.
+  // Of nine pixels that see even ground together, one is enough.
   EXPECT_LE(edges + even, all);
   EXPECT_GE(edges + 9 * even, all);
   EXPECT_EQ(count(0, 0), 0U);

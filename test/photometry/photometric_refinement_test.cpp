@@ -88,7 +88,7 @@ class PhotometricRefinementTest : public testing::Test {
     return noisy;
   }
 
-  /// Noise of this deviation that was blurred by so many pixels.
+  /// Noise of this deviation, blurred by this many pixels.
   static cv::Mat withSmoothNoise(double deviation, double blur, unsigned seed) {
     cv::Mat noise(panorama_.size(), CV_32FC1);
     cv::RNG generator(1 + seed);
@@ -99,8 +99,8 @@ class PhotometricRefinementTest : public testing::Test {
     return noisy;
   }
 
-  /// The panorama, each part of it displaced by this many pixels (standard deviation along either
-  /// axis), and parts this far apart (pixels) independently.
+  /// The panorama with its parts displaced by this many pixels (standard deviation along either
+  /// axis); parts `reach` pixels apart are displaced independently.
   static cv::Mat distorted(const cv::Mat& panorama, double deviation, double reach, unsigned seed) {
     cv::RNG generator(1 + seed);
     cv::Mat from_u(panorama.size(), CV_32FC1);
@@ -120,7 +120,7 @@ class PhotometricRefinementTest : public testing::Test {
     return distorted;
   }
 
-  /// Paints over the part of a marker that lies between two x of its frame, in half its size.
+  /// Paints over a marker between two x coordinates of its frame, in units of half its size.
   static void cover(cv::Mat* panorama, const Marker& marker, double left, double right) {
     std::vector<cv::Point> outline;
     for (const auto& [x, y] : {std::pair(left, -1.3), std::pair(right, -1.3), std::pair(right, 1.3),
@@ -188,7 +188,7 @@ TEST_F(PhotometricRefinementTest, WhatManyMarkersDisagreeByIsKnownOfOne) {
   double aware = 0.0;
   double of_many = 0.0;
   for (int i = 0; i < kToLearn + kTrials; ++i) {
-    // Neighbouring pixels err alike, which none of them shows.
+    // Neighbouring pixels err alike, which a single one does not show.
     const cv::Mat image = withSmoothNoise(10.0, 2.0, static_cast<unsigned>(i));
     const auto many =
         refine(image, entries(6), truth(), PosePrior::upright(), sampleMap(), lasting.excess());
@@ -235,8 +235,8 @@ TEST_F(PhotometricRefinementTest, IsAsExactAsItSaysBehindALensThatNoModeDescribe
   }
   const cv::Mat ideal = test::renderPanorama(map, {lens("none"), ahead}, {}, 4);
   const MountedCamera camera(lens("{principal_point: 1, scale: 1, tilt: 1, rim: 1}"), ahead);
-  // As much as a camera of this uncertainty is allowed beside its modes, and different from one
-  // side of a marker to the other.
+  // As large as the camera's uncertainty allows beside its modes, and different from one side of a
+  // marker to the other.
   constexpr double kDistortion = 0.3;
   constexpr double kReach = 15.0;
   constexpr int kTrials = 30;
@@ -252,7 +252,7 @@ TEST_F(PhotometricRefinementTest, IsAsExactAsItSaysBehindALensThatNoModeDescribe
   }
   // If the shape of a marker's image counts as exact, what distorts it moves the pose by 10 mm.
   EXPECT_LT(std::sqrt(mean_square), 0.005);
-  // Chi-square with 3 degrees of freedom; the draws have no error of the map and of the modes.
+  // Chi-square with 3 degrees of freedom; the draws have no errors of the map or the modes.
   EXPECT_LT(mean_nees, 3.0);
 }
 
@@ -295,7 +295,7 @@ TEST_F(PhotometricRefinementTest, IsAsExactAsItSaysFromNearStarts) {
 }
 
 TEST_F(PhotometricRefinementTest, ThePoseIsTheSameFromAllAroundAMarker) {
-  // A marker hardly looks different from a little to the left and to the right.
+  // A marker looks hardly different from a little farther left or right.
   const cv::Mat noisy = withNoise(2.0, 30);
   for (const std::size_t entry : {0U, 2U, 5U}) {
     const auto expected = refine(noisy, {entry}, truth());

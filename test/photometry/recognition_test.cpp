@@ -46,7 +46,7 @@ Marker markerAt(double direction, double incidence, const std::string& family = 
   return marker;
 }
 
-/// The same, as large as to image with modules of so many pixels along the tangent.
+/// The same, so large that its modules image this many pixels wide along the tangent.
 Marker withModulesOf(double pixels, Marker marker) {
   const MountedCamera camera = movedCamera({0.0, 0.0});
   constexpr double kStep = 0.01;  // m
@@ -76,7 +76,7 @@ cv::Mat withNoise(const cv::Mat& image, double deviation, unsigned seed) {
   return noisy;
 }
 
-/// Looks for a marker with a margin of so many pixels, with the pattern of any tag.
+/// Looks for a marker within `margin` pixels of its predicted place, by the pattern of any tag.
 std::optional<Recognition> recognizeAs(const TagPattern& pattern, const cv::Mat& image,
                                        const Marker& marker, double margin = 3.0,
                                        const RecognitionConfig& config = {},
@@ -235,7 +235,7 @@ TEST(RecognitionTest, ARolledTagIsAnother) {
 }
 
 TEST(RecognitionTest, AMirroredTagIsAnother) {
-  // Straight ahead of a camera along whose u axis it lies, a marker mirrors onto itself.
+  // The marker lies straight ahead on the camera's u axis, so that mirroring keeps its place.
   const MountedCamera camera(test::sphericalCamera(),
                              Eigen::Isometry3d(Eigen::Translation3d(0.0, 0.0, 1.1) *
                                                Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitX())));
@@ -302,7 +302,7 @@ cv::Mat texture(double spot, unsigned seed) {
   return image;
 }
 
-/// Of 1000 markers that are looked for in random textures, those that are accepted.
+/// How many of 1000 markers are accepted in random textures.
 int acceptedInTextures(double module, double spot, const RecognitionConfig& config) {
   int accepted = 0;
   for (unsigned seed = 0; seed < 40; seed += test::kSweepStride) {
@@ -322,14 +322,14 @@ TEST(RecognitionTest, RandomTexturesAreTakenForAMarkerNoMoreOftenThanConfigured)
   for (const double module : {1.5, 3.0}) {
     for (const double spot : {0.3 * module, 0.6 * module}) {
       EXPECT_EQ(acceptedInTextures(module, spot, {}), 0) << module << ", " << spot;
-      // Four standard deviations more than expected at most.
+      // At most four standard deviations more than expected.
       EXPECT_LT(acceptedInTextures(module, spot, lax), 10.0 + 4.0 * std::sqrt(10.0))
           << module << ", " << spot;
     }
   }
 }
 
-/// Paints over the part of a marker that lies between two x of its frame, in half its size.
+/// Paints over a marker between two x coordinates of its frame, in units of half its size.
 void cover(cv::Mat* panorama, const Marker& marker, double left, double right, double grey) {
   std::vector<cv::Point> outline;
   for (const auto& [x, y] : {std::pair(left, -1.3), std::pair(right, -1.3), std::pair(right, 1.3),
@@ -402,7 +402,7 @@ TEST(RecognitionTest, AVaguePredictionGivesNothing) {
 }
 
 TEST(RecognitionTest, BlurMakesTheMarginLarger) {
-  // Which a decoder does not read any more.
+  // Too much for a decoder to read the marker.
   constexpr double kBlur = 2.0;  // pixels
   const Marker marker = withModulesOf(3.5, markerAt(2.2, 0.0));
   RecognitionConfig config;
@@ -435,7 +435,7 @@ TEST(RecognitionTest, FindsAMarkerAnywhereWithinItsMargin) {
 }
 
 TEST(RecognitionTest, FindsAMarkerThatARobotsTurnTookFarAside) {
-  // It images turned, too.
+  // Its image is turned, too.
   const Marker marker = withModulesOf(4.0, markerAt(2.2, radians(20.0)));
   const MountedCamera camera = movedCamera({0.0, 0.0});
   const Eigen::Vector2d expected = *camera.pixelFromMap(truth(), marker.center());
@@ -451,7 +451,7 @@ TEST(RecognitionTest, FindsAMarkerThatARobotsTurnTookFarAside) {
     ASSERT_TRUE(isAccepted(recognition)) << describe(recognition);
     const Eigen::Vector2d place = *camera.pixelFromMap(turned, marker.center());
     EXPECT_GT((place - expected).norm(), 10.0);
-    // Its shape is another one there, not only turned.
+    // Its shape differs there, too, not only its roll.
     EXPECT_LT((recognition->center - place).norm(), 0.3);
   }
 }

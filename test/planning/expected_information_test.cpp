@@ -44,8 +44,8 @@ class ExpectedInformationTest : public testing::Test {
   Pose truth_{0.3, -0.2, 0.7};
 };
 
-/// The pixel of a point after a change of all that an image and a marker's place leave open, in the
-/// order of a FrameVector's pose and six of the marker: along and about its axes.
+/// The pixel of a point after a change of the robot's pose (as in a FrameVector) and of the
+/// marker's place (six numbers, along and about its axes).
 Eigen::Vector2d pixelAfter(const MountedCamera& camera, const Pose& pose, const Marker& marker,
                            const Eigen::Vector2d& on_marker,
                            const Eigen::Matrix<double, 12, 1>& change) {
@@ -142,8 +142,7 @@ TEST_F(ExpectedInformationTest, GrowsWithTheNoiseOfEdgesInAnExactMap) {
 }
 
 TEST_F(ExpectedInformationTest, IsHowTheEstimatorScatters) {
-  // The robot leans, and markers hang beside their places; the corners are exact, as the pixels
-  // nearly are.
+  // The robot leans, and markers are misplaced; the corners are exact, as the pixels nearly are.
   constexpr int kDraws = test::kIsSanitized ? 30 : 600;
   const PosePrior standing = scene_.priorAt(truth_).withoutPlace();
   const PoseMatrix information = standing.information;

@@ -52,7 +52,7 @@ TEST(WallPlaces, AreOnFlatWallsOnBothSides) {
   }
   EXPECT_GE(on_western_side, 4);
   EXPECT_GE(on_eastern_side, 4);
-  // The walls around each of the rooms, less what is too near to a corner.
+  // The walls around each of the rooms, less what is too near a corner.
   EXPECT_GT(places.size(), 40U);
 }
 

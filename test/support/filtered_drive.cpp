@@ -20,13 +20,13 @@ constexpr double kStep = 0.03;      // m along x of the robot, from frame to fra
 constexpr double kTurn = 0.15;      // rad
 constexpr double kSlip = 0.01;      // m per m, m per rad, rad per m and rad per rad
 
-/// Every other time, for so many frames, no marker is in sight.
+/// In every other stretch of this many frames, no marker is in sight.
 constexpr std::size_t kStretch = 8;
 bool isDark(std::size_t frame) { return frame / kStretch % 2 == 1; }
 
 Eigen::Vector3d numbersOf(const Pose& pose) { return {pose.x, pose.y, pose.yaw}; }
 
-/// What odometry errs by from frame to frame (m, m, rad), as MotionModelConfig describes it.
+/// Standard deviations of odometry's error from frame to frame (m, m, rad), see MotionModelConfig.
 Eigen::Vector3d slipOf(const Pose& motion) {
   const double way = std::hypot(motion.x, motion.y);
   const double slip = kSlip * std::hypot(way, motion.yaw);

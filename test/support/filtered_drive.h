@@ -7,22 +7,22 @@
 
 namespace omnitag::test {
 
-/// Which of the localizer's poses a filter takes for a measurement.
+/// Which of the localizer's poses a filter takes as measurements.
 enum class FilterInput {
   kMeasured,  ///< FrameResult::measured
-  kPose,      ///< FrameResult::map_from_base, in which the odometry is already
+  kPose,      ///< FrameResult::map_from_base, which already includes the odometry
 };
 
-/// A drive in circles among three markers that every other stretch hides, with images that are
-/// rendered once, and noise, odometry and a map of its own for each drive.
+/// A drive in circles among three markers, hidden in every other stretch. The images are rendered
+/// once; each drive has its own noise, odometry and map.
 class FilteredDrive {
  public:
   explicit FilteredDrive(std::size_t frames);
 
   /// The normalised estimation error squared (NEES) of each frame, with three degrees of freedom,
   /// of an extended Kalman filter of (x, y, yaw) that fuses odometry with the localizer's poses.
-  /// The markers hang `map_deviation` (m, and that times 3.5 rad) beside their places in the map
-  /// that the localizer is told, which says so.
+  /// The localizer's map is off by `map_deviation` (m, and 3.5 times that in rad; standard
+  /// deviation along and about each axis), and says so.
   std::vector<double> nees(FilterInput input, double map_deviation, unsigned seed) const;
 
  private:

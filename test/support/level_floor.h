@@ -4,8 +4,8 @@
 
 namespace omnitag::test {
 
-/// For a robot on a floor that is exactly even: what is tested elsewhere than leaning is told more
-/// exactly by fewer markers where that is known.
+/// For a robot on an exactly even floor. If that is known, fewer markers give exact poses, which
+/// suits all tests but those of lean.
 inline LocalizerConfig onLevelFloor(LocalizerConfig config = {}) {
   config.motion.floor.lean_deviation = 0.0;
   config.motion.floor.height_deviation = 0.0;

@@ -37,7 +37,7 @@ TagBitmap tagBitmap(const std::string& family, int id) {
       bitmap.white.push_back(image->buf[row * image->stride + column] > 127);
     }
   }
-  std::free(image->buf);  // as image_u8_destroy, which the library does not export
+  std::free(image->buf);  // as image_u8_destroy does, which the library does not export
   std::free(image);
   return bitmap;
 }
@@ -97,8 +97,8 @@ Board boardOf(const Marker& marker) {
           0.51 * edge * edge};
 }
 
-/// Whether a ray's line passes through the sphere that holds a board, which few do. In plain
-/// numbers, which sanitizers slow down less.
+/// Whether a ray's line passes through the sphere that holds a board; few do. In plain numbers,
+/// which sanitizers slow down less.
 bool isAimedAt(const Board& board, const double* origin, const double* direction) {
   const double x = board.center[0] - origin[0];
   const double y = board.center[1] - origin[1];
@@ -114,7 +114,7 @@ bool isAimedAt(const Board& board, const double* origin, const double* direction
 
 constexpr double kBackgroundGrey = 120.0;
 
-/// Grey level of the first board that a ray meets from its front, and how far away that is.
+/// Grey level of the first board that a ray meets from its front.
 std::optional<double> greyAlong(const std::vector<Board>& boards, const Ray& ray_in_map) {
   double nearest = std::numeric_limits<double>::infinity();
   std::optional<double> grey;
@@ -161,7 +161,7 @@ cv::Mat renderPanorama(const MarkerMap& map, const MountedCamera& camera, const 
   };
 
   const ImageSize& size = camera.model().imageSize();
-  // What the middle of a pixel shows, once somebody has asked.
+  // What the middle of each pixel shows, looked up on first use.
   std::vector<std::optional<Sight::Kind>> kinds(static_cast<std::size_t>(size.width) *
                                                 static_cast<std::size_t>(size.height));
   const auto kindAt = [&](int u, int v) {
@@ -169,8 +169,8 @@ cv::Mat renderPanorama(const MarkerMap& map, const MountedCamera& camera, const 
     if (!kind) kind = look(u, v).kind;
     return *kind;
   };
-  // Whether the middles of all pixels, or of each second one, show the same as this one's as far as
-  // so many pixels away, and no board.
+  // Whether the middles of all pixels (or every second one, by `step`) within `distance` show the
+  // same as this one's, and no board.
   const auto isEven = [&](int u, int v, int distance, int step) {
     const Sight::Kind kind = kindAt(u, v);
     if (kind == Sight::kBoard) return false;

@@ -22,10 +22,10 @@ struct TagBitmap {
 /// The tag as the AprilTag library draws it: tag36h11 and some families of other layouts.
 TagBitmap tagBitmap(const std::string& family, int id);
 
-/// The panorama of a robot among markers before grey: a line of sight for every sample of every
-/// pixel, met with the markers' planes. Of the rows asked for; the others are black. Does not see
-/// markers that are narrower than two pixels. The borders of pictures must be whole numbers of
-/// cells.
+/// The panorama of a robot among markers before a grey background: each sample of each pixel is a
+/// line of sight, intersected with the markers' planes. Renders only `rows`; the others are black.
+/// Misses markers that are narrower than two pixels. The borders of pictures must be whole numbers
+/// of cells.
 cv::Mat renderPanorama(const MarkerMap& map, const MountedCamera& camera, const Pose& map_from_base,
                        int samples_per_axis = 3, const cv::Range& rows = cv::Range::all());
 

@@ -6,9 +6,9 @@
 
 namespace omnitag::test {
 
-/// An extended Kalman filter of a robot on a floor, written as the textbooks have it and apart from
-/// the package's own code: (x, y, yaw) in the map, moved by odometry's increments in the robot's
-/// own axes, corrected by poses that are taken to be independent.
+/// An extended Kalman filter of a robot on a floor, from the textbook and independent of the
+/// package's own code: (x, y, yaw) in the map, moved by odometry's increments in the robot's own
+/// axes, corrected by poses that are assumed independent.
 class PlanarFilter {
  public:
   PlanarFilter(const Eigen::Vector3d& state, const Eigen::Matrix3d& covariance)

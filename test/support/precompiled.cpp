@@ -1,1 +1,1 @@
-// The tests' precompiled headers belong to a library, and need a source that is compiled with them.
+// The tests' precompiled headers need a library with a source that is compiled with them.

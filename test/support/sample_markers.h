@@ -25,8 +25,8 @@ inline Marker wallMarker(int id, const Eigen::Vector3d& center, double yaw, doub
   return marker;
 }
 
-/// Eight markers of this size about the origin, so far from it (m), at various heights and turned
-/// toward it.
+/// Eight markers of this size around the origin, at this distance (m) and various heights, facing
+/// it.
 inline std::vector<Marker> markersAround(double distance, double size) {
   std::vector<Marker> markers;
   for (int i = 0; i < 8; ++i) {
@@ -62,8 +62,8 @@ inline std::vector<Marker> roomMarkers() {
           wallMarker(8, {-0.2, -4.0, 0.8}, kPi / 2), wallMarker(9, {2.6, -4.0, 1.7}, kPi / 2)};
 }
 
-/// Where a marker images, exactly; nothing where the camera sees it from behind, too much from the
-/// side to be read, or not whole.
+/// Where a marker images, exactly; nothing if the camera sees it from behind, too obliquely to be
+/// read, or not entirely.
 inline std::optional<MarkerReading> exactReading(const Marker& marker, const MountedCamera& camera,
                                                  const Pose& map_from_base) {
   const Eigen::Vector3d to_camera =
@@ -84,7 +84,7 @@ inline std::optional<MarkerReading> exactReading(const Marker& marker, const Mou
   return reading;
 }
 
-/// The same with its positions off by chance, `noise` being the standard deviation along each axis.
+/// The same with random errors of its positions, of standard deviation `noise` along each axis.
 inline MarkerReading withNoise(MarkerReading reading, double noise, std::mt19937* generator) {
   std::normal_distribution<double> normal(0.0, noise);
   const auto disturb = [&](Eigen::Vector2d* position) {

@@ -11,8 +11,8 @@ struct Tones {
   double white = 255.0;
 };
 
-/// Fills a part of an image (CV_8UC1), each pixel with the mean over its area of `whiteAt(u, v)`,
-/// the share of white at a position, whose pixels' middles are at whole numbers.
+/// Fills a part of an image (CV_8UC1): each pixel gets the mean over its area of `whiteAt(u, v)`,
+/// the share of white at a position. The pixels' middles are at whole numbers.
 template <typename WhiteAt>
 void supersample(const cv::Rect& part, const Tones& tones, const WhiteAt& whiteAt, cv::Mat* image) {
   constexpr int kSamples = 6;  // along either side of a pixel

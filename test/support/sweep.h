@@ -8,8 +8,8 @@ constexpr bool kIsSanitized = true;
 constexpr bool kIsSanitized = false;
 #endif
 
-/// One of this many cases of a long sweep is tried: each, but under sanitizers, which take ten
-/// times as long, and see in some cases what there is to see in all.
+/// One of this many cases of a long sweep is tried: all, or a fifth under sanitizers, which take
+/// ten times as long and find in some cases what they would find in all.
 constexpr int kSweepStride = kIsSanitized ? 5 : 1;
 
 /// Why a test skips itself under sanitizers.

@@ -19,8 +19,8 @@ struct Errors {
   int points = 0;
 };
 
-/// A sphere is seen at grazing incidence at its rim, where everything is steep; what is stated here
-/// holds up to this many pixels before it.
+/// At its rim a sphere is seen at grazing incidence, where everything changes steeply; the errors
+/// stated here hold up to this many pixels before it.
 constexpr double kRim = 5.0;
 
 Errors errorsAt(const CameraModel& camera, const ContourTable& table, double distance,

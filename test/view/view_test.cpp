@@ -25,7 +25,7 @@ View viewToward(double azimuth, bool axis_up) {
   return view;
 }
 
-/// A point of the view's rectangle in the optical frame: `right` and `up` as a person sees it who
+/// A point of the view's rectangle in the optical frame: `right` and `up` are those of a person who
 /// stands at the axis and looks at the rectangle.
 Eigen::Vector3d pointOn(const View& view, double right, double up) {
   const Eigen::Vector3d upward(0.0, 0.0, view.axis_up ? 1.0 : -1.0);
@@ -119,7 +119,7 @@ TEST_P(ViewTest, FacesWhatIsNearTheAxisUnmirroredAndExactly) {
         view.pointAt(middle + Eigen::Vector2d(1.0, 0.0)) - view.pointAt(middle);
     const Eigen::Vector3d downward =
         view.pointAt(middle + Eigen::Vector2d(0.0, 1.0)) - view.pointAt(middle);
-    // As somebody at the camera sees it: what he looks along is right times down.
+    // As seen from the camera, the viewing direction is right x down.
     EXPECT_GT(rightward.cross(downward).normalized().dot(forward), 1.0 - 1e-12);
     EXPECT_NEAR(rightward.norm(), 2.0 / view.focal_length, 1e-12);
     EXPECT_NEAR(downward.norm(), 2.0 / view.focal_length, 1e-12);

@@ -31,7 +31,7 @@ YAML::Node cameraFileOfInfo(const YAML::Node& info, const std::string& origin);
 /// The same as loadCamera from text; `origin` takes the place of the file name in errors.
 std::shared_ptr<const CameraModel> parseCamera(const std::string& text, const std::string& origin);
 
-/// The same from a file that is parsed already.
+/// The same from a parsed file.
 std::shared_ptr<const CameraModel> cameraOf(const YAML::Node& file, const std::string& origin);
 
 }  // namespace omnitag

@@ -87,12 +87,12 @@ class CameraModel {
   /// Pixels, radius of the field in the image.
   double rimPixels() const { return image_plane_.scale() * maxRadius(); }
 
-  /// How far the model may be off; not at all by default.
+  /// How far the model may be off; by default, it is exact.
   const CameraUncertainty& uncertainty() const { return uncertainty_; }
   void setUncertainty(const CameraUncertainty& uncertainty) { uncertainty_ = uncertainty; }
 
-  /// Pixels by which each mode of the uncertainty, off by a standard deviation, displaces the image
-  /// at a pixel.
+  /// Displacement of the image at a pixel (pixels) by each mode of the uncertainty, off by a
+  /// standard deviation.
   Eigen::Matrix<double, 2, kCameraModes> displacementByError(const Eigen::Vector2d& pixel) const;
 
   /// Whether images may also be larger or smaller than the camera's by an integer factor.
@@ -100,8 +100,8 @@ class CameraModel {
   void setScalesToImage(bool scales) { scales_to_image_ = scales; }
 
   /// The camera for images of another size. Unchanged if the size is the camera's own, or if it
-  /// must not scale. With scaled pixels and deviations if both sides are an integer multiple of the
-  /// camera's, or an integer fraction, cut off by less than a pixel. Nothing for any other size.
+  /// must not scale. Scaled, with its deviations, if both sides are an integer multiple or fraction
+  /// of the camera's, cut off by less than a pixel. Nothing for any other size.
   std::shared_ptr<const CameraModel> ofImage(const ImageSize& size) const;
 
   const ImageSize& imageSize() const { return image_size_; }

@@ -38,17 +38,17 @@ struct CameraUncertainty {
 /// The number of modes, in the order above.
 constexpr int kCameraModes = 6;
 
-/// Pixels by which each mode, off by a standard deviation, displaces the image at `n` (see above).
+/// Displacement of the image at `n` (pixels; see above) by each mode, off by a standard deviation.
 Eigen::Matrix<double, 2, kCameraModes> displacementByError(const CameraUncertainty& uncertainty,
                                                            const Eigen::Vector2d& n);
 
 /// The number of coefficients of the shape of a marker's image.
 constexpr int kShapeTerms = 10;
 
-/// Pixels by which errors that no mode describes displace the image of a marker, a column for each
-/// coefficient of its shape off by a standard deviation: a polynomial of the second degree, without
-/// its constant, in each direction of the image. `place`: on the marker's drawing, from -1 to 1
-/// along either side.
+/// Pixels by which errors that no mode describes displace the image of a marker: in each direction
+/// of the image, a polynomial of the second degree without its constant. Each column is for one
+/// coefficient, off by a standard deviation. `place`: on the marker's drawing, from -1 to 1 along
+/// either side.
 Eigen::Matrix<double, 2, kShapeTerms> displacementByShape(const CameraUncertainty& uncertainty,
                                                           const Eigen::Vector2d& place);
 

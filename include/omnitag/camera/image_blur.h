@@ -11,8 +11,8 @@ struct ImageBlur {
   /// at the rim; it grows with the square of the radius.
   double variance = 0.0;
   double rim_variance = 0.0;
-  /// rad squared: of the angle by which the base turned about its z axis during the exposure, if
-  /// the exposure time is not known.
+  /// rad squared: square of the angle by which the base turned about its z axis during the
+  /// exposure, if the exposure time is not known.
   double turn_square = 0.0;
 
   /// Pixels, standard deviation of the lens's blur where it is largest.

@@ -14,8 +14,8 @@ struct ValueAndSlope {
   double slope;
 };
 
-/// How far a function surely grows: the last of evenly spaced positions in [0, end] up to which its
-/// value is finite and its slope positive at every one; 0 if it does not grow at all.
+/// Up to where a function grows: the last of evenly spaced positions in [0, end] before its value
+/// or slope is not finite, or its slope not positive; 0 if it does not grow at all.
 template <typename Function>
 double increasingUpTo(const Function& function, double end) {
   constexpr int kSteps = 4096;
@@ -47,7 +47,7 @@ class InverseFunction {
 
   const Function& function() const { return function_; }
 
-  /// The x at which the function has this value; the nearer end if it never has.
+  /// The x at which the function has this value; the nearer end if it never does.
   double operator()(double value) const {
     const double position = (value - first_value_) / value_step_;
     if (!(position > 0.0)) return starts_.front();

@@ -41,9 +41,9 @@ class MountedCamera {
   /// The same camera with a blur.
   MountedCamera withBlur(const ImageBlur& blur) const;
 
-  /// The pixel of a point of the map (metres) and, on request, its derivatives by the unknowns of a
-  /// frame (the pose: pixels per metre and per radian; the imaging error: pixels per standard
-  /// deviation) and by the point, in pixels per metre along the map's axes. Nothing if the camera
+  /// The pixel of a point of the map (metres) and, on request, its derivatives with respect to a
+  /// frame's unknowns (pose: pixels per metre and per radian; imaging error: pixels per standard
+  /// deviation) and to the point (pixels per metre along the map's axes). Nothing if the camera
   /// does not see the point.
   std::optional<Eigen::Vector2d> pixelFromMap(
       const Eigen::Isometry3d& map_from_base, const Eigen::Vector3d& point,
@@ -63,8 +63,8 @@ class MountedCamera {
   /// The same from the model's table, faster.
   std::optional<Ray> tabulatedRayInBase(const Eigen::Vector2d& pixel) const;
 
-  /// The derivative, by the imaging error's velocities, of anything that a pixel sees and that has
-  /// the derivative `by_base` by a change of the base's pose (a PoseVector along its own axes).
+  /// Derivative of any quantity that a pixel sees by the imaging error's velocities. `by_base`: its
+  /// derivative by a change of the base's pose (a PoseVector along its own axes).
   Eigen::Matrix<double, 2, 3> byVelocities(const Eigen::Vector2d& pixel,
                                            const Eigen::Matrix<double, 2, 6>& by_base) const;
 
@@ -88,8 +88,8 @@ class MountedCamera {
   const ImageBlur& blur() const { return blur_; }
 
  private:
-  /// The image of a point given in base_link at the image's stamp, and its derivatives by the point
-  /// and by the imaging error's velocities.
+  /// The image of a point given in base_link at the image's stamp, and its derivatives with respect
+  /// to the point and to the imaging error's velocities.
   struct Image {
     Eigen::Vector2d pixel;
     Eigen::Matrix<double, 2, 3> by_point = Eigen::Matrix<double, 2, 3>::Zero();

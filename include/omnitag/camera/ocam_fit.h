@@ -11,8 +11,8 @@ namespace omnitag {
 /// A central camera as OCamCalib's polynomials describe it.
 struct OcamFit {
   OcamCalibration calibration;
-  /// The toolbox's polynomial from points to pixels: the radius (pixels) by the elevation above the
-  /// plane of the lens, which is -pi / 2 in the image's middle.
+  /// The toolbox's polynomial from points to pixels: the radius (pixels) as a function of the
+  /// elevation above the plane of the lens, which is -pi / 2 in the image's middle.
   std::vector<double> inverse;
   /// Pixels, the largest error of either polynomial over the camera's field.
   double error = 0.0;

@@ -12,13 +12,13 @@ namespace omnitag {
 struct ShutterConfig {
   /// s, from the image's stamp to the middle of the exposure of row 0.
   double image_time_offset = 0.0;
-  /// s from a row to the next; negative if the last row is read first.
+  /// s from one row to the next; negative if the last row is read first.
   double row_readout_time = 0.0;
   /// s for which each row is exposed.
   double exposure_time = 0.0;
 
-  /// s, from the image's stamp to the middle of a row's exposure; to the beginning of the first
-  /// exposure, and to the end of the last one, of an image with this many rows.
+  /// s from the image's stamp: to the middle of a row's exposure; and, in an image with this many
+  /// rows, to the beginning of the first exposure and to the end of the last one.
   double timeOf(double row) const { return image_time_offset + row * row_readout_time; }
   double begin(int rows) const;
   double end(int rows) const;

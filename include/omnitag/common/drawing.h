@@ -6,15 +6,15 @@
 
 namespace omnitag {
 
-/// The number of fractional binary digits of the coordinates that OpenCV's drawing functions take
-/// (their `shift`).
+/// Fractional bits of the fixed-point coordinates that OpenCV's drawing functions take (their
+/// `shift`).
 constexpr int kFractionalBits = 4;
 
-/// A position in an image (pixels, the centre of the top-left pixel at (0, 0)), with that
-/// many digits.
+/// A position in an image (pixels, the centre of the top-left pixel at (0, 0)) in this fixed-point
+/// format.
 cv::Point fixedPoint(const cv::Point2d& place);
 
-/// Pixels that a line of text covers, its height above the baseline.
+/// Pixels, size of a line of text; the height is counted from the baseline.
 cv::Size sizeOfText(const std::string& text, double size);
 
 /// Writes to the right of `baseline`, and returns the x where the text ends. `size`: OpenCV's

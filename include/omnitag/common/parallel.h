@@ -8,9 +8,9 @@
 
 namespace omnitag {
 
-/// Calls `work(worker, i)` for every i below `count`, on at most `threads` threads, including the
-/// calling one; each of them is another worker, numbered from 0. The calls must not depend on each
-/// other and must not throw. Threads are started each time, which takes some ten microseconds:
+/// Calls `work(worker, i)` for every i below `count`, on at most `threads` threads including the
+/// calling one; each thread is a worker, numbered from 0. The calls must be independent of each
+/// other and must not throw. Starting the threads takes some ten microseconds each time:
 /// `worth_a_thread` is the number of calls that take longer than that.
 template <typename Work>
 void forEachIndexByWorker(std::size_t count, int threads, std::size_t worth_a_thread,

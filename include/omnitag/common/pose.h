@@ -26,7 +26,7 @@ struct Pose {
 
 /// A small change of a pose: translation along the axes of the target frame (m) and rotation about
 /// the base's own axes (rad), in the order x, y, yaw, z, roll, pitch, so that the floor's part
-/// comes first. Derivatives by a pose and its covariances refer to such changes.
+/// comes first. Derivatives with respect to a pose, and its covariances, refer to such changes.
 using PoseVector = Eigen::Matrix<double, 6, 1>;
 using PoseMatrix = Eigen::Matrix<double, 6, 6>;
 
@@ -51,8 +51,8 @@ Pose operator*(const Pose& a_from_b, const Pose& b_from_c);
 /// b_from_a, from a_from_b.
 Pose inverse(const Pose& a_from_b);
 
-/// Derivatives of the (x, y, yaw) of a motion on the floor, `inverse(from) * to`, by the same three
-/// numbers of the poses at its beginning and its end.
+/// Derivatives of a motion on the floor, the (x, y, yaw) of `inverse(from) * to`, with respect to
+/// the (x, y, yaw) of the poses at its beginning and its end.
 struct FloorMotionDerivatives {
   Eigen::Matrix3d by_from;
   Eigen::Matrix3d by_to;
@@ -82,9 +82,8 @@ Eigen::Matrix3d floorCovariance(const PoseEstimate& estimate);
 /// m, standard deviation of the position on the floor, of both coordinates together.
 double positionDeviation(const PoseEstimate& estimate);
 
-/// Whether two independent estimates of the same pose may both be right: whether their difference
-/// is one that 999 of 1000 such pairs stay within (Mahalanobis distance, chi-square with 6 degrees
-/// of freedom).
+/// Whether two independent estimates of the same pose may both be right: their Mahalanobis distance
+/// is one that 999 of 1000 such pairs stay within (chi-square with 6 degrees of freedom).
 bool agree(const PoseEstimate& a, const PoseEstimate& b);
 
 }  // namespace omnitag

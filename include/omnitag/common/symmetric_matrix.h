@@ -4,8 +4,8 @@
 
 namespace omnitag {
 
-/// At most 16 rows, without memory on the heap. The functions below are compiled only once: Eigen's
-/// decompositions of a fixed size take seconds in each source that uses one.
+/// At most 16 rows, without heap memory. The functions below are compiled only once: Eigen's
+/// fixed-size decompositions take the compiler seconds in each source that uses one.
 using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 16, 16>;
 using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 16, 1>;
 

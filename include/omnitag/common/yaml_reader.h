@@ -42,7 +42,7 @@ class YamlReader {
   static YamlReader fromText(const std::string& text, const std::string& origin);
 
   /// A mapping that is parsed already; `path` is the key that led to it ("" for the top level).
-  /// Throws InputError if it is no mapping or has a key twice.
+  /// Throws InputError if it is not a mapping or has a key twice.
   YamlReader(const YAML::Node& node, std::string origin, std::string path = "");
 
   const std::string& origin() const { return origin_; }

@@ -23,7 +23,7 @@ struct MarkerFamilies {
   bool isEmpty() const { return codes.empty() && pictures.empty(); }
 };
 
-/// Those of a map's markers, and its default family.
+/// The families of a map's markers, and its default family.
 MarkerFamilies familiesOf(const MarkerMap& map);
 
 }  // namespace omnitag

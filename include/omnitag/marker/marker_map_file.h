@@ -6,7 +6,7 @@
 
 namespace omnitag {
 
-/// m and rad: deviations of markers whose map does not say, as after a careful survey with a tape.
+/// m and rad: deviations of markers whose map states none, as after a careful survey with a tape.
 constexpr double kSurveyedDeviation = 0.005;
 constexpr double kSurveyedOrientationDeviation = 0.0175;
 

@@ -25,8 +25,8 @@ std::string newMapText(const std::string& frame_id, const std::vector<MapEntry>&
 /// Entries are written to micrometres and microradians. A marker that is upright to a microradian
 /// has a `yaw` and a `roll`, any other an `orientation`.
 ///
-/// Throws InputError if `text` is no marker map, or if the result would not be read back as the old
-/// markers and the new ones.
+/// Throws InputError if `text` is not a marker map, or if the result would not be read back as the
+/// old markers and the new ones.
 std::string withEntries(const std::string& text, const std::vector<MapEntry>& entries,
                         const std::string& origin);
 
@@ -37,14 +37,14 @@ struct EntryChange {
 };
 
 /// The text of a map file with such changes, one for each of its entries, and with entries added as
-/// by withEntries(). Everything unchanged is kept byte for byte, also remarks after a changed entry
-/// in brackets. Throws the same as withEntries().
+/// by withEntries(). Everything unchanged is kept byte for byte, including remarks after a changed
+/// entry in brackets. Throws the same as withEntries().
 std::string withChanges(const std::string& text, const std::vector<EntryChange>& changes,
                         const std::vector<MapEntry>& added, const std::string& origin);
 
-/// The text of the map file `origin` as it must be at `path`: the same, except if it has pictures
-/// and is in another folder, since their paths are relative to the file. It is then a new text.
-/// Throws the same as newMapText().
+/// The text of the map file `origin` as it must be at `path`: the same, or a new text if it has
+/// pictures and moves to another folder, since their paths are relative to the file. Throws the
+/// same as newMapText().
 std::string movedMapText(const std::string& text, const std::string& origin,
                          const std::string& path);
 

@@ -12,10 +12,10 @@ constexpr const char* kPictureFamily = "artoolkit";
 
 /// The picture of a marker, within its black border.
 struct PatternPicture {
-  /// Where it was read from, and the same as the map names it.
+  /// Where it was read from, and its path as the map states it.
   std::string path;
   std::string name;
-  /// Width of the border, as a share of the marker's edge; ARToolKit's own.
+  /// Width of the border, as a share of the marker's edge; by default, ARToolKit's.
   double border = 0.25;
   /// Cells along either side.
   int side = 0;
@@ -26,9 +26,9 @@ struct PatternPicture {
   double whiteAt(int column, int row) const { return white[gridIndex(column, row, side)]; }
 };
 
-/// Reads a pattern file of ARToolKit: four blocks, each turned by a quarter against the one before,
-/// of three planes (blue, green, red) of as many rows as columns, with values from 0 (black) to
-/// 255. The first block is the upright picture; its luma is taken as Rec. 601 has it. Throws
+/// Reads a pattern file of ARToolKit: four blocks, each turned by a quarter relative to the one
+/// before, of three planes (blue, green, red) of as many rows as columns, with values from 0
+/// (black) to 255. The first block is the upright picture; its luma follows Rec. 601. Throws
 /// InputError, with the path, if the file cannot be read, has other contents or hardly any
 /// contrast.
 PatternPicture loadPatternPicture(const std::string& path);

@@ -7,11 +7,10 @@
 namespace omnitag {
 
 /// What a pixel sees: a parallelogram given by its sides (modules), blurred by a Gaussian of this
-/// variance (pixels squared), and swept along a displacement (modules). If it is sharp, the
-/// parallelogram is cut into four, each of which is averaged as if its sides ran along the
-/// modules. If it is blurred, all of it is a Gaussian, composed of Gaussians along the modules'
-/// axes at a few places on a line, which carry the correlation. The sweep is made in steps of
-/// half a side, if these are not too many.
+/// variance (pixels squared), and swept along a displacement (modules). A sharp parallelogram is
+/// cut into four, each of which is averaged as if its sides ran along the modules. A blurred one is
+/// a Gaussian as a whole: a few Gaussians along the modules' axes, whose places on a line account
+/// for the correlation. The sweep is made in steps of half a side, if these are not too many.
 class PatternWindow {
  public:
   PatternWindow() = default;

@@ -52,7 +52,7 @@ struct TagDetection {
   int hamming = 0;
   /// Grey levels; of a picture, the standard deviation within its border.
   double decision_margin = 0.0;
-  /// Between two corners; as if the border of a picture were one wide.
+  /// Between two corners; of a picture, as if its border were one module wide.
   int modules_per_edge = 0;
   Corners<Eigen::Vector2d> corners;
   Eigen::Vector2d center;
@@ -75,10 +75,9 @@ class TagDetector {
   TagDetector& operator=(TagDetector&& other) noexcept;
 
   /// The tags in an image (CV_8UC1, at most 32767 pixels a side), ordered by id, and then the
-  /// pictures. There are none in
-  /// an image of less than 8 pixels a side, times `quad_decimate`. Rows may be padded.
-  /// `min_contrast`: grey levels between white and black, if more than the settings require. Throws
-  /// std::invalid_argument for other images.
+  /// pictures. None in an image of less than 8 pixels a side, times `quad_decimate`. Rows may be
+  /// padded. `min_contrast`: grey levels between white and black, if more than the settings
+  /// require. Throws std::invalid_argument for other images.
   std::vector<TagDetection> detect(const cv::Mat& image, int min_contrast = 0) const;
 
  private:

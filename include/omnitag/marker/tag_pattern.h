@@ -31,7 +31,7 @@ class TagPattern {
   /// family does not have.
   TagPattern(const std::string& family, int id);
   TagPattern(const apriltag_family& family, int id);
-  /// A picture's cells consist of as many modules as make its border a whole number of them.
+  /// Each cell of a picture consists of enough modules to make its border a whole number of them.
   explicit TagPattern(const PatternPicture& picture);
   /// Throws InputError as above.
   explicit TagPattern(const Marker& marker);
@@ -41,7 +41,7 @@ class TagPattern {
   int width() const { return width_; }
   int widthBetweenCorners() const { return width_between_corners_; }
 
-  /// Share of white, from 0 to 1, and its derivatives by the position, per module.
+  /// Share of white, from 0 to 1, and its derivatives with respect to the position, per module.
   struct White {
     double share = 0.0;
     Eigen::Vector2d by_position = Eigen::Vector2d::Zero();
@@ -60,13 +60,13 @@ class TagPattern {
   /// A module's share of white.
   double whiteAt(int column, int row) const { return white_[moduleIndex(column, row)]; }
 
-  /// Modules over which the pattern hardly varies: 1 for codes, whose modules are independent. A
-  /// picture in as many independent parts has parts of this width.
+  /// Modules over which the pattern hardly varies: 1 for codes, whose modules are independent; for
+  /// a picture, the width of its independent parts, or of its border if that is less.
   double featureWidth() const { return feature_width_; }
 
-  /// Whether everything within `reach` (modules along either axis) of a position, as far as the
-  /// drawing has it, is of one colour. Only adjacent modules are checked: false if the reach is
-  /// more than 1. The position may be off the drawing by the reach at most.
+  /// Whether everything on the drawing within `reach` (modules along either axis) of a position is
+  /// of one colour. Only adjacent modules are checked: false if the reach is more than 1. The
+  /// position may be off the drawing by the reach at most.
   bool isEvenAround(const Eigen::Vector2d& position, const Eigen::Vector2d& reach) const {
     if (reach.maxCoeff() > 1.0) return false;
     // From one module above and to the left of the first, so that none is negative.
@@ -86,12 +86,12 @@ class TagPattern {
   /// layout fixes the others.
   int dataModules() const { return static_cast<int>(data_.size()); }
 
-  /// The area of all data modules, in modules squared: of a picture, whose cells consist of
-  /// several, more than their number.
+  /// The area of all data modules, in modules squared. It exceeds dataModules() for a picture whose
+  /// cells consist of several modules.
   double dataArea() const { return data_area_; }
 
   /// The number of independent ways in which the data modules of such markers vary: infinite for
-  /// codes, each of whose modules is independent, however many there are; dimensionsOf() a picture.
+  /// codes, whose modules are independent however many there are; dimensionsOf() a picture.
   double dataDimensions() const { return data_dimensions_; }
 
   /// A data module, by its number in the order of the family's bits, and its share in a window.
@@ -121,7 +121,7 @@ class TagPattern {
     double within;
   };
   /// What a Gaussian sees along one axis: the shares of `count` modules from `first` on, which add
-  /// up to 1, and their derivatives by its middle.
+  /// up to 1, and their derivatives with respect to its middle.
   struct Profile {
     static constexpr int kMost = 32;
     int first = 0;

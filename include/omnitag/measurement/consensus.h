@@ -10,13 +10,13 @@
 namespace omnitag {
 
 /// Finds the markers of a frame that agree about its unknowns when others may hang elsewhere than
-/// the map says. From each marker a set grows by the marker that agrees best, as long as none
-/// disagrees. The largest set wins; of equally large ones, the one that agrees best in itself and
-/// with the prior.
+/// the map says. A set grows from each marker by the marker that agrees best, as long as it does
+/// agree. The largest set wins; of equally large ones, the one that agrees best in itself and with
+/// the prior.
 ///
 /// `markers`: linearised at `pose` and `error`, with the covariance of their errors; nothing for a
-/// marker that is not seen, which counts as agreeing. `excess`: how many times larger than expected
-/// squared errors are.
+/// marker that is not seen, which counts as agreeing. `excess`: the factor by which squared errors
+/// exceed what is expected.
 std::vector<bool> consensusOf(const std::vector<std::optional<FrameEquations>>& markers,
                               const PosePrior& prior, const Pose& pose, const ImagingError& error,
                               double excess);

@@ -22,13 +22,13 @@ struct FrameEquations {
   void add(const FrameEquations& other, double weight);
 };
 
-/// The equations of one marker that hangs elsewhere than the map says (misplacementOf()): the
+/// The equations of one marker that may hang elsewhere than the map says (misplacementOf()): the
 /// misplacement is marginalised, which reduces the information, and its error is shared by all
 /// images.
 FrameEquations withMisplacement(const FrameEquations& marker, const PoseMatrix& misplacement);
 
-/// The equations plus what is known beforehand, at a pose and an imaging error: the prior of the
-/// pose, and that each part of the imaging error has standard deviation 1 about zero.
+/// The equations plus the priors at a pose and an imaging error: that of the pose, and for each
+/// part of the imaging error a standard deviation of 1 about zero.
 FrameEquations withPriors(const FrameEquations& markers, const PosePrior& prior, const Pose& pose,
                           const ImagingError& error);
 
@@ -37,8 +37,8 @@ FrameEquations withPriors(const FrameEquations& markers, const PosePrior& prior,
 int possibleErrors(const ImagingError& error);
 
 /// How badly a marker disagrees with a change of the unknowns, as chi-square with the six degrees
-/// of freedom of a pose: whatever is wrong with a single marker, it seems to hang elsewhere.
-/// `scale`: the covariance that the gradient should have; by default, that of the gradient's error.
+/// of freedom of a pose: whatever is wrong with a single marker, it seems to be misplaced. `scale`:
+/// the covariance that the gradient should have; by default, that of the gradient's error.
 double chiSquareOf(const FrameEquations& marker, const PoseMatrix& scale,
                    const FrameVector& change);
 double chiSquareOf(const FrameEquations& marker, const FrameVector& change);
@@ -47,8 +47,8 @@ double chiSquareOf(const FrameEquations& marker, const FrameVector& change);
 std::optional<FrameVector> solutionOf(const FrameEquations& equations);
 
 /// The pose with its covariance, after the unknowns have changed as the equations ask. `markers`:
-/// without priors. `excess`: how many times larger than expected the variances of markers and
-/// camera turned out to be.
+/// without priors. `excess`: the factor by which the variances of markers and camera exceed what is
+/// expected.
 ///
 /// An estimate has random errors, errors that this image shares with earlier ones, and errors of
 /// the prior. The prior's own shared part may err in the image's direction or against it; the

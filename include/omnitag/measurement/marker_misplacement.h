@@ -21,8 +21,8 @@ struct Misplacement {
 Misplacement misplacementOf(const Marker& marker, const CameraModel& camera,
                             double pixels_per_metre, double alignment_deviation);
 
-/// A marker that hangs elsewhere than the map says looks as if seen from another pose. The
-/// covariance of that change of the pose (a PoseVector).
+/// A misplaced marker looks as if seen from another pose. The covariance of that change of the pose
+/// (a PoseVector).
 PoseMatrix seenFrom(const Pose& map_from_base, const Marker& marker,
                     const Misplacement& misplacement);
 

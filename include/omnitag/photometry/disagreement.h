@@ -13,8 +13,8 @@ struct Disagreement {
 };
 
 /// The disagreement that lasts from image to image: blur, a tone curve or errors of the map make
-/// all images disagree by more than chance does, and a single image shows too little of that to
-/// estimate it.
+/// all images disagree more than by chance, and a single image shows too little of that to estimate
+/// it.
 class LastingDisagreement {
  public:
   /// The factor by which squared errors exceed what is expected, at least 1.

@@ -18,8 +18,8 @@ struct Facet {
   bool is_visible = false;
   /// Its middle on the drawing, from the drawing's middle; the sides have length 1.
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
-  /// Derivatives of the position on the drawing (modules) by the pixel, and by a frame's unknowns
-  /// at a fixed pixel.
+  /// Derivatives of the position on the drawing (modules) with respect to the pixel, and to a
+  /// frame's unknowns at a fixed pixel.
   Eigen::Matrix2d by_pixel = Eigen::Matrix2d::Zero();
   FrameJacobian by_frame = FrameJacobian::Zero();
   /// The part of the drawing that a pixel sees: a parallelogram whose sides are the columns of

@@ -44,7 +44,7 @@ struct MarkerPixel {
   double gradient = 0.0;
   /// On the tag's drawing, from its middle; the sides have length 1.
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
-  /// Derivative of `white` by the position on the drawing, per module.
+  /// Derivative of `white` with respect to the position on the drawing, per module.
   Eigen::Vector2d white_by_position = Eigen::Vector2d::Zero();
   /// Index of its facet.
   int facet = 0;
@@ -102,8 +102,8 @@ class MarkerPatch {
   /// The lines of sight of the patch's pixels in base_link, for use at other poses.
   LinesOfSight linesOfSight() const;
 
-  /// As pixels() above, at a pose near the constructor's and with this change of the camera's
-  /// error, and these changes besides. `lines`: from linesOfSight().
+  /// As pixels() above, at a pose near the constructor's, with this change of the camera's error in
+  /// addition to these changes. `lines`: from linesOfSight().
   MarkerPixels pixels(const cv::Mat& panorama, const LinesOfSight& lines, const Pose& map_from_base,
                       const ImagingError& error_change, const FacetChanges& changes = {}) const;
 

@@ -22,7 +22,7 @@ struct PhotometricConfig {
   /// and lit as evenly as in the model.
   double min_noise = 1.0;
   /// Pixels of the panorama: standard deviation of the error that all of a marker's pixels have in
-  /// common, since neither the camera model nor the pattern's is perfect.
+  /// common, since neither the camera's model nor the pattern's is perfect.
   double alignment_deviation = 0.0015;
   /// Upper limits on the pixels at edges of modules, of all markers together: until the pose is
   /// nearly right, and for the last step from there. More pixels in the last step make the pose
@@ -66,7 +66,7 @@ double photometricMisfit(const cv::Mat& panorama, const MarkerMap& map, const Mo
 /// explain the panorama's grey levels. Every pixel of a marker is predicted as black + white *
 /// contrast, where white is the pattern's average over what the pixel sees of it. Black and the
 /// contrast, a polynomial of the second degree over the marker, are free for each marker. Least
-/// squares over pixels at edges (Gauss-Newton), with covered pixels weighed down, and with the
+/// squares over pixels at edges (Gauss-Newton), with covered pixels weighted down, and with the
 /// priors of the pose, of the camera's error and of the markers' places.
 ///
 /// The covariance is the sandwich estimator (Huber, White): that of the weighted estimate if

@@ -5,7 +5,7 @@
 
 namespace omnitag {
 
-/// Noise of grey levels: constant on even ground, and at edges larger, as if these were randomly
+/// Noise of grey levels: constant on even ground and larger at edges, as if these were randomly
 /// displaced from pixel to pixel. Neither sensors nor prints produce edges exactly as a pixel's
 /// average over an ideal pattern does.
 struct PixelNoise {

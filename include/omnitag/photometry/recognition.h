@@ -38,8 +38,8 @@ struct Recognition {
   /// rules out another pattern at any noise.
   double correlation = 0.0;
   double threshold = 1.0;
-  /// Whether it is the marker: because of the correlation, or because the panorama is likelier by a
-  /// sufficient factor to show it than another pattern, each at the noise that it leaves.
+  /// Whether it is the marker: either the correlation is sufficient, or the panorama is
+  /// sufficiently likelier to show it than another pattern, each at the noise that it leaves.
   bool is_accepted = false;
 };
 

@@ -26,8 +26,8 @@ const std::vector<FamilyLimits>& measuredFamilies();
 /// Those of a family; of tag36h11 if it was not measured.
 SmallestModules smallestModulesOf(const std::string& family);
 
-/// How far from the camera (m, horizontally) a marker of a family is recognized and read; 0 where
-/// it is nowhere.
+/// How far from the camera (m, horizontally) a marker of a family is recognized and read; 0 if it
+/// never is.
 struct FamilyReach {
   std::string family;
   /// Between the corners that the library reports; of pictures: features.
@@ -40,8 +40,8 @@ struct FamilyReach {
 };
 
 /// For each measured family: a marker of this size (m) at this height above the floor (m) that
-/// faces the camera. The median over the directions, all around the camera, in which it is seen at
-/// all.
+/// faces the camera. The reaches are medians over those directions, all around the camera, in which
+/// it is seen at all.
 std::vector<FamilyReach> familyReaches(const MountedCamera& camera, double size, double height);
 
 }  // namespace omnitag

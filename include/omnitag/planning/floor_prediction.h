@@ -34,8 +34,8 @@ struct FloorPrediction {
   std::vector<PlacePrediction> places;
 };
 
-/// The places of a grid at which a robot can stand: free cells, with this clearance (m), in both
-/// directions about `step` metres apart, a whole number of cells. A step of 0 chooses one that
+/// The places of a grid at which a robot can stand: free cells with this clearance (m), about
+/// `step` metres apart in both directions, a whole number of cells. A step of 0 chooses one that
 /// gives about 3000 places, no finer than a cell. Without predictions.
 FloorPrediction placesOn(const OccupancyGrid& grid, double step, double clearance);
 

@@ -20,7 +20,7 @@ struct InformationProblem {
   /// One for each pose, positive definite: the priors and the markers that hang already.
   std::vector<FrameMatrix> known;
   std::size_t candidates = 0;
-  /// What a candidate adds, where it does. May be called from several threads at once.
+  /// What a candidate adds, and to which poses. May be called from several threads at once.
   std::function<std::vector<AddedInformation>(std::size_t candidate)> addedBy;
 };
 
@@ -37,9 +37,9 @@ struct GreedyChoice {
 ///
 /// The measure is monotone and submodular, since markers are independent measurements of the
 /// unknowns (Krause, Singh and Guestrin 2008); the greedy choice therefore gains at least 1 - 1/e
-/// of the best one (Nemhauser, Wolsey and Fisher 1978). What no choice can exceed is the gain plus
-/// the largest gains that are left (Minoux 1978), which usually guarantees more. Gains that were
-/// computed before others were chosen are upper bounds, so that few are computed again.
+/// of the best one (Nemhauser, Wolsey and Fisher 1978). No choice gains more than this one and the
+/// largest remaining gains together (Minoux 1978), which usually guarantees more. Gains computed
+/// before others were chosen are upper bounds, so that few are computed again.
 GreedyChoice chooseGreedily(const InformationProblem& problem, std::size_t count, int threads);
 
 }  // namespace omnitag

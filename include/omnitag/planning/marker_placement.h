@@ -24,13 +24,13 @@ struct MarkerPlacement {
   std::vector<Marker> markers;
   /// As in GreedyChoice.
   double guaranteed_share = 1.0;
-  /// Among how many places they were chosen.
+  /// The number of places from which they were chosen.
   std::size_t candidates = 0;
 };
 
 /// Places markers on the walls of a grid where images from the poses gain the most information
 /// (chooseGreedily()). No marker covers another one, new or old. Throws InputError if the family
-/// has not enough unused ids, or if there is no flat piece of wall that is wide enough.
+/// does not have enough unused ids, or if no flat piece of wall is wide enough.
 MarkerPlacement placeMarkers(const PlanningScene& scene, const MarkerMap& map,
                              const std::vector<Pose>& poses, const NewMarkers& wanted, int threads);
 

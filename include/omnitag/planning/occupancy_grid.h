@@ -22,7 +22,7 @@ struct GridFile {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   /// Whether white is occupied and black is free.
   bool negate = false;
-  /// Cells whose probability is above the one are occupied, below the other free.
+  /// Cells whose probability is above the first are occupied, below the second free.
   double occupied_threshold = 0.65;
   double free_threshold = 0.196;
 };

@@ -12,7 +12,7 @@ namespace omnitag {
 struct PlanningConfig {
   /// The localizer's settings: which markers are worth looking for, how the robot stands.
   LocalizerConfig localizer;
-  /// m, from a marker's plane: what the grid has there does not hide it. A marker hangs on a wall,
+  /// m, depth before a marker's plane in which the grid does not hide it: a marker hangs on a wall,
   /// whose cells are thicker and less exact than the wall. At least two cells.
   double wall_depth = 0.10;
   /// Pixels: standard deviation by which an edge of a pattern is displaced at random from pixel to

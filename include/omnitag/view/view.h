@@ -36,7 +36,7 @@ struct ViewTarget {
   double max_radius = 0.0;
   /// m, from the camera to the target; for a ring, taken as the distance from the axis.
   double distance = 0.0;
-  /// Replaces the piece of a ring for a target near the axis, which is no small piece of any ring.
+  /// Replaces the piece of a ring for a target near the axis, which no small piece would cover.
   std::optional<ViewCone> cone = std::nullopt;
 };
 
