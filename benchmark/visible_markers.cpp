@@ -2,8 +2,11 @@
 
 #include <algorithm>
 
+#include "omnitag/camera/mounted_camera.h"
+#include "omnitag/marker/marker_prediction.h"
 #include "omnitag/marker/marker_reader.h"
 #include "omnitag/marker/tag_pattern.h"
+#include "omnitag/marker/visibility_config.h"
 
 namespace omnitag {
 namespace {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "omnitag/camera/camera_file.h"
+#include "omnitag/camera/camera_yaml.h"
 #include "omnitag/camera/mirror_profile.h"
 #include "omnitag/camera/ocam_calibration.h"
 #include "omnitag/common/error.h"

@@ -10,6 +10,7 @@
 #include "omnitag/common/format.h"
 #include "omnitag/marker/marker_map_file.h"
 #include "omnitag/marker/marker_map_writer.h"
+#include "omnitag/marker/pattern_picture.h"
 #include "omnitag/marker/tag_family.h"
 
 namespace omnitag {

@@ -8,6 +8,7 @@
 
 #include "camera_reader.h"
 #include "foreign_camera.h"
+#include "omnitag/camera/camera_yaml.h"
 
 namespace omnitag {
 namespace {

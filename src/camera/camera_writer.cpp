@@ -8,6 +8,7 @@
 
 #include "foreign_camera.h"
 #include "omnitag/camera/camera_file.h"
+#include "omnitag/camera/camera_yaml.h"
 #include "omnitag/camera/ocam_fit.h"
 
 namespace omnitag {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "omnitag/common/rotation.h"
+#include "omnitag/common/yaml_reader.h"
 
 namespace omnitag {
 

@@ -11,7 +11,9 @@
 #include "omnitag/marker/marker_reader.h"
 #include "omnitag/marker/sharpening.h"
 #include "omnitag/photometry/blur_equations.h"
+#include "omnitag/photometry/blur_filter.h"
 #include "omnitag/photometry/disagreement.h"
+#include "omnitag/photometry/lasting_disagreement.h"
 #include "patrol.h"
 
 namespace omnitag {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "omnitag/common/yaml_reader.h"
+
 namespace omnitag {
 namespace {
 

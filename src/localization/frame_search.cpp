@@ -7,6 +7,7 @@
 
 #include "omnitag/common/stopwatch.h"
 #include "omnitag/localization/look_around.h"
+#include "omnitag/marker/marker_prediction.h"
 
 namespace omnitag {
 namespace {

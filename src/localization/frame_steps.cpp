@@ -12,6 +12,8 @@
 #include "omnitag/common/stopwatch.h"
 #include "omnitag/localization/marker_pose.h"
 #include "omnitag/localization/planar_pose.h"
+#include "omnitag/marker/marker_prediction.h"
+#include "omnitag/photometry/recognition.h"
 
 namespace omnitag {
 namespace {

@@ -16,6 +16,8 @@
 #include "omnitag/marker/marker_reader.h"
 #include "omnitag/marker/sharpening.h"
 #include "omnitag/marker/tag_pattern.h"
+#include "omnitag/measurement/pose_prior.h"
+#include "omnitag/photometry/photometric_refinement.h"
 
 namespace omnitag {
 

@@ -9,6 +9,8 @@
 #include "omnitag/common/stopwatch.h"
 #include "omnitag/common/symmetric_matrix.h"
 #include "omnitag/marker/marker_association.h"
+#include "omnitag/photometry/recognition.h"
+#include "omnitag/view/view_planner.h"
 
 namespace omnitag {
 namespace {

@@ -8,6 +8,7 @@
 #include "omnitag/camera/mounted_camera.h"
 #include "omnitag/localization/frame_result.h"
 #include "omnitag/localization/pose_estimator.h"
+#include "omnitag/photometry/recognition.h"
 
 namespace omnitag {
 

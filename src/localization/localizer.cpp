@@ -11,6 +11,7 @@
 #include "camera_state.h"
 #include "frame_search.h"
 #include "frame_steps.h"
+#include "localizer_impl.h"
 #include "measured_pose.h"
 #include "omnitag/common/error.h"
 #include "omnitag/common/stopwatch.h"
@@ -31,8 +32,8 @@ std::string describe(const cv::Mat& image) {
 
 }  // namespace
 
-Localizer::Localizer(std::vector<LocalizerCamera> cameras, MarkerMap map,
-                     const LocalizerConfig& config)
+Localizer::Impl::Impl(std::vector<LocalizerCamera> cameras, MarkerMap map,
+                      const LocalizerConfig& config)
     : map_(std::move(map)),
       index_(map_),
       config_(config),
@@ -46,15 +47,11 @@ Localizer::Localizer(std::vector<LocalizerCamera> cameras, MarkerMap map,
   }
 }
 
-Localizer::Localizer(std::shared_ptr<const CameraModel> camera, MarkerMap map,
-                     const LocalizerConfig& config)
-    : Localizer(std::vector<LocalizerCamera>{{std::move(camera)}}, std::move(map), config) {}
+const CameraModel& Localizer::Impl::camera(std::size_t index) const {
+  return *cameras_[index]->model;
+}
 
-Localizer::~Localizer() = default;
-
-const CameraModel& Localizer::camera(std::size_t index) const { return *cameras_[index]->model; }
-
-TrackingTools Localizer::trackingTools(const Frame& frame, const Hypothesis& hypothesis) {
+TrackingTools Localizer::Impl::trackingTools(const Frame& frame, const Hypothesis& hypothesis) {
   CameraState& camera = stateOf(frame);
   return {map_,
           index_,
@@ -68,36 +65,37 @@ TrackingTools Localizer::trackingTools(const Frame& frame, const Hypothesis& hyp
           camera.readable};
 }
 
-void Localizer::setMap(MarkerMap map) {
+void Localizer::Impl::setMap(MarkerMap map) {
   patterns_.add(map);
   map_ = std::move(map);
   index_ = MarkerIndex(map_);
 }
 
-void Localizer::seek(const std::vector<Marker>& markers) {
+void Localizer::Impl::seek(const std::vector<Marker>& markers) {
   for (const auto& camera : cameras_) camera->patrol.seek(markers);
 }
 
-void Localizer::setPose(const PoseEstimate& map_from_base,
-                        const std::optional<Pose>& odom_from_base) {
+void Localizer::Impl::setPose(const PoseEstimate& map_from_base,
+                              const std::optional<Pose>& odom_from_base) {
   given_pose_ = {map_from_base, odom_from_base};
 }
 
-void Localizer::setPose(const Pose& map_from_base, const std::optional<Pose>& odom_from_base) {
+void Localizer::Impl::setPose(const Pose& map_from_base,
+                              const std::optional<Pose>& odom_from_base) {
   const double position = config_.motion.initial_position_deviation;
   const double heading = config_.motion.initial_heading_deviation;
   const Eigen::Vector3d deviations(position, position, heading);
   setPose(floorEstimate(map_from_base, deviations.cwiseAbs2().asDiagonal()), odom_from_base);
 }
 
-void Localizer::forgetPose() {
+void Localizer::Impl::forgetPose() {
   given_pose_.reset();
   hypotheses_.resize(1, hypotheses_.front());
   hypotheses_.front().is_lost = true;
   hypotheses_.front().memory.clear();
 }
 
-FrameResult Localizer::process(const Frame& frame) {
+FrameResult Localizer::Impl::process(const Frame& frame) {
   check(frame);
   Stopwatch total;
   for (Hypothesis& hypothesis : hypotheses_) hypothesis.memory.lookThrough(frame.camera);
@@ -133,7 +131,7 @@ FrameResult Localizer::process(const Frame& frame) {
   return result;
 }
 
-void Localizer::check(const Frame& frame) const {
+void Localizer::Impl::check(const Frame& frame) const {
   if (frame.camera >= cameras_.size()) {
     throw InputError("camera: expected one of " + std::to_string(cameras_.size()) +
                      ", counted from 0, found " + std::to_string(frame.camera));
@@ -155,7 +153,7 @@ void Localizer::check(const Frame& frame) const {
   }
 }
 
-std::vector<PoseEstimate> Localizer::predict(const Frame& frame) {
+std::vector<PoseEstimate> Localizer::Impl::predict(const Frame& frame) {
   standing_ = hypotheses_.front().motion.standing(frame.odom_from_base);
   if (given_pose_) {
     const GivenPose given = *std::exchange(given_pose_, std::nullopt);
@@ -183,12 +181,12 @@ std::vector<PoseEstimate> Localizer::predict(const Frame& frame) {
   return predicted;
 }
 
-bool Localizer::isLost() const {
+bool Localizer::Impl::isLost() const {
   return std::all_of(hypotheses_.begin(), hypotheses_.end(),
                      [](const Hypothesis& hypothesis) { return hypothesis.is_lost; });
 }
 
-bool Localizer::isSeenByAnother(const Frame& frame) const {
+bool Localizer::Impl::isSeenByAnother(const Frame& frame) const {
   constexpr double kRecent = 0.25;  // s
   return std::any_of(cameras_.begin(), cameras_.end(), [&](const auto& camera) {
     const ImageKnowledge& knowledge = camera->knowledge;
@@ -197,7 +195,7 @@ bool Localizer::isSeenByAnother(const Frame& frame) const {
   });
 }
 
-MountedCamera Localizer::cameraOf(const Frame& frame) {
+MountedCamera Localizer::Impl::cameraOf(const Frame& frame) {
   const CameraState& state = stateOf(frame);
   MountedCamera camera =
       MountedCamera(state.model, frame.base_from_camera).withBlur(state.knowledge.blur.blur());
@@ -207,8 +205,8 @@ MountedCamera Localizer::cameraOf(const Frame& frame) {
   return camera.withMotion(state.shutter, !isLost() ? motion.motion() : motion.unknownMotion());
 }
 
-void Localizer::learnFrom(const Frame& frame, const MountedCamera& camera, bool was_searched,
-                          FrameResult* result) {
+void Localizer::Impl::learnFrom(const Frame& frame, const MountedCamera& camera, bool was_searched,
+                                FrameResult* result) {
   CameraState& state = stateOf(frame);
   ImageKnowledge& knowledge = state.knowledge;
   was_tracked_ = result->acceptedMarkers() > 0 && result->map_from_base.has_value();
@@ -226,7 +224,8 @@ void Localizer::learnFrom(const Frame& frame, const MountedCamera& camera, bool 
                     result->map_from_base->pose, result);
 }
 
-void Localizer::learnBlur(const Frame& frame, const MountedCamera& camera, FrameResult* result) {
+void Localizer::Impl::learnBlur(const Frame& frame, const MountedCamera& camera,
+                                FrameResult* result) {
   const std::vector<std::size_t> entries = acceptedEntries(*result);
   if (!result->map_from_base || entries.empty()) return;
   BlurFilter& filter = stateOf(frame).knowledge.blur;
@@ -244,7 +243,7 @@ void Localizer::learnBlur(const Frame& frame, const MountedCamera& camera, Frame
   result->blur = filter.blur();
 }
 
-double Localizer::blurToRead(CameraState* state) {
+double Localizer::Impl::blurToRead(CameraState* state) {
   ImageKnowledge& knowledge = state->knowledge;
   knowledge.lost_images = knowledge.was_tracked ? 0 : knowledge.lost_images + 1;
   // While lost, nothing shows how blurred the images are.
@@ -254,7 +253,7 @@ double Localizer::blurToRead(CameraState* state) {
   return is_tried ? std::max(kSupposed, known) : known;
 }
 
-void Localizer::measure(const MountedCamera& camera, FrameResult* result) {
+void Localizer::Impl::measure(const MountedCamera& camera, FrameResult* result) {
   const bool is_measured = result->acceptedMarkers() > 0;
   for (MarkerDetection& detection : result->detections) {
     const std::optional<Ray> ray = camera.rayInBase(detection.center);
@@ -277,12 +276,45 @@ void Localizer::measure(const MountedCamera& camera, FrameResult* result) {
   }
 }
 
-bool Localizer::isDue(const MarkerDetection& rejected, double stamp) {
+bool Localizer::Impl::isDue(const MarkerDetection& rejected, double stamp) {
   if (entriesOf(map_, rejected.family, rejected.id).empty()) return false;
   const auto [last, is_first] = measured_.try_emplace({rejected.family, rejected.id}, stamp);
   if (!is_first && stamp < last->second + kMeasuringPeriod) return false;
   last->second = stamp;
   return true;
 }
+
+Localizer::Localizer(std::vector<LocalizerCamera> cameras, MarkerMap map,
+                     const LocalizerConfig& config)
+    : impl_(std::make_unique<Impl>(std::move(cameras), std::move(map), config)) {}
+
+Localizer::Localizer(std::shared_ptr<const CameraModel> camera, MarkerMap map,
+                     const LocalizerConfig& config)
+    : Localizer(std::vector<LocalizerCamera>{{std::move(camera)}}, std::move(map), config) {}
+
+Localizer::~Localizer() = default;
+
+void Localizer::setPose(const PoseEstimate& map_from_base,
+                        const std::optional<Pose>& odom_from_base) {
+  impl_->setPose(map_from_base, odom_from_base);
+}
+
+void Localizer::setPose(const Pose& map_from_base, const std::optional<Pose>& odom_from_base) {
+  impl_->setPose(map_from_base, odom_from_base);
+}
+
+void Localizer::forgetPose() { impl_->forgetPose(); }
+
+void Localizer::setMap(MarkerMap map) { impl_->setMap(std::move(map)); }
+
+void Localizer::continueFrom(const Localizer& before) { impl_->continueFrom(*before.impl_); }
+
+void Localizer::seek(const std::vector<Marker>& markers) { impl_->seek(markers); }
+
+FrameResult Localizer::process(const Frame& frame) { return impl_->process(frame); }
+
+const MarkerMap& Localizer::map() const { return impl_->map(); }
+
+const CameraModel& Localizer::camera(std::size_t index) const { return impl_->camera(index); }
 
 }  // namespace omnitag

@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "omnitag/common/yaml_reader.h"
+
 namespace omnitag {
 
 namespace {

@@ -5,8 +5,8 @@
 #include "frame_search.h"
 #include "frame_steps.h"
 #include "glance_search.h"
+#include "localizer_impl.h"
 #include "omnitag/common/stopwatch.h"
-#include "omnitag/localization/localizer.h"
 #include "omnitag/localization/relocalization.h"
 #include "pose_confirmation.h"
 
@@ -76,10 +76,10 @@ Account foundAt(const PoseEstimate& pose, FrameResult found, bool is_expected, c
 
 }  // namespace
 
-std::vector<Account> Localizer::lookFor(const Frame& frame, const MountedCamera& camera,
-                                        Account account,
-                                        const std::optional<PoseEstimate>& predicted,
-                                        bool is_refuted) {
+std::vector<Account> Localizer::Impl::lookFor(const Frame& frame, const MountedCamera& camera,
+                                              Account account,
+                                              const std::optional<PoseEstimate>& predicted,
+                                              bool is_refuted) {
   const Hypothesis before = account.hypothesis;
   const TrackingTools tools = trackingTools(frame, before);
   FrameResult result = account.result;
@@ -121,10 +121,10 @@ std::vector<Account> Localizer::lookFor(const Frame& frame, const MountedCamera&
   return {foundAt(*pose, std::move(result), is_expected, frame, std::move(account))};
 }
 
-std::optional<PoseEstimate> Localizer::search(const TrackingTools& tools, const Frame& frame,
-                                              const MountedCamera& camera,
-                                              const std::optional<PoseEstimate>& predicted,
-                                              FrameResult* result) {
+std::optional<PoseEstimate> Localizer::Impl::search(const TrackingTools& tools, const Frame& frame,
+                                                    const MountedCamera& camera,
+                                                    const std::optional<PoseEstimate>& predicted,
+                                                    FrameResult* result) {
   const auto toldBy = [&](const PoseEstimate& seen) {
     return predicted && agree(*predicted, seen) ? seen : modest(seen, *result);
   };

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "camera_state.h"
-#include "omnitag/localization/localizer.h"
+#include "localizer_impl.h"
 #include "omnitag/marker/marker_selection.h"
 
 namespace omnitag {
@@ -27,7 +27,7 @@ std::vector<std::optional<std::size_t>> sameEntries(const MarkerMap& map, const 
 
 }  // namespace
 
-void Localizer::continueFrom(const Localizer& before) {
+void Localizer::Impl::continueFrom(const Impl& before) {
   const std::vector<std::optional<std::size_t>> entries = sameEntries(map_, before.map_);
   const MarkerMemory empty(config_.attention);
   hypotheses_ = before.hypotheses_;

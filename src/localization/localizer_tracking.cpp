@@ -6,9 +6,9 @@
 #include "frame_search.h"
 #include "frame_steps.h"
 #include "frame_tracker.h"
+#include "localizer_impl.h"
 #include "omnitag/common/stopwatch.h"
 #include "omnitag/common/symmetric_matrix.h"
-#include "omnitag/localization/localizer.h"
 #include "omnitag/localization/relocalization.h"
 #include "omnitag/localization/reprojection.h"
 
@@ -52,8 +52,8 @@ bool isFarFromStart(const Account& account, const Hypothesis& before) {
 
 }  // namespace
 
-std::vector<Account> Localizer::track(const Frame& frame, const MountedCamera& camera,
-                                      const std::vector<PoseEstimate>& predicted) {
+std::vector<Account> Localizer::Impl::track(const Frame& frame, const MountedCamera& camera,
+                                            const std::vector<PoseEstimate>& predicted) {
   std::vector<Account> accounts;
   std::vector<MarkerObservation> seen;
   bool is_likeliest = true;
@@ -71,9 +71,10 @@ std::vector<Account> Localizer::track(const Frame& frame, const MountedCamera& c
   return accounts;
 }
 
-std::vector<Account> Localizer::track(const Frame& frame, const MountedCamera& camera,
-                                      const Hypothesis& before, const PoseEstimate& predicted,
-                                      bool is_likeliest, std::vector<MarkerObservation>* seen) {
+std::vector<Account> Localizer::Impl::track(const Frame& frame, const MountedCamera& camera,
+                                            const Hypothesis& before, const PoseEstimate& predicted,
+                                            bool is_likeliest,
+                                            std::vector<MarkerObservation>* seen) {
   Account account{before, emptyResult(frame, config_)};
   Hypothesis& hypothesis = account.hypothesis;
   FrameResult& result = account.result;
@@ -120,10 +121,11 @@ std::vector<Account> Localizer::track(const Frame& frame, const MountedCamera& c
   return accounts;
 }
 
-std::vector<Account> Localizer::alternativesAt(const PoseEstimate& pose, const Frame& frame,
-                                               const MountedCamera& camera,
-                                               const Hypothesis& before, const Account& account,
-                                               const std::vector<MarkerObservation>& seen) {
+std::vector<Account> Localizer::Impl::alternativesAt(const PoseEstimate& pose, const Frame& frame,
+                                                     const MountedCamera& camera,
+                                                     const Hypothesis& before,
+                                                     const Account& account,
+                                                     const std::vector<MarkerObservation>& seen) {
   const MountedCamera blurred = camera.withBlur(account.result.blur);
   const PoseEstimate about = predictionFrom(pose);
   std::vector<Hypothesis> children =
@@ -141,12 +143,10 @@ std::vector<Account> Localizer::alternativesAt(const PoseEstimate& pose, const F
   return accountsOf(std::move(children), *seen_from, std::move(result), frame);
 }
 
-std::optional<PoseEstimate> Localizer::followMarkers(const TrackingTools& tools, const Frame& frame,
-                                                     const MountedCamera& camera,
-                                                     const PoseEstimate& predicted, bool learns,
-                                                     FrameResult* result,
-                                                     std::vector<MarkerObservation>* seen,
-                                                     std::vector<PoseEstimate>* alternatives) {
+std::optional<PoseEstimate> Localizer::Impl::followMarkers(
+    const TrackingTools& tools, const Frame& frame, const MountedCamera& camera,
+    const PoseEstimate& predicted, bool learns, FrameResult* result,
+    std::vector<MarkerObservation>* seen, std::vector<PoseEstimate>* alternatives) {
   const CameraModel& model = *stateOf(frame).model;
   BlurFilter& filter = stateOf(frame).knowledge.blur;
   const FrameResult before = *result;
@@ -177,8 +177,8 @@ std::optional<PoseEstimate> Localizer::followMarkers(const TrackingTools& tools,
   return pose;
 }
 
-PoseEstimate Localizer::withLag(const Frame& frame, const PoseEstimate& predicted,
-                                const PoseEstimate& pose, bool learns) {
+PoseEstimate Localizer::Impl::withLag(const Frame& frame, const PoseEstimate& predicted,
+                                      const PoseEstimate& pose, bool learns) {
   PoseEstimate lagging = pose;
   if (!frame.velocity || !frame.odom_from_base) return lagging;
   const double innovation = difference(pose.pose, predicted.pose)[2];
@@ -192,8 +192,8 @@ PoseEstimate Localizer::withLag(const Frame& frame, const PoseEstimate& predicte
   return lagging;
 }
 
-bool Localizer::markersAgree(const MountedCamera& camera, const PoseEstimate& predicted,
-                             const Pose& solution, const FrameResult& result) const {
+bool Localizer::Impl::markersAgree(const MountedCamera& camera, const PoseEstimate& predicted,
+                                   const Pose& solution, const FrameResult& result) const {
   // If the robot was carried toward one or two markers, or away from them, they are nearly where
   // they were.
   const auto isFarOff = [this](const MarkerDetection& detection) {
@@ -215,9 +215,9 @@ bool Localizer::markersAgree(const MountedCamera& camera, const PoseEstimate& pr
   return mahalanobisSquare(apart, covariance) <= kMaxDeviations * kMaxDeviations;
 }
 
-bool Localizer::isElsewhere(const TrackingTools& tools, const Frame& frame,
-                            const MountedCamera& camera, const Hypothesis& hypothesis,
-                            const PoseEstimate& tracked, FrameResult* result) {
+bool Localizer::Impl::isElsewhere(const TrackingTools& tools, const Frame& frame,
+                                  const MountedCamera& camera, const Hypothesis& hypothesis,
+                                  const PoseEstimate& tracked, FrameResult* result) {
   const double last = std::min(hypothesis.seen_stamp,
                                stateOf(frame).knowledge.last_stamp.value_or(hypothesis.seen_stamp));
   const auto lost =

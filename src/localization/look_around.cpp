@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "omnitag/common/bounds.h"
+#include "omnitag/common/yaml_reader.h"
 
 namespace omnitag {
 namespace {

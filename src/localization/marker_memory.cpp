@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "omnitag/common/yaml_reader.h"
+
 namespace omnitag {
 
 AttentionConfig readAttentionConfig(const YamlReader& reader) {

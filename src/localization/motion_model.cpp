@@ -6,6 +6,7 @@
 
 #include "omnitag/common/rotation.h"
 #include "omnitag/common/symmetric_matrix.h"
+#include "omnitag/common/yaml_reader.h"
 
 namespace omnitag {
 namespace {

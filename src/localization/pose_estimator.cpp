@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "omnitag/common/yaml_reader.h"
 #include "omnitag/localization/triangulation.h"
 
 namespace omnitag {

@@ -1,5 +1,7 @@
 #include "omnitag/localization/relocalization_config.h"
 
+#include "omnitag/common/yaml_reader.h"
+
 namespace omnitag {
 
 RelocalizationConfig readRelocalizationConfig(const YamlReader& reader) {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "omnitag/common/format.h"
+#include "omnitag/common/yaml_reader.h"
 
 namespace omnitag {
 namespace {

@@ -14,6 +14,7 @@
 
 #include "omnitag/common/error.h"
 #include "omnitag/marker/marker_map_file.h"
+#include "omnitag/marker/pattern_picture.h"
 
 namespace omnitag {
 namespace {

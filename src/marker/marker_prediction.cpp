@@ -5,6 +5,8 @@
 #include <cmath>
 #include <optional>
 
+#include "omnitag/common/yaml_reader.h"
+
 namespace omnitag {
 namespace {
 

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "omnitag/common/error.h"
+#include "omnitag/marker/pattern_picture.h"
 #include "omnitag/marker/tag_family.h"
 
 namespace omnitag {

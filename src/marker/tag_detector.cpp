@@ -16,6 +16,7 @@
 #include "apriltag_family.h"
 #include "library_detector.h"
 #include "omnitag/common/angle.h"
+#include "omnitag/common/yaml_reader.h"
 #include "omnitag/marker/corner_refinement.h"
 #include "picture_matcher.h"
 #include "square_finder.h"

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "omnitag/photometry/blur_filter.h"
+
 namespace omnitag {
 namespace {
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "omnitag/common/correlation_threshold.h"
+#include "omnitag/common/yaml_reader.h"
 #include "omnitag/marker/marker_reader.h"
 #include "omnitag/photometry/marker_patch.h"
 #include "pattern_alignment.h"

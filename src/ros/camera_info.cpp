@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "omnitag/camera/camera_file.h"
+#include "omnitag/camera/camera_yaml.h"
 #include "omnitag/common/error.h"
 
 namespace omnitag {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "omnitag/common/yaml_reader.h"
+
 namespace omnitag {
 namespace {
 

@@ -11,6 +11,7 @@
 
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
+#include "omnitag/common/error.h"
 
 namespace omnitag {
 namespace {

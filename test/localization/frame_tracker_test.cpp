@@ -10,6 +10,7 @@
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
 #include "omnitag/localization/localizer.h"
+#include "omnitag/marker/marker_prediction.h"
 
 namespace omnitag {
 namespace {

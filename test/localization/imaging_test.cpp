@@ -10,6 +10,7 @@
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
 #include "omnitag/common/angle.h"
+#include "omnitag/localization/image_lag.h"
 #include "omnitag/localization/localizer.h"
 
 namespace omnitag {

@@ -5,6 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "omnitag/common/error.h"
+#include "omnitag/common/yaml_reader.h"
+
 namespace omnitag {
 namespace {
 

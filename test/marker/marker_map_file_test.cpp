@@ -9,6 +9,7 @@
 
 #include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
+#include "omnitag/marker/pattern_picture.h"
 
 namespace omnitag {
 namespace {

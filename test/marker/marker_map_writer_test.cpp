@@ -12,6 +12,7 @@
 #include "omnitag/common/error.h"
 #include "omnitag/common/file_replacement.h"
 #include "omnitag/marker/marker_map_file.h"
+#include "omnitag/marker/pattern_picture.h"
 
 namespace omnitag {
 namespace {

@@ -10,6 +10,8 @@
 #include <apriltag/tagStandard41h12.h>
 #include <apriltag/tagStandard52h13.h>
 
+#include "omnitag/common/error.h"
+#include "omnitag/common/yaml_reader.h"
 #include "omnitag/marker/tag_family.h"
 #if __has_include(<apriltag/tag36h10.h>)
 #include <apriltag/tag36h10.h>

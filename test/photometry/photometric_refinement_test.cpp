@@ -17,6 +17,7 @@
 #include "../support/panorama_renderer.h"
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
+#include "omnitag/photometry/lasting_disagreement.h"
 
 namespace omnitag {
 namespace {

@@ -17,6 +17,8 @@
 #include <optional>
 #include <utility>
 
+#include "omnitag/marker/pattern_picture.h"
+
 namespace omnitag::test {
 
 TagBitmap tagBitmap(const std::string& family, int id) {

@@ -7,15 +7,11 @@
 
 #include "omnitag/camera/camera_model.h"
 #include "omnitag/camera/image_blur.h"
+#include "omnitag/camera/imaging_error.h"
 #include "omnitag/camera/shutter.h"
 #include "omnitag/common/pose.h"
 
 namespace omnitag {
-
-/// The imaging error of one image, each entry in standard deviations: the modes of the
-/// CameraUncertainty, and the velocities for which BaseMotion has deviations.
-constexpr int kImagingUnknowns = kCameraModes + 3;
-using ImagingError = Eigen::Matrix<double, kImagingUnknowns, 1>;
 
 /// The unknowns of one image, as changes: the robot's pose (a PoseVector) and the imaging error.
 constexpr int kFrameUnknowns = 6 + kImagingUnknowns;

@@ -1,18 +1,20 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cstddef>
 #include <limits>
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "omnitag/camera/mounted_camera.h"
+#include "omnitag/camera/image_blur.h"
+#include "omnitag/camera/imaging_error.h"
 #include "omnitag/common/pose.h"
 #include "omnitag/localization/image_exposure.h"
 #include "omnitag/marker/marker_map.h"
-#include "omnitag/marker/marker_prediction.h"
-#include "omnitag/marker/marker_reader.h"
+#include "omnitag/marker/marker_reading.h"
+#include "omnitag/marker/predicted_marker.h"
 #include "omnitag/photometry/blur_equations.h"
 #include "omnitag/photometry/disagreement.h"
 #include "omnitag/view/view.h"

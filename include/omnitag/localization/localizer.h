@@ -1,33 +1,18 @@
 #pragma once
 
 #include <cstddef>
-#include <limits>
-#include <map>
 #include <memory>
-#include <opencv2/core/mat.hpp>
 #include <optional>
-#include <string>
-#include <utility>
 #include <vector>
 
 #include "omnitag/camera/camera_model.h"
-#include "omnitag/camera/mounted_camera.h"
-#include "omnitag/camera/shutter.h"
+#include "omnitag/camera/shutter_config.h"
 #include "omnitag/common/pose.h"
-#include "omnitag/localization/evidence.h"
 #include "omnitag/localization/frame_result.h"
-#include "omnitag/localization/hypothesis.h"
-#include "omnitag/localization/image_lag.h"
 #include "omnitag/localization/localizer_config.h"
-#include "omnitag/marker/marker_index.h"
 #include "omnitag/marker/marker_map.h"
-#include "omnitag/marker/tag_pattern.h"
 
 namespace omnitag {
-
-struct Account;
-struct CameraState;
-struct TrackingTools;
 
 /// A camera that a localizer looks through.
 struct LocalizerCamera {
@@ -84,100 +69,12 @@ class Localizer {
   /// and keeps its state.
   FrameResult process(const Frame& frame);
 
-  const MarkerMap& map() const { return map_; }
+  const MarkerMap& map() const;
   const CameraModel& camera(std::size_t index = 0) const;
 
  private:
-  void check(const Frame& frame) const;
-  /// Carries all hypotheses on to the frame; gives their poses, of use unless they are then lost.
-  std::vector<PoseEstimate> predict(const Frame& frame);
-  CameraState& stateOf(const Frame& frame) { return *cameras_[frame.camera]; }
-  /// Whether an image of another camera has just given the pose.
-  bool isSeenByAnother(const Frame& frame) const;
-  /// The camera while it takes the frame's image. After predict().
-  MountedCamera cameraOf(const Frame& frame);
-  /// Whether no hypothesis has a pose.
-  bool isLost() const;
-
-  /// The accounts of the frame for all hypotheses, and for others that they lead to.
-  std::vector<Account> track(const Frame& frame, const MountedCamera& camera,
-                             const std::vector<PoseEstimate>& predicted);
-  std::vector<Account> track(const Frame& frame, const MountedCamera& camera,
-                             const Hypothesis& before, const PoseEstimate& predicted,
-                             bool is_likeliest, std::vector<MarkerObservation>* seen);
-  /// The pose from the markers that are found near their predictions, the blur with which they are
-  /// found best, and other poses that they may indicate.
-  std::optional<PoseEstimate> followMarkers(const TrackingTools& tools, const Frame& frame,
-                                            const MountedCamera& camera,
-                                            const PoseEstimate& predicted, bool learns,
-                                            FrameResult* result,
-                                            std::vector<MarkerObservation>* seen,
-                                            std::vector<PoseEstimate>* alternatives);
-  /// The accounts of the frame for a robot at another pose than in `account`.
-  std::vector<Account> alternativesAt(const PoseEstimate& pose, const Frame& frame,
-                                      const MountedCamera& camera, const Hypothesis& before,
-                                      const Account& account,
-                                      const std::vector<MarkerObservation>& seen);
-  /// A pose, less certain by the effect of the images' lag on the robot's motion, if they seem
-  /// to lag.
-  PoseEstimate withLag(const Frame& frame, const PoseEstimate& predicted, const PoseEstimate& pose,
-                       bool learns);
-  /// Whether the accepted markers alone, without the prediction, lead to the predicted place. An
-  /// overconfident prediction may hold a pose against all of them.
-  bool markersAgree(const MountedCamera& camera, const PoseEstimate& predicted,
-                    const Pose& solution, const FrameResult& result) const;
-  /// Whether a look all around finds the robot elsewhere. It is done now and then, if only a marker
-  /// or two are found and one is missed that the last frame showed. Exploring keeps what it reads.
-  bool isElsewhere(const TrackingTools& tools, const Frame& frame, const MountedCamera& camera,
-                   const Hypothesis& hypothesis, const PoseEstimate& tracked, FrameResult* result);
-
-  /// Searches for a robot that is lost, or seems not to be where its account puts it: the resulting
-  /// accounts, for that account and for the place where the robot is found.
-  std::vector<Account> lookFor(const Frame& frame, const MountedCamera& camera, Account account,
-                               const std::optional<PoseEstimate>& predicted, bool is_refuted);
-  /// Looks all around; nothing if that gives no pose that the prediction must yield to.
-  std::optional<PoseEstimate> search(const TrackingTools& tools, const Frame& frame,
-                                     const MountedCamera& camera,
-                                     const std::optional<PoseEstimate>& predicted,
-                                     FrameResult* result);
-
-  /// Completes the detections with what follows from the frame's pose.
-  void measure(const MountedCamera& camera, FrameResult* result);
-  /// Learns from an image if the robot's pose is settled.
-  void learnFrom(const Frame& frame, const MountedCamera& camera, bool was_searched,
-                 FrameResult* result);
-  void learnBlur(const Frame& frame, const MountedCamera& camera, FrameResult* result);
-  /// Pixels, standard deviation of the blur that is to be removed for decoders.
-  static double blurToRead(CameraState* state);
-  TrackingTools trackingTools(const Frame& frame, const Hypothesis& hypothesis);
-  /// Whether it is time to measure how far a marker hangs from its place; if so, counts it as done.
-  bool isDue(const MarkerDetection& rejected, double stamp);
-
-  MarkerMap map_;
-  MarkerIndex index_;
-  LocalizerConfig config_;
-  std::vector<std::unique_ptr<CameraState>> cameras_;
-  TagPatterns patterns_;
-  Evidence evidence_;
-  /// The likeliest first. There is always one: for a lost robot, it holds what was last known of
-  /// the world and of how the robot stands.
-  std::vector<Hypothesis> hypotheses_;
-  ImageLag image_lag_;
-  /// How the robot stands, as far as is known without a prediction.
-  PosePrior standing_;
-  /// A pose that was set and waits for the next frame.
-  struct GivenPose {
-    PoseEstimate map_from_base;
-    std::optional<Pose> odom_from_base;
-  };
-  std::optional<GivenPose> given_pose_;
-  std::optional<double> last_stamp_;
-  /// Stamp from which a pose that is based on few markers is next doubted.
-  double next_doubt_ = -std::numeric_limits<double>::infinity();
-  /// By family and id: when it was last measured how far a marker hangs from its place.
-  std::map<std::pair<std::string, int>, double> measured_;
-  /// Whether markers gave the pose of the last image of any camera.
-  bool was_tracked_ = false;
+  class Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace omnitag

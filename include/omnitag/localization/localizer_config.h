@@ -1,20 +1,21 @@
 #pragma once
 
-#include "omnitag/camera/shutter.h"
-#include "omnitag/common/yaml_reader.h"
-#include "omnitag/localization/evidence.h"
-#include "omnitag/localization/look_around.h"
-#include "omnitag/localization/marker_memory.h"
-#include "omnitag/localization/motion_model.h"
-#include "omnitag/localization/pose_estimator.h"
+#include "omnitag/camera/shutter_config.h"
+#include "omnitag/localization/attention_config.h"
+#include "omnitag/localization/estimator_config.h"
+#include "omnitag/localization/evidence_config.h"
+#include "omnitag/localization/look_around_config.h"
+#include "omnitag/localization/motion_model_config.h"
 #include "omnitag/localization/relocalization_config.h"
-#include "omnitag/marker/marker_association.h"
-#include "omnitag/marker/marker_prediction.h"
-#include "omnitag/marker/tag_detector.h"
-#include "omnitag/photometry/recognition.h"
-#include "omnitag/view/view_planner.h"
+#include "omnitag/marker/association_config.h"
+#include "omnitag/marker/tag_detector_config.h"
+#include "omnitag/marker/visibility_config.h"
+#include "omnitag/photometry/recognition_config.h"
+#include "omnitag/view/view_planner_config.h"
 
 namespace omnitag {
+
+class YamlReader;
 
 /// Every setting of the localizer; config/localizer.yaml is their manual.
 struct LocalizerConfig {

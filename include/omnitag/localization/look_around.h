@@ -5,8 +5,7 @@
 #include <vector>
 
 #include "omnitag/camera/mounted_camera.h"
-#include "omnitag/common/angle.h"
-#include "omnitag/common/yaml_reader.h"
+#include "omnitag/localization/look_around_config.h"
 #include "omnitag/marker/glance_sectors.h"
 #include "omnitag/marker/marker_index.h"
 #include "omnitag/marker/marker_reader.h"
@@ -15,27 +14,6 @@
 #include "omnitag/view/view_planner.h"
 
 namespace omnitag {
-
-/// How a camera looks all around for markers when its pose is unknown (the paper's Section 8).
-struct LookAroundConfig {
-  /// Whether to glance at the panorama first, sector by sector, which is several times faster:
-  /// three markers that agree are enough, or two if no more should be seen.
-  bool glance = true;
-  /// rad, between the middles of neighbouring views.
-  double step = radians(45.0);
-  /// rad, by which neighbouring views or sectors overlap: a narrower marker is whole in one of
-  /// them. Much wider, hence nearer, markers are not looked for, except on the floor and under
-  /// the ceiling.
-  double overlap = radians(20.0);
-  /// Pixels of a view per pixel of the panorama along the tangent, where the panorama
-  /// resolves best.
-  double oversampling = 1.0;
-  /// Pixels, width and height of a view at most; larger ones are made coarser.
-  int max_size = 960;
-};
-
-/// Reads the keys above; absent ones keep their defaults. Throws InputError.
-LookAroundConfig readLookAroundConfig(const YamlReader& reader);
 
 /// Where markers can image, whole, that are at these heights, up to `max_range` metres away and not
 /// much wider than `config.overlap`; and those on the floor and under the ceiling, however near.

@@ -6,35 +6,13 @@
 
 #include "omnitag/camera/mounted_camera.h"
 #include "omnitag/common/pose.h"
-#include "omnitag/common/yaml_reader.h"
+#include "omnitag/localization/estimator_config.h"
 #include "omnitag/localization/observation.h"
 #include "omnitag/localization/reprojection.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/photometry/photometric_refinement.h"
 
 namespace omnitag {
-
-/// How a pose is computed from the observed markers.
-enum class EstimatorKind {
-  kTriangulation,  ///< the paper's: bearings of the centres, Eqns 1 and 2
-  kReprojection,   ///< all corners, in the panoramic image
-  kPhotometric,    ///< all pixels of the markers, starting from the corners
-};
-
-struct EstimatorConfig {
-  EstimatorKind kind = EstimatorKind::kPhotometric;
-  ReprojectionConfig reprojection;
-  /// Standard deviations (Misfit): a marker that is farther off is rejected.
-  double max_misfit = 7.0;
-  PhotometricConfig photometric;
-  /// Pixels of the panorama: assumed standard deviation of the lens's blur until the images
-  /// show it.
-  double blur = 0.0;
-};
-
-/// Reads the keys of ReprojectionConfig, max_misfit, blur, and those of PhotometricConfig; absent
-/// ones keep their defaults. Throws InputError.
-EstimatorConfig readEstimatorConfig(const YamlReader& reader);
 
 /// A pose, and how well each observation agrees with it.
 struct PoseSolution {

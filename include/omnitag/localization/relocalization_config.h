@@ -1,8 +1,8 @@
 #pragma once
 
-#include "omnitag/common/yaml_reader.h"
-
 namespace omnitag {
+
+class YamlReader;
 
 /// When to believe a pose that was found without a prediction.
 struct RelocalizationConfig {

@@ -7,9 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "omnitag/marker/pattern_picture.h"
-
 namespace omnitag {
+
+struct PatternPicture;
+
+/// Width of the border of a picture whose map does not say, as a share of the marker's edge;
+/// ARToolKit's own.
+constexpr double kPictureBorder = 0.25;
 
 /// The four corners that the AprilTag library reports, in its order. In the marker's frame, times
 /// half its size: (-1, -1), (1, -1), (1, 1), (-1, 1); that is, counter-clockwise from the lower
@@ -49,7 +53,7 @@ struct MarkerMap {
   /// For markers without their own; empty and 0 if there are none.
   std::string default_family = {};
   double default_size = 0.0;
-  double default_border = PatternPicture().border;
+  double default_border = kPictureBorder;
   /// For markers without their own; see Marker.
   double default_deviation = 0.0;
   double default_orientation_deviation = 0.0;

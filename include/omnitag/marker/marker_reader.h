@@ -3,29 +3,15 @@
 #include <memory>
 #include <opencv2/core/mat.hpp>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "omnitag/marker/marker_map.h"
+#include "omnitag/marker/marker_reading.h"
 #include "omnitag/marker/tag_detector.h"
 #include "omnitag/view/view.h"
 #include "omnitag/view/view_warper.h"
 
 namespace omnitag {
-
-/// A marker that was decoded, in pixels of the panorama.
-struct MarkerReading {
-  std::string family;
-  int id = 0;
-  /// Number of bits that were corrected.
-  int hamming = 0;
-  Corners<Eigen::Vector2d> corners;
-  Eigen::Vector2d center;
-  /// Index of the view in which it was decoded.
-  std::size_t view = 0;
-  /// Grey levels, mean distance of its modules from the threshold between black and white.
-  double margin = 0.0;
-};
 
 /// Mean length of a quadrilateral's edges.
 double meanEdge(const Corners<Eigen::Vector2d>& corners);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "omnitag/common/grid_index.h"
+#include "omnitag/marker/marker_map.h"
 
 namespace omnitag {
 
@@ -15,8 +16,8 @@ struct PatternPicture {
   /// Where it was read from, and its path as the map states it.
   std::string path;
   std::string name;
-  /// Width of the border, as a share of the marker's edge; by default, ARToolKit's.
-  double border = 0.25;
+  /// Width of the border, as a share of the marker's edge.
+  double border = kPictureBorder;
   /// Cells along either side.
   int side = 0;
   /// Share of white of each cell, row by row from the upper left for a person who looks at the

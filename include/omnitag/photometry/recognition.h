@@ -5,26 +5,12 @@
 
 #include "omnitag/camera/mounted_camera.h"
 #include "omnitag/common/pose.h"
-#include "omnitag/common/yaml_reader.h"
 #include "omnitag/marker/marker_map.h"
 #include "omnitag/marker/marker_prediction.h"
 #include "omnitag/marker/tag_pattern.h"
+#include "omnitag/photometry/recognition_config.h"
 
 namespace omnitag {
-
-/// How markers are recognized where they are predicted.
-struct RecognitionConfig {
-  /// In widths of a module, or of a picture's independent parts, including the lens's blur: markers
-  /// that may be farther from their predicted place are searched for with the decoder.
-  double max_margin = 9.0;
-  /// Upper limit of the probability that something else is taken for the predicted marker.
-  double false_accept_rate = 1e-5;
-  /// Least difference between black and white, in grey levels.
-  double min_contrast = 8.0;
-};
-
-/// Reads the keys above; absent ones keep their defaults. Throws InputError.
-RecognitionConfig readRecognitionConfig(const YamlReader& reader);
 
 /// A marker that was found where it was predicted.
 struct Recognition {

@@ -6,6 +6,7 @@
 #include "../bag_tools/command_line.h"
 #include "omnitag/camera/camera_file.h"
 #include "omnitag/camera/camera_writer.h"
+#include "omnitag/camera/camera_yaml.h"
 #include "omnitag/common/error.h"
 #include "omnitag/common/file_replacement.h"
 

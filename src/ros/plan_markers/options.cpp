@@ -8,6 +8,7 @@
 #include "../bag_tools/command_line.h"
 #include "../bag_tools/mounting_option.h"
 #include "omnitag/camera/camera_file.h"
+#include "omnitag/camera/camera_yaml.h"
 #include "omnitag/common/error.h"
 #include "omnitag/common/format.h"
 #include "omnitag/planning/occupancy_grid.h"
