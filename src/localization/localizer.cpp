@@ -120,7 +120,7 @@ FrameResult Localizer::Impl::process(const Frame& frame) {
   state.knowledge.last_stamp = frame.stamp;
   last_stamp_ = std::max(frame.stamp, last_stamp_.value_or(frame.stamp));
   measure(camera, &result);
-  result.camera = camera;
+  result.camera = std::make_shared<const MountedCamera>(camera);
   if (frame.wants_measured && !result.is_open) {
     Stopwatch step;
     result.measured =

@@ -123,7 +123,7 @@ class MapRefinementTest : public testing::Test {
     const Eigen::Vector3d variances(1e-6, 1e-6, 1e-8);
     result.map_from_base =
         floorEstimate({pose.x + 0.002, pose.y - 0.001, pose.yaw + 0.001}, variances.asDiagonal());
-    result.camera = camera;
+    result.camera = std::make_shared<const MountedCamera>(camera);
     for (std::size_t i = 0; i < truth_.size(); ++i) {
       const auto reading = test::exactReading(truth_[i], camera, pose);
       if (!reading) continue;

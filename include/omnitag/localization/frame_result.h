@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <cstddef>
 #include <limits>
+#include <memory>
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <string>
@@ -20,6 +21,8 @@
 #include "omnitag/view/view.h"
 
 namespace omnitag {
+
+class MountedCamera;
 
 /// How a frame's pose came about.
 enum class Mode {
@@ -128,7 +131,7 @@ struct FrameResult {
   /// Whether the robot moves on a floor: its height and lean are then not published.
   bool is_on_floor = true;
   /// The camera as it took the image, and its estimated imaging error.
-  std::optional<MountedCamera> camera;
+  std::shared_ptr<const MountedCamera> camera;
   ImagingError imaging_error = ImagingError::Zero();
   /// The blur assumed for the image, and what its pixels say about it if they aligned the pose.
   ImageBlur blur;
