@@ -5,11 +5,11 @@
 #include <opencv2/imgproc.hpp>
 #include <set>
 
+#include "marker/marker_prediction.h"
+#include "marker/tag_family.h"
+#include "marker/tag_pattern.h"
 #include "masking.h"
 #include "omnitag/common/angle.h"
-#include "omnitag/marker/marker_prediction.h"
-#include "omnitag/marker/tag_family.h"
-#include "omnitag/marker/tag_pattern.h"
 
 namespace omnitag {
 namespace {

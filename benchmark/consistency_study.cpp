@@ -40,9 +40,9 @@
 
 #include "disturbances.h"
 #include "frame_limit.h"
+#include "localization/motion_model.h"
 #include "masking.h"
 #include "omnitag/localization/localizer.h"
-#include "omnitag/localization/motion_model.h"
 #include "prediction.h"
 #include "program.h"
 #include "recorded_sequence.h"

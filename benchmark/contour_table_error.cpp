@@ -10,7 +10,7 @@
 #include "omnitag/camera/camera_file.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
-#include "omnitag/view/contour_table.h"
+#include "view/contour_table.h"
 
 namespace omnitag {
 namespace {

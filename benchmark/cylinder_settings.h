@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "omnitag/marker/tag_detector.h"
+#include "marker/tag_detector.h"
 #include "recorded_sequence.h"
 #include "unwrapped_panorama.h"
 #include "visible_markers.h"

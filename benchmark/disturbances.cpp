@@ -4,9 +4,9 @@
 
 #include <cmath>
 
+#include "common/rotation.h"
 #include "omnitag/camera/camera_file.h"
 #include "omnitag/common/angle.h"
-#include "omnitag/common/rotation.h"
 
 namespace omnitag {
 namespace {

@@ -14,10 +14,10 @@
 #include <random>
 #include <vector>
 
+#include "marker/marker_families.h"
+#include "marker/tag_family.h"
 #include "omnitag/common/angle.h"
-#include "omnitag/marker/marker_families.h"
-#include "omnitag/marker/tag_family.h"
-#include "omnitag/photometry/recognition.h"
+#include "photometry/recognition.h"
 #include "program.h"
 #include "recorded_sequence.h"
 #include "visible_markers.h"

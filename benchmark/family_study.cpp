@@ -26,12 +26,12 @@
 #include <utility>
 #include <vector>
 
+#include "marker/marker_prediction.h"
+#include "marker/tag_pattern.h"
 #include "omnitag/camera/camera_file.h"
 #include "omnitag/localization/localizer.h"
 #include "omnitag/marker/marker_map_file.h"
-#include "omnitag/marker/marker_prediction.h"
-#include "omnitag/marker/tag_pattern.h"
-#include "omnitag/photometry/recognition.h"
+#include "photometry/recognition.h"
 #include "prediction.h"
 #include "program.h"
 #include "room_renderer.h"

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "marker/marker_prediction.h"
+#include "marker/tag_pattern.h"
+#include "measurement/marker_misplacement.h"
 #include "omnitag/common/error.h"
-#include "omnitag/marker/marker_prediction.h"
-#include "omnitag/marker/tag_pattern.h"
-#include "omnitag/measurement/marker_misplacement.h"
 #include "pixel_information.h"
 
 namespace omnitag {

@@ -6,10 +6,10 @@
 #include <set>
 #include <string>
 
-#include "omnitag/camera/mounted_camera.h"
+#include "camera/mounted_camera.h"
+#include "measurement/frame_equations.h"
+#include "measurement/pose_prior.h"
 #include "omnitag/marker/marker_map.h"
-#include "omnitag/measurement/frame_equations.h"
-#include "omnitag/measurement/pose_prior.h"
 
 namespace omnitag {
 

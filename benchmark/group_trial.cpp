@@ -5,10 +5,10 @@
 #include <cmath>
 #include <utility>
 
+#include "common/stopwatch.h"
+#include "marker/marker_prediction.h"
 #include "omnitag/common/angle.h"
-#include "omnitag/common/stopwatch.h"
 #include "omnitag/localization/localizer.h"
-#include "omnitag/marker/marker_prediction.h"
 #include "room_route.h"
 #include "wrong_pose.h"
 

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "omnitag/camera/mounted_camera.h"
+#include "camera/mounted_camera.h"
 #include "omnitag/localization/frame_result.h"
 #include "room.h"
 #include "room_renderer.h"

@@ -45,11 +45,11 @@
 #include "omnitag/LocalizationStatus.h"
 #include "omnitag/MarkerDetectionArray.h"
 #include "omnitag/localization/localizer.h"
-#include "omnitag/ros/conversions.h"
-#include "omnitag/ros/transform_input.h"
 #include "processor_time.h"
 #include "program.h"
 #include "recorded_sequence.h"
+#include "ros/conversions.h"
+#include "ros/transform_input.h"
 #include "statistics.h"
 
 namespace omnitag {

@@ -4,9 +4,9 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-#include "omnitag/camera/mounted_camera.h"
+#include "camera/mounted_camera.h"
+#include "marker/tag_pattern.h"
 #include "omnitag/marker/marker_map.h"
-#include "omnitag/marker/tag_pattern.h"
 
 namespace omnitag {
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "omnitag/measurement/frame_equations.h"
+#include "measurement/frame_equations.h"
 #include "pattern_pixels.h"
 
 namespace omnitag {

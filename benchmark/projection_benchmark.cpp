@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "omnitag/camera/catadioptric_camera.h"
-#include "omnitag/camera/equidistant_camera.h"
-#include "omnitag/camera/ocam_camera.h"
-#include "omnitag/camera/unified_camera.h"
+#include "camera/catadioptric_camera.h"
+#include "camera/equidistant_camera.h"
+#include "camera/ocam_camera.h"
+#include "camera/unified_camera.h"
 #include "omnitag/common/angle.h"
 
 namespace omnitag {

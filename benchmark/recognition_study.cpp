@@ -14,8 +14,8 @@
 #include <random>
 #include <vector>
 
+#include "marker/tag_pattern.h"
 #include "omnitag/localization/localizer.h"
-#include "omnitag/marker/tag_pattern.h"
 #include "prediction.h"
 #include "program.h"
 #include "recorded_sequence.h"

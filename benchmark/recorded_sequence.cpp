@@ -15,10 +15,10 @@
 #include "omnitag/camera/camera_file.h"
 #include "omnitag/common/error.h"
 #include "omnitag/marker/marker_map_file.h"
-#include "omnitag/ros/conversions.h"
-#include "omnitag/ros/frame_assembler.h"
-#include "omnitag/ros/image_conversion.h"
-#include "omnitag/ros/parameters.h"
+#include "ros/conversions.h"
+#include "ros/frame_assembler.h"
+#include "ros/image_conversion.h"
+#include "ros/parameters.h"
 
 namespace omnitag {
 namespace {

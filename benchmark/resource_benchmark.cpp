@@ -14,10 +14,10 @@
 #include <utility>
 #include <vector>
 
+#include "marker/tag_family.h"
 #include "omnitag/camera/camera_file.h"
 #include "omnitag/localization/localizer.h"
 #include "omnitag/marker/marker_map_file.h"
-#include "omnitag/marker/tag_family.h"
 #include "process_memory.h"
 #include "processor_time.h"
 #include "program.h"

@@ -7,8 +7,8 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "common/grid_index.h"
 #include "omnitag/common/angle.h"
-#include "omnitag/common/grid_index.h"
 
 namespace omnitag {
 namespace {

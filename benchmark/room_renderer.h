@@ -7,10 +7,10 @@
 #include <optional>
 #include <vector>
 
-#include "omnitag/camera/mounted_camera.h"
+#include "camera/mounted_camera.h"
+#include "marker/tag_pattern.h"
 #include "omnitag/common/pose.h"
 #include "omnitag/marker/marker_map.h"
-#include "omnitag/marker/tag_pattern.h"
 #include "room.h"
 
 namespace omnitag {

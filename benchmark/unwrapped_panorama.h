@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 
-#include "omnitag/camera/mounted_camera.h"
+#include "camera/mounted_camera.h"
 #include "omnitag/marker/marker_map.h"
 
 namespace omnitag {

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "omnitag/camera/mounted_camera.h"
-#include "omnitag/marker/marker_prediction.h"
-#include "omnitag/marker/marker_reader.h"
-#include "omnitag/marker/tag_pattern.h"
+#include "camera/mounted_camera.h"
+#include "marker/marker_prediction.h"
+#include "marker/marker_reader.h"
+#include "marker/tag_pattern.h"
 #include "omnitag/marker/visibility_config.h"
 
 namespace omnitag {

@@ -1,4 +1,4 @@
-#include "omnitag/adjustment/bundle_adjustment.h"
+#include "adjustment/bundle_adjustment.h"
 
 #include <ceres/ceres.h>
 
@@ -7,9 +7,9 @@
 #include <memory>
 #include <vector>
 
-#include "bundle_problem.h"
-#include "ceres_options.h"
-#include "perturbed_cameras.h"
+#include "adjustment/bundle_problem.h"
+#include "adjustment/ceres_options.h"
+#include "adjustment/perturbed_cameras.h"
 
 namespace omnitag {
 namespace {

@@ -1,11 +1,11 @@
-#include "bundle_costs.h"
+#include "adjustment/bundle_costs.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "common/rotation.h"
 #include "omnitag/common/angle.h"
-#include "omnitag/common/rotation.h"
 
 namespace omnitag {
 namespace {

@@ -8,8 +8,8 @@
 #include <array>
 #include <vector>
 
-#include "omnitag/adjustment/bundle.h"
-#include "perturbed_cameras.h"
+#include "adjustment/bundle.h"
+#include "adjustment/perturbed_cameras.h"
 
 /// The terms of a bundle's sum of squares, over its blocks of parameters: of a frame, x, y, yaw, z,
 /// roll and pitch of its pose; of a landmark, its MarkerIncrement from a reference place, and its

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <utility>
 
-#include "bundle_problem.h"
-#include "omnitag/adjustment/bundle_adjustment.h"
-#include "omnitag/common/rotation.h"
-#include "undetermined.h"
+#include "adjustment/bundle_adjustment.h"
+#include "adjustment/bundle_problem.h"
+#include "adjustment/undetermined.h"
+#include "common/rotation.h"
 
 namespace omnitag {
 namespace {

@@ -1,10 +1,10 @@
-#include "bundle_problem.h"
+#include "adjustment/bundle_problem.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "ceres_options.h"
+#include "adjustment/ceres_options.h"
 
 namespace omnitag {
 namespace {

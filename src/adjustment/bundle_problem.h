@@ -5,9 +5,9 @@
 #include <memory>
 #include <vector>
 
-#include "bundle_costs.h"
-#include "omnitag/adjustment/bundle.h"
-#include "perturbed_cameras.h"
+#include "adjustment/bundle.h"
+#include "adjustment/bundle_costs.h"
+#include "adjustment/perturbed_cameras.h"
 
 namespace omnitag {
 

@@ -1,4 +1,4 @@
-#include "calibration_checks.h"
+#include "adjustment/calibration_checks.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

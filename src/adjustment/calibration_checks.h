@@ -2,10 +2,10 @@
 
 #include <vector>
 
-#include "omnitag/adjustment/calibration_data.h"
+#include "adjustment/calibration_data.h"
+#include "localization/frame_readings.h"
 #include "omnitag/camera/image_plane.h"
 #include "omnitag/common/pose.h"
-#include "omnitag/localization/frame_readings.h"
 
 /// Checks for recordings that cannot calibrate a camera. All throw InputError, with what to do.
 namespace omnitag {

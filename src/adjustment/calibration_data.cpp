@@ -1,4 +1,4 @@
-#include "omnitag/adjustment/calibration_data.h"
+#include "adjustment/calibration_data.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "omnitag/adjustment/calibration_model.h"
+#include "adjustment/calibration_model.h"
 
 #include <algorithm>
 #include <utility>

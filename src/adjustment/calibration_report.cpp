@@ -1,12 +1,12 @@
-#include "calibration_report.h"
+#include "adjustment/calibration_report.h"
 
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
 #include <sstream>
 
+#include "adjustment/outliers.h"
 #include "omnitag/common/error.h"
-#include "outliers.h"
 
 namespace omnitag {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "omnitag/adjustment/camera_calibration.h"
-#include "omnitag/adjustment/observability.h"
+#include "adjustment/camera_calibration.h"
+#include "adjustment/observability.h"
 
 /// Numbers and words for reports on a calibration.
 namespace omnitag {

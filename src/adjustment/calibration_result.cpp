@@ -1,14 +1,14 @@
-#include "calibration_result.h"
+#include "adjustment/calibration_result.h"
 
 #include <algorithm>
 
-#include "calibration_report.h"
-#include "omnitag/adjustment/field_coverage.h"
-#include "omnitag/adjustment/observability.h"
+#include "adjustment/calibration_report.h"
+#include "adjustment/field_coverage.h"
+#include "adjustment/observability.h"
+#include "adjustment/outliers.h"
+#include "adjustment/recording.h"
+#include "adjustment/remaining_uncertainty.h"
 #include "omnitag/common/error.h"
-#include "outliers.h"
-#include "recording.h"
-#include "remaining_uncertainty.h"
 
 namespace omnitag {
 namespace {

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "camera_fit.h"
-#include "omnitag/adjustment/camera_calibration.h"
-#include "omnitag/adjustment/observability.h"
+#include "adjustment/camera_calibration.h"
+#include "adjustment/camera_fit.h"
+#include "adjustment/observability.h"
 
 namespace omnitag {
 

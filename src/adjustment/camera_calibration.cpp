@@ -1,14 +1,14 @@
-#include "omnitag/adjustment/camera_calibration.h"
+#include "adjustment/camera_calibration.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "calibration_checks.h"
-#include "calibration_report.h"
-#include "calibration_result.h"
-#include "camera_fit.h"
-#include "omnitag/adjustment/observability.h"
+#include "adjustment/calibration_checks.h"
+#include "adjustment/calibration_report.h"
+#include "adjustment/calibration_result.h"
+#include "adjustment/camera_fit.h"
+#include "adjustment/observability.h"
 #include "omnitag/common/error.h"
 
 namespace omnitag {

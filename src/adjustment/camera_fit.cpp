@@ -1,18 +1,18 @@
-#include "camera_fit.h"
+#include "adjustment/camera_fit.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-#include "bundle_costs.h"
-#include "calibration_checks.h"
-#include "calibration_report.h"
-#include "omnitag/adjustment/calibration_data.h"
-#include "omnitag/adjustment/pose_from_bearings.h"
-#include "omnitag/adjustment/pose_from_corners.h"
+#include "adjustment/bundle_costs.h"
+#include "adjustment/calibration_checks.h"
+#include "adjustment/calibration_data.h"
+#include "adjustment/calibration_report.h"
+#include "adjustment/outliers.h"
+#include "adjustment/pose_from_bearings.h"
+#include "adjustment/pose_from_corners.h"
 #include "omnitag/common/error.h"
-#include "outliers.h"
 
 namespace omnitag {
 namespace {

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "omnitag/adjustment/bundle_adjustment.h"
-#include "omnitag/adjustment/camera_calibration.h"
-#include "omnitag/adjustment/observability.h"
+#include "adjustment/bundle_adjustment.h"
+#include "adjustment/camera_calibration.h"
+#include "adjustment/observability.h"
 
 namespace omnitag {
 

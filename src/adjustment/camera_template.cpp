@@ -1,16 +1,16 @@
-#include "omnitag/adjustment/camera_template.h"
+#include "adjustment/camera_template.h"
 
 #include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <utility>
 
+#include "camera/camera_yaml.h"
+#include "camera/mirror_profile.h"
+#include "camera/ocam_calibration.h"
+#include "common/yaml_reader.h"
 #include "omnitag/camera/camera_file.h"
-#include "omnitag/camera/camera_yaml.h"
-#include "omnitag/camera/mirror_profile.h"
-#include "omnitag/camera/ocam_calibration.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/yaml_reader.h"
 
 namespace omnitag {
 namespace {

@@ -1,4 +1,4 @@
-#include "contradicted_markers.h"
+#include "adjustment/contradicted_markers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <optional>
 #include <utility>
 
-#include "marker_places.h"
-#include "omnitag/common/format.h"
+#include "adjustment/marker_places.h"
+#include "common/format.h"
 
 namespace omnitag {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "omnitag/adjustment/map_builder.h"
-#include "recording.h"
+#include "adjustment/map_builder.h"
+#include "adjustment/recording.h"
 
 namespace omnitag {
 

@@ -1,4 +1,4 @@
-#include "omnitag/adjustment/corner_alignment.h"
+#include "adjustment/corner_alignment.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "light_grid.h"
-#include "omnitag/photometry/marker_patch.h"
-#include "omnitag/photometry/pixel_noise.h"
+#include "adjustment/light_grid.h"
+#include "photometry/marker_patch.h"
+#include "photometry/pixel_noise.h"
 
 namespace omnitag {
 namespace {

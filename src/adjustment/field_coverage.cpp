@@ -1,11 +1,11 @@
-#include "omnitag/adjustment/field_coverage.h"
+#include "adjustment/field_coverage.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "common/format.h"
 #include "omnitag/common/angle.h"
-#include "omnitag/common/format.h"
 
 namespace omnitag {
 namespace {

@@ -1,4 +1,4 @@
-#include "indexed_bundle.h"
+#include "adjustment/indexed_bundle.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

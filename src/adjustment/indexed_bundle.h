@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
-#include "omnitag/adjustment/bundle_adjustment.h"
-#include "omnitag/adjustment/map_builder.h"
-#include "recording.h"
+#include "adjustment/bundle_adjustment.h"
+#include "adjustment/map_builder.h"
+#include "adjustment/recording.h"
 
 namespace omnitag {
 

@@ -1,4 +1,4 @@
-#include "joint_estimate.h"
+#include "adjustment/joint_estimate.h"
 
 #include <Eigen/Cholesky>
 

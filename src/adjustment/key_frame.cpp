@@ -1,9 +1,9 @@
-#include "key_frame.h"
+#include "adjustment/key_frame.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 
-#include "omnitag/adjustment/marker_projection.h"
+#include "adjustment/marker_projection.h"
 
 namespace omnitag {
 namespace {

@@ -5,11 +5,11 @@
 #include <optional>
 #include <vector>
 
-#include "joint_estimate.h"
-#include "omnitag/adjustment/corner_alignment.h"
-#include "omnitag/camera/mounted_camera.h"
+#include "adjustment/corner_alignment.h"
+#include "adjustment/joint_estimate.h"
+#include "camera/mounted_camera.h"
+#include "localization/motion_model.h"
 #include "omnitag/common/pose.h"
-#include "omnitag/localization/motion_model.h"
 #include "omnitag/marker/marker_map.h"
 
 namespace omnitag {

@@ -1,4 +1,4 @@
-#include "omnitag/adjustment/leaning_mounting.h"
+#include "adjustment/leaning_mounting.h"
 
 #include <cmath>
 #include <string>

@@ -1,4 +1,4 @@
-#include "light_grid.h"
+#include "adjustment/light_grid.h"
 
 #include <algorithm>
 

@@ -1,12 +1,12 @@
-#include "omnitag/adjustment/map_alignment.h"
+#include "adjustment/map_alignment.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "adjustment/outliers.h"
+#include "common/format.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/format.h"
-#include "outliers.h"
 
 namespace omnitag {
 namespace {

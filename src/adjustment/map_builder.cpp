@@ -1,19 +1,19 @@
-#include "omnitag/adjustment/map_builder.h"
+#include "adjustment/map_builder.h"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
 
-#include "contradicted_markers.h"
-#include "indexed_bundle.h"
-#include "map_growth.h"
-#include "omnitag/adjustment/corner_alignment.h"
-#include "omnitag/common/format.h"
-#include "omnitag/marker/tag_pattern.h"
-#include "recording.h"
-#include "recording_checks.h"
-#include "reference_frame.h"
+#include "adjustment/contradicted_markers.h"
+#include "adjustment/corner_alignment.h"
+#include "adjustment/indexed_bundle.h"
+#include "adjustment/map_growth.h"
+#include "adjustment/recording.h"
+#include "adjustment/recording_checks.h"
+#include "adjustment/reference_frame.h"
+#include "common/format.h"
+#include "marker/tag_pattern.h"
 
 namespace omnitag {
 namespace {

@@ -1,17 +1,17 @@
-#include "omnitag/adjustment/map_editor.h"
+#include "adjustment/map_editor.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "omnitag/adjustment/mapped_entries.h"
+#include "adjustment/mapped_entries.h"
+#include "common/file_replacement.h"
+#include "common/format.h"
+#include "marker/marker_map_writer.h"
+#include "marker/pattern_picture.h"
+#include "marker/tag_family.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/file_replacement.h"
-#include "omnitag/common/format.h"
 #include "omnitag/marker/marker_map_file.h"
-#include "omnitag/marker/marker_map_writer.h"
-#include "omnitag/marker/pattern_picture.h"
-#include "omnitag/marker/tag_family.h"
 
 namespace omnitag {
 namespace {

@@ -1,15 +1,15 @@
-#include "map_growth.h"
+#include "adjustment/map_growth.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-#include "indexed_bundle.h"
-#include "omnitag/localization/marker_pose.h"
-#include "omnitag/localization/pose_estimator.h"
-#include "omnitag/localization/relocalization.h"
-#include "omnitag/marker/marker_reader.h"
+#include "adjustment/indexed_bundle.h"
+#include "localization/marker_pose.h"
+#include "localization/pose_estimator.h"
+#include "localization/relocalization.h"
+#include "marker/marker_reader.h"
 
 namespace omnitag {
 namespace {

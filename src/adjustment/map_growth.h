@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <optional>
 
-#include "omnitag/adjustment/map_builder.h"
-#include "recording.h"
+#include "adjustment/map_builder.h"
+#include "adjustment/recording.h"
 
 namespace omnitag {
 

@@ -1,15 +1,15 @@
-#include "omnitag/adjustment/map_refinement.h"
+#include "adjustment/map_refinement.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "joint_estimate.h"
-#include "key_frame.h"
-#include "omnitag/adjustment/bundle_adjustment.h"
-#include "omnitag/adjustment/corner_alignment.h"
-#include "omnitag/common/symmetric_matrix.h"
-#include "omnitag/localization/reprojection.h"
+#include "adjustment/bundle_adjustment.h"
+#include "adjustment/corner_alignment.h"
+#include "adjustment/joint_estimate.h"
+#include "adjustment/key_frame.h"
+#include "common/symmetric_matrix.h"
+#include "localization/reprojection.h"
 
 namespace omnitag {
 namespace {

@@ -1,4 +1,4 @@
-#include "omnitag/adjustment/mapped_entries.h"
+#include "adjustment/mapped_entries.h"
 
 #include <algorithm>
 #include <array>
@@ -7,12 +7,12 @@
 #include <fstream>
 #include <iterator>
 
-#include "omnitag/adjustment/marker_estimate.h"
+#include "adjustment/marker_estimate.h"
+#include "common/file_replacement.h"
+#include "marker/marker_selection.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/file_replacement.h"
 #include "omnitag/marker/marker_map_file.h"
-#include "omnitag/marker/marker_selection.h"
 
 namespace omnitag {
 namespace {

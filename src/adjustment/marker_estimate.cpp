@@ -1,4 +1,4 @@
-#include "omnitag/adjustment/marker_estimate.h"
+#include "adjustment/marker_estimate.h"
 
 #include <algorithm>
 #include <array>
@@ -6,8 +6,8 @@
 #include <limits>
 #include <memory>
 
+#include "common/symmetric_matrix.h"
 #include "omnitag/common/angle.h"
-#include "omnitag/common/symmetric_matrix.h"
 
 namespace omnitag {
 namespace {

@@ -1,4 +1,4 @@
-#include "omnitag/adjustment/marker_mapper.h"
+#include "adjustment/marker_mapper.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,9 +6,9 @@
 #include <limits>
 #include <set>
 
+#include "common/symmetric_matrix.h"
+#include "marker/marker_reader.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/symmetric_matrix.h"
-#include "omnitag/marker/marker_reader.h"
 
 namespace omnitag {
 namespace {

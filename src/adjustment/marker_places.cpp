@@ -1,4 +1,4 @@
-#include "marker_places.h"
+#include "adjustment/marker_places.h"
 
 #include <algorithm>
 #include <array>

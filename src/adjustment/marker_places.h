@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "omnitag/adjustment/map_builder.h"
-#include "omnitag/adjustment/marker_estimate.h"
-#include "recording.h"
+#include "adjustment/map_builder.h"
+#include "adjustment/marker_estimate.h"
+#include "adjustment/recording.h"
 
 namespace omnitag {
 

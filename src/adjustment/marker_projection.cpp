@@ -1,4 +1,4 @@
-#include "omnitag/adjustment/marker_projection.h"
+#include "adjustment/marker_projection.h"
 
 #include <cmath>
 

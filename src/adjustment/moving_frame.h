@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include "omnitag/adjustment/calibration_data.h"
-#include "omnitag/camera/mounted_camera.h"
+#include "adjustment/calibration_data.h"
+#include "camera/mounted_camera.h"
 #include "omnitag/common/pose.h"
 
 namespace omnitag {

@@ -1,4 +1,4 @@
-#include "omnitag/adjustment/observability.h"
+#include "adjustment/observability.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "omnitag/adjustment/odometry_at.h"
+#include "adjustment/odometry_at.h"
 
 #include <initializer_list>
 

@@ -1,4 +1,4 @@
-#include "offset_fit.h"
+#include "adjustment/offset_fit.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

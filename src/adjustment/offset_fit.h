@@ -3,9 +3,9 @@
 #include <cstddef>
 #include <vector>
 
-#include "moving_frame.h"
-#include "omnitag/adjustment/odometry_at.h"
-#include "omnitag/localization/motion_model.h"
+#include "adjustment/moving_frame.h"
+#include "adjustment/odometry_at.h"
+#include "localization/motion_model.h"
 
 namespace omnitag {
 

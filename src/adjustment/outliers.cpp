@@ -1,4 +1,4 @@
-#include "outliers.h"
+#include "adjustment/outliers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "calibration_report.h"
+#include "adjustment/calibration_report.h"
 
 namespace omnitag {
 

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "omnitag/adjustment/bundle.h"
-#include "omnitag/adjustment/corner_residual.h"
+#include "adjustment/bundle.h"
+#include "adjustment/corner_residual.h"
 
 /// Observations that are useless for the camera, judged by the residuals of an adjustment.
 namespace omnitag {

@@ -1,9 +1,9 @@
-#include "perturbed_cameras.h"
+#include "adjustment/perturbed_cameras.h"
 
 #include <utility>
 
+#include "common/rotation.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/rotation.h"
 
 namespace omnitag {
 namespace {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "omnitag/adjustment/calibration_model.h"
+#include "adjustment/calibration_model.h"
 #include "omnitag/common/pose.h"
 
 namespace omnitag {

@@ -1,12 +1,12 @@
-#include "omnitag/adjustment/place_constraint.h"
+#include "adjustment/place_constraint.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "common/format.h"
+#include "common/symmetric_matrix.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/format.h"
-#include "omnitag/common/symmetric_matrix.h"
 
 namespace omnitag {
 namespace {

@@ -1,13 +1,13 @@
-#include "omnitag/adjustment/pose_from_bearings.h"
+#include "adjustment/pose_from_bearings.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
 
-#include "omnitag/adjustment/leaning_mounting.h"
+#include "adjustment/leaning_mounting.h"
+#include "localization/triangulation.h"
 #include "omnitag/common/angle.h"
-#include "omnitag/localization/triangulation.h"
 
 namespace omnitag {
 namespace {

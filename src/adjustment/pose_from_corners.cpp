@@ -1,11 +1,11 @@
-#include "omnitag/adjustment/pose_from_corners.h"
+#include "adjustment/pose_from_corners.h"
 
 #include <algorithm>
 #include <limits>
 #include <vector>
 
-#include "omnitag/localization/marker_pose.h"
-#include "omnitag/localization/reprojection.h"
+#include "localization/marker_pose.h"
+#include "localization/reprojection.h"
 
 namespace omnitag {
 namespace {

@@ -1,11 +1,11 @@
-#include "omnitag/adjustment/reading_alignment.h"
+#include "adjustment/reading_alignment.h"
 
 #include <optional>
 #include <utility>
 
-#include "omnitag/adjustment/corner_alignment.h"
-#include "omnitag/localization/pose_estimator.h"
-#include "omnitag/localization/relocalization.h"
+#include "adjustment/corner_alignment.h"
+#include "localization/pose_estimator.h"
+#include "localization/relocalization.h"
 
 namespace omnitag {
 

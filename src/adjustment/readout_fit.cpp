@@ -1,11 +1,11 @@
-#include "readout_fit.h"
+#include "adjustment/readout_fit.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "outliers.h"
+#include "adjustment/outliers.h"
 
 namespace omnitag {
 namespace {

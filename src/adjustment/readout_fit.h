@@ -2,9 +2,9 @@
 
 #include <vector>
 
-#include "moving_frame.h"
-#include "omnitag/camera/mounted_camera.h"
-#include "omnitag/localization/motion_model.h"
+#include "adjustment/moving_frame.h"
+#include "camera/mounted_camera.h"
+#include "localization/motion_model.h"
 #include "omnitag/marker/marker_map.h"
 
 namespace omnitag {

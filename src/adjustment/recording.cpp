@@ -1,4 +1,4 @@
-#include "recording.h"
+#include "adjustment/recording.h"
 
 #include <algorithm>
 #include <map>

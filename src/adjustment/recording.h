@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "omnitag/adjustment/bundle.h"
-#include "omnitag/adjustment/corner_alignment.h"
-#include "omnitag/adjustment/map_builder.h"
-#include "omnitag/adjustment/marker_estimate.h"
-#include "omnitag/camera/mounted_camera.h"
+#include "adjustment/bundle.h"
+#include "adjustment/corner_alignment.h"
+#include "adjustment/map_builder.h"
+#include "adjustment/marker_estimate.h"
+#include "camera/mounted_camera.h"
+#include "localization/frame_readings.h"
 #include "omnitag/common/pose.h"
-#include "omnitag/localization/frame_readings.h"
 #include "omnitag/marker/marker_map.h"
 
 namespace omnitag {

@@ -1,4 +1,4 @@
-#include "recording_checks.h"
+#include "adjustment/recording_checks.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "omnitag/common/format.h"
+#include "common/format.h"
 
 namespace omnitag {
 namespace {

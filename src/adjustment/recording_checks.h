@@ -1,7 +1,7 @@
 #pragma once
 
-#include "omnitag/adjustment/map_builder.h"
-#include "recording.h"
+#include "adjustment/map_builder.h"
+#include "adjustment/recording.h"
 
 namespace omnitag {
 

@@ -1,10 +1,10 @@
-#include "reference_frame.h"
+#include "adjustment/reference_frame.h"
 
 #include <cmath>
 #include <optional>
 
-#include "omnitag/adjustment/map_builder.h"
-#include "omnitag/marker/marker_reader.h"
+#include "adjustment/map_builder.h"
+#include "marker/marker_reader.h"
 
 namespace omnitag {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "recording.h"
+#include "adjustment/recording.h"
 
 /// The frame of a map without a seed.
 namespace omnitag {

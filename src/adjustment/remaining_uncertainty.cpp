@@ -1,4 +1,4 @@
-#include "remaining_uncertainty.h"
+#include "adjustment/remaining_uncertainty.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>

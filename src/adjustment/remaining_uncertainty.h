@@ -1,7 +1,7 @@
 #pragma once
 
-#include "omnitag/adjustment/calibration_model.h"
-#include "omnitag/adjustment/observability.h"
+#include "adjustment/calibration_model.h"
+#include "adjustment/observability.h"
 #include "omnitag/camera/camera_uncertainty.h"
 
 namespace omnitag {

@@ -1,4 +1,4 @@
-#include "omnitag/adjustment/residual_picture.h"
+#include "adjustment/residual_picture.h"
 
 #include <algorithm>
 #include <array>
@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "calibration_report.h"
-#include "omnitag/common/drawing.h"
-#include "outliers.h"
+#include "adjustment/calibration_report.h"
+#include "adjustment/outliers.h"
+#include "common/drawing.h"
 
 namespace omnitag {
 namespace {

@@ -1,18 +1,18 @@
-#include "omnitag/adjustment/time_calibration.h"
+#include "adjustment/time_calibration.h"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
 
-#include "calibration_report.h"
-#include "moving_frame.h"
-#include "offset_fit.h"
-#include "omnitag/adjustment/calibration_data.h"
-#include "omnitag/adjustment/pose_from_bearings.h"
+#include "adjustment/calibration_data.h"
+#include "adjustment/calibration_report.h"
+#include "adjustment/moving_frame.h"
+#include "adjustment/offset_fit.h"
+#include "adjustment/pose_from_bearings.h"
+#include "adjustment/readout_fit.h"
+#include "localization/reprojection.h"
 #include "omnitag/common/error.h"
-#include "omnitag/localization/reprojection.h"
-#include "readout_fit.h"
 
 namespace omnitag {
 namespace {

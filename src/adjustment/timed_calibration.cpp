@@ -1,4 +1,4 @@
-#include "omnitag/adjustment/timed_calibration.h"
+#include "adjustment/timed_calibration.h"
 
 #include <algorithm>
 

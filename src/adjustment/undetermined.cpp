@@ -1,10 +1,10 @@
-#include "undetermined.h"
+#include "adjustment/undetermined.h"
 
 #include <array>
 #include <cmath>
 
-#include "omnitag/common/rotation.h"
-#include "recording.h"
+#include "adjustment/recording.h"
+#include "common/rotation.h"
 
 namespace omnitag {
 

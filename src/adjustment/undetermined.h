@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "omnitag/adjustment/bundle.h"
+#include "adjustment/bundle.h"
 
 /// Directions that a bundle leaves undetermined.
 namespace omnitag {

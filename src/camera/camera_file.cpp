@@ -6,9 +6,9 @@
 #include <string_view>
 #include <utility>
 
-#include "camera_reader.h"
-#include "foreign_camera.h"
-#include "omnitag/camera/camera_yaml.h"
+#include "camera/camera_reader.h"
+#include "camera/camera_yaml.h"
+#include "camera/foreign_camera.h"
 
 namespace omnitag {
 namespace {

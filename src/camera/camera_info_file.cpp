@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "foreign_camera.h"
+#include "camera/foreign_camera.h"
 
 namespace omnitag {
 namespace {

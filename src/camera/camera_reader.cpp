@@ -1,4 +1,4 @@
-#include "camera_reader.h"
+#include "camera/camera_reader.h"
 
 namespace omnitag {
 

@@ -2,9 +2,9 @@
 
 #include <memory>
 
+#include "camera/central_camera.h"
+#include "common/yaml_reader.h"
 #include "omnitag/camera/camera_model.h"
-#include "omnitag/camera/central_camera.h"
-#include "omnitag/common/yaml_reader.h"
 
 /// Shared parts of the camera file's readers, and the readers themselves, one for each `model`. All
 /// throw InputError with one line that names file, line and key.

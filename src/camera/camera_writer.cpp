@@ -1,4 +1,4 @@
-#include "omnitag/camera/camera_writer.h"
+#include "camera/camera_writer.h"
 
 #include <yaml-cpp/yaml.h>
 
@@ -6,10 +6,10 @@
 #include <filesystem>
 #include <sstream>
 
-#include "foreign_camera.h"
+#include "camera/camera_yaml.h"
+#include "camera/foreign_camera.h"
+#include "camera/ocam_fit.h"
 #include "omnitag/camera/camera_file.h"
-#include "omnitag/camera/camera_yaml.h"
-#include "omnitag/camera/ocam_fit.h"
 
 namespace omnitag {
 namespace {

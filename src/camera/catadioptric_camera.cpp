@@ -1,4 +1,4 @@
-#include "omnitag/camera/catadioptric_camera.h"
+#include "camera/catadioptric_camera.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "omnitag/camera/safeguarded_step.h"
+#include "camera/safeguarded_step.h"
 #include "omnitag/common/error.h"
 
 namespace omnitag {

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "camera_reader.h"
-#include "omnitag/camera/catadioptric_camera.h"
+#include "camera/camera_reader.h"
+#include "camera/catadioptric_camera.h"
 
 namespace omnitag {
 namespace {

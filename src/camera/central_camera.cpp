@@ -1,4 +1,4 @@
-#include "omnitag/camera/central_camera.h"
+#include "camera/central_camera.h"
 
 #include <algorithm>
 #include <cmath>

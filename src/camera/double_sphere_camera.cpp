@@ -1,8 +1,8 @@
-#include "omnitag/camera/double_sphere_camera.h"
+#include "camera/double_sphere_camera.h"
 
 #include <cmath>
 
-#include "radial_field.h"
+#include "camera/radial_field.h"
 
 namespace omnitag {
 

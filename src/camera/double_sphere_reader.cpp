@@ -1,5 +1,5 @@
-#include "camera_reader.h"
-#include "omnitag/camera/double_sphere_camera.h"
+#include "camera/camera_reader.h"
+#include "camera/double_sphere_camera.h"
 
 namespace omnitag {
 

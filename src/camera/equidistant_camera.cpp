@@ -1,6 +1,6 @@
-#include "omnitag/camera/equidistant_camera.h"
+#include "camera/equidistant_camera.h"
 
-#include "radial_field.h"
+#include "camera/radial_field.h"
 
 namespace omnitag {
 

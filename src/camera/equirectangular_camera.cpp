@@ -1,4 +1,4 @@
-#include "omnitag/camera/equirectangular_camera.h"
+#include "camera/equirectangular_camera.h"
 
 #include "omnitag/common/angle.h"
 

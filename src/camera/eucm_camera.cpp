@@ -1,8 +1,8 @@
-#include "omnitag/camera/eucm_camera.h"
+#include "camera/eucm_camera.h"
 
 #include <cmath>
 
-#include "radial_field.h"
+#include "camera/radial_field.h"
 
 namespace omnitag {
 

@@ -1,5 +1,5 @@
-#include "camera_reader.h"
-#include "omnitag/camera/eucm_camera.h"
+#include "camera/camera_reader.h"
+#include "camera/eucm_camera.h"
 
 namespace omnitag {
 

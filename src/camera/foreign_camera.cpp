@@ -1,9 +1,9 @@
-#include "foreign_camera.h"
+#include "camera/foreign_camera.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "omnitag/common/format.h"
+#include "common/format.h"
 
 namespace omnitag {
 

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "common/yaml_reader.h"
 #include "omnitag/camera/image_size.h"
-#include "omnitag/common/yaml_reader.h"
 
 /// Cameras of other tools, translated to this package's own camera file. All throw InputError with
 /// one line that names file, line and key.

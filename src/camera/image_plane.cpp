@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "camera/plate_carree.h"
 #include "omnitag/common/angle.h"
-#include "plate_carree.h"
 
 namespace omnitag {
 

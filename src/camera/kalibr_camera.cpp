@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "foreign_camera.h"
-#include "omnitag/common/format.h"
+#include "camera/foreign_camera.h"
+#include "common/format.h"
 
 namespace omnitag {
 namespace {

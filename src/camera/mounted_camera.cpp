@@ -1,11 +1,11 @@
-#include "omnitag/camera/mounted_camera.h"
+#include "camera/mounted_camera.h"
 
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "omnitag/common/rotation.h"
+#include "common/rotation.h"
 
 namespace omnitag {
 

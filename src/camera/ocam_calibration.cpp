@@ -1,4 +1,4 @@
-#include "omnitag/camera/ocam_calibration.h"
+#include "camera/ocam_calibration.h"
 
 #include <algorithm>
 #include <cmath>

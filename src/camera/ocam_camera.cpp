@@ -1,4 +1,4 @@
-#include "omnitag/camera/ocam_camera.h"
+#include "camera/ocam_camera.h"
 
 #include <Eigen/LU>
 #include <cmath>

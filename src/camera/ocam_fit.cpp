@@ -1,4 +1,4 @@
-#include "omnitag/camera/ocam_fit.h"
+#include "camera/ocam_fit.h"
 
 #include <Eigen/QR>
 #include <algorithm>
@@ -6,7 +6,7 @@
 #include <iomanip>
 #include <sstream>
 
-#include "omnitag/camera/increasing_function.h"
+#include "camera/increasing_function.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
 

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "camera_reader.h"
-#include "omnitag/camera/ocam_camera.h"
+#include "camera/camera_reader.h"
+#include "camera/ocam_camera.h"
 
 namespace omnitag {
 

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <optional>
 
-#include "foreign_camera.h"
-#include "omnitag/common/format.h"
+#include "camera/foreign_camera.h"
+#include "common/format.h"
 
 namespace omnitag {
 namespace {

@@ -1,4 +1,4 @@
-#include "plate_carree.h"
+#include "camera/plate_carree.h"
 
 #include <cmath>
 

@@ -3,8 +3,8 @@
 #include <sstream>
 #include <string>
 
-#include "omnitag/camera/central_camera.h"
-#include "omnitag/camera/increasing_function.h"
+#include "camera/central_camera.h"
+#include "camera/increasing_function.h"
 #include "omnitag/common/error.h"
 
 namespace omnitag {

@@ -1,9 +1,9 @@
-#include "omnitag/camera/shutter.h"
+#include "camera/shutter.h"
 
 #include <algorithm>
 
-#include "omnitag/common/rotation.h"
-#include "omnitag/common/yaml_reader.h"
+#include "common/rotation.h"
+#include "common/yaml_reader.h"
 
 namespace omnitag {
 

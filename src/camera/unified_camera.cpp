@@ -1,4 +1,4 @@
-#include "omnitag/camera/unified_camera.h"
+#include "camera/unified_camera.h"
 
 #include <algorithm>
 #include <cmath>

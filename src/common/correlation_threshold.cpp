@@ -1,4 +1,4 @@
-#include "omnitag/common/correlation_threshold.h"
+#include "common/correlation_threshold.h"
 
 #include <algorithm>
 #include <cmath>

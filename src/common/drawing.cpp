@@ -1,4 +1,4 @@
-#include "omnitag/common/drawing.h"
+#include "common/drawing.h"
 
 #include <opencv2/imgproc.hpp>
 

@@ -1,4 +1,4 @@
-#include "omnitag/common/file_replacement.h"
+#include "common/file_replacement.h"
 
 #include <fcntl.h>
 #include <unistd.h>

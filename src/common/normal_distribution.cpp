@@ -1,4 +1,4 @@
-#include "omnitag/common/normal_distribution.h"
+#include "common/normal_distribution.h"
 
 #include <cmath>
 

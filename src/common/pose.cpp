@@ -2,9 +2,9 @@
 
 #include <cmath>
 
+#include "common/rotation.h"
+#include "common/symmetric_matrix.h"
 #include "omnitag/common/angle.h"
-#include "omnitag/common/rotation.h"
-#include "omnitag/common/symmetric_matrix.h"
 
 namespace omnitag {
 namespace {

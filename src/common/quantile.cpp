@@ -1,4 +1,4 @@
-#include "omnitag/common/quantile.h"
+#include "common/quantile.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "omnitag/common/rotation.h"
+#include "common/rotation.h"
 
 #include <Eigen/Geometry>
 

@@ -1,4 +1,4 @@
-#include "omnitag/common/symmetric_matrix.h"
+#include "common/symmetric_matrix.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>

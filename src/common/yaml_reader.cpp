@@ -1,4 +1,4 @@
-#include "omnitag/common/yaml_reader.h"
+#include "common/yaml_reader.h"
 
 #include <algorithm>
 #include <cmath>

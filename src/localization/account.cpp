@@ -1,11 +1,11 @@
-#include "account.h"
+#include "localization/account.h"
 
 #include <cmath>
 #include <utility>
 
-#include "frame_search.h"
+#include "common/format.h"
+#include "localization/frame_search.h"
 #include "omnitag/common/angle.h"
-#include "omnitag/common/format.h"
 
 namespace omnitag {
 

@@ -3,11 +3,11 @@
 #include <string>
 #include <vector>
 
-#include "omnitag/camera/mounted_camera.h"
+#include "camera/mounted_camera.h"
+#include "localization/evidence.h"
+#include "localization/hypothesis.h"
 #include "omnitag/common/pose.h"
-#include "omnitag/localization/evidence.h"
 #include "omnitag/localization/frame_result.h"
-#include "omnitag/localization/hypothesis.h"
 #include "omnitag/localization/localizer_config.h"
 #include "omnitag/marker/marker_map.h"
 

@@ -1,10 +1,10 @@
-#include "omnitag/localization/advice.h"
+#include "localization/advice.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "omnitag/common/format.h"
-#include "omnitag/marker/marker_reader.h"
+#include "common/format.h"
+#include "marker/marker_reader.h"
 
 namespace omnitag {
 namespace {

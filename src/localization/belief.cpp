@@ -1,13 +1,13 @@
-#include "belief.h"
+#include "localization/belief.h"
 
 #include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
 
-#include "frame_search.h"
-#include "frame_steps.h"
-#include "omnitag/localization/displacement.h"
+#include "localization/displacement.h"
+#include "localization/frame_search.h"
+#include "localization/frame_steps.h"
 
 namespace omnitag {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <vector>
 
-#include "account.h"
-#include "omnitag/camera/mounted_camera.h"
-#include "omnitag/localization/evidence.h"
+#include "camera/mounted_camera.h"
+#include "localization/account.h"
+#include "localization/evidence.h"
 #include "omnitag/localization/frame_result.h"
 #include "omnitag/marker/marker_map.h"
 

@@ -3,18 +3,18 @@
 #include <memory>
 #include <optional>
 
+#include "camera/shutter.h"
+#include "localization/patrol.h"
+#include "marker/glance_reader.h"
+#include "marker/marker_reader.h"
+#include "marker/sharpening.h"
 #include "omnitag/camera/camera_model.h"
-#include "omnitag/camera/shutter.h"
 #include "omnitag/localization/localizer_config.h"
-#include "omnitag/marker/glance_reader.h"
 #include "omnitag/marker/marker_map.h"
-#include "omnitag/marker/marker_reader.h"
-#include "omnitag/marker/sharpening.h"
 #include "omnitag/photometry/blur_equations.h"
-#include "omnitag/photometry/blur_filter.h"
 #include "omnitag/photometry/disagreement.h"
-#include "omnitag/photometry/lasting_disagreement.h"
-#include "patrol.h"
+#include "photometry/blur_filter.h"
+#include "photometry/lasting_disagreement.h"
 
 namespace omnitag {
 

@@ -1,6 +1,6 @@
-#include "omnitag/localization/displacement.h"
+#include "localization/displacement.h"
 
-#include "omnitag/localization/marker_pose.h"
+#include "localization/marker_pose.h"
 
 namespace omnitag {
 

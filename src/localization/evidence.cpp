@@ -1,10 +1,10 @@
-#include "omnitag/localization/evidence.h"
+#include "localization/evidence.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "omnitag/common/yaml_reader.h"
+#include "common/yaml_reader.h"
 
 namespace omnitag {
 namespace {

@@ -1,4 +1,4 @@
-#include "omnitag/localization/exploration.h"
+#include "localization/exploration.h"
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -6,8 +6,8 @@
 #include <optional>
 #include <utility>
 
-#include "omnitag/marker/marker_prediction.h"
-#include "omnitag/view/view_planner.h"
+#include "marker/marker_prediction.h"
+#include "view/view_planner.h"
 
 namespace omnitag {
 namespace {

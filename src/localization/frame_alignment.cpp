@@ -4,9 +4,9 @@
 #include <utility>
 #include <vector>
 
-#include "frame_tracker.h"
-#include "omnitag/common/symmetric_matrix.h"
-#include "omnitag/measurement/consensus.h"
+#include "common/symmetric_matrix.h"
+#include "localization/frame_tracker.h"
+#include "measurement/consensus.h"
 
 namespace omnitag {
 namespace {

@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "frame_tracker.h"
-#include "omnitag/measurement/consensus.h"
+#include "localization/frame_tracker.h"
+#include "measurement/consensus.h"
 
 namespace omnitag {
 namespace {

@@ -1,13 +1,13 @@
-#include "frame_search.h"
+#include "localization/frame_search.h"
 
 #include <algorithm>
 #include <limits>
 #include <optional>
 #include <utility>
 
-#include "omnitag/common/stopwatch.h"
-#include "omnitag/localization/look_around.h"
-#include "omnitag/marker/marker_prediction.h"
+#include "common/stopwatch.h"
+#include "localization/look_around.h"
+#include "marker/marker_prediction.h"
 
 namespace omnitag {
 namespace {

@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
-#include "frame_steps.h"
+#include "localization/frame_steps.h"
+#include "localization/relocalization.h"
 #include "omnitag/localization/frame_result.h"
-#include "omnitag/localization/relocalization.h"
 
 namespace omnitag {
 

@@ -1,4 +1,4 @@
-#include "frame_steps.h"
+#include "localization/frame_steps.h"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -7,13 +7,13 @@
 #include <limits>
 #include <utility>
 
+#include "common/parallel.h"
+#include "common/stopwatch.h"
+#include "localization/marker_pose.h"
+#include "localization/planar_pose.h"
+#include "marker/marker_prediction.h"
 #include "omnitag/common/angle.h"
-#include "omnitag/common/parallel.h"
-#include "omnitag/common/stopwatch.h"
-#include "omnitag/localization/marker_pose.h"
-#include "omnitag/localization/planar_pose.h"
-#include "omnitag/marker/marker_prediction.h"
-#include "omnitag/photometry/recognition.h"
+#include "photometry/recognition.h"
 
 namespace omnitag {
 namespace {

@@ -5,19 +5,19 @@
 #include <optional>
 #include <vector>
 
-#include "omnitag/camera/mounted_camera.h"
+#include "camera/mounted_camera.h"
+#include "localization/marker_memory.h"
+#include "localization/observation.h"
+#include "marker/glance_reader.h"
+#include "marker/marker_index.h"
+#include "marker/marker_reader.h"
+#include "marker/sharpening.h"
+#include "marker/tag_pattern.h"
+#include "measurement/pose_prior.h"
 #include "omnitag/localization/frame_result.h"
 #include "omnitag/localization/localizer_config.h"
-#include "omnitag/localization/marker_memory.h"
-#include "omnitag/localization/observation.h"
-#include "omnitag/marker/glance_reader.h"
-#include "omnitag/marker/marker_index.h"
 #include "omnitag/marker/marker_map.h"
-#include "omnitag/marker/marker_reader.h"
-#include "omnitag/marker/sharpening.h"
-#include "omnitag/marker/tag_pattern.h"
-#include "omnitag/measurement/pose_prior.h"
-#include "omnitag/photometry/photometric_refinement.h"
+#include "photometry/photometric_refinement.h"
 
 namespace omnitag {
 

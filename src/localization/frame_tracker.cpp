@@ -1,16 +1,16 @@
-#include "frame_tracker.h"
+#include "localization/frame_tracker.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-#include "omnitag/common/parallel.h"
-#include "omnitag/common/stopwatch.h"
-#include "omnitag/common/symmetric_matrix.h"
-#include "omnitag/marker/marker_association.h"
-#include "omnitag/photometry/recognition.h"
-#include "omnitag/view/view_planner.h"
+#include "common/parallel.h"
+#include "common/stopwatch.h"
+#include "common/symmetric_matrix.h"
+#include "marker/marker_association.h"
+#include "photometry/recognition.h"
+#include "view/view_planner.h"
 
 namespace omnitag {
 namespace {

@@ -4,11 +4,11 @@
 #include <optional>
 #include <vector>
 
-#include "frame_steps.h"
-#include "omnitag/camera/mounted_camera.h"
+#include "camera/mounted_camera.h"
+#include "localization/frame_steps.h"
+#include "localization/pose_estimator.h"
 #include "omnitag/localization/frame_result.h"
-#include "omnitag/localization/pose_estimator.h"
-#include "omnitag/photometry/recognition.h"
+#include "photometry/recognition.h"
 
 namespace omnitag {
 

@@ -1,15 +1,15 @@
-#include "glance_search.h"
+#include "localization/glance_search.h"
 
 #include <algorithm>
 #include <iterator>
 #include <utility>
 #include <vector>
 
-#include "frame_search.h"
-#include "omnitag/common/stopwatch.h"
-#include "omnitag/localization/look_around.h"
-#include "omnitag/marker/glance_sectors.h"
-#include "pose_confirmation.h"
+#include "common/stopwatch.h"
+#include "localization/frame_search.h"
+#include "localization/look_around.h"
+#include "localization/pose_confirmation.h"
+#include "marker/glance_sectors.h"
 
 namespace omnitag {
 namespace {

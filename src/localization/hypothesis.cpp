@@ -1,4 +1,4 @@
-#include "omnitag/localization/hypothesis.h"
+#include "localization/hypothesis.h"
 
 namespace omnitag {
 

@@ -1,4 +1,4 @@
-#include "omnitag/localization/image_lag.h"
+#include "localization/image_lag.h"
 
 #include <cmath>
 

@@ -7,15 +7,15 @@
 #include <string>
 #include <utility>
 
-#include "belief.h"
-#include "camera_state.h"
-#include "frame_search.h"
-#include "frame_steps.h"
-#include "localizer_impl.h"
-#include "measured_pose.h"
+#include "common/stopwatch.h"
+#include "localization/belief.h"
+#include "localization/camera_state.h"
+#include "localization/displacement.h"
+#include "localization/frame_search.h"
+#include "localization/frame_steps.h"
+#include "localization/localizer_impl.h"
+#include "localization/measured_pose.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/stopwatch.h"
-#include "omnitag/localization/displacement.h"
 
 namespace omnitag {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "omnitag/common/yaml_reader.h"
+#include "common/yaml_reader.h"
 
 namespace omnitag {
 

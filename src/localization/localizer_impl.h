@@ -9,17 +9,17 @@
 #include <utility>
 #include <vector>
 
-#include "omnitag/camera/mounted_camera.h"
+#include "camera/mounted_camera.h"
+#include "localization/evidence.h"
+#include "localization/hypothesis.h"
+#include "localization/image_lag.h"
+#include "marker/marker_index.h"
+#include "marker/tag_pattern.h"
 #include "omnitag/common/pose.h"
-#include "omnitag/localization/evidence.h"
 #include "omnitag/localization/frame_result.h"
-#include "omnitag/localization/hypothesis.h"
-#include "omnitag/localization/image_lag.h"
 #include "omnitag/localization/localizer.h"
 #include "omnitag/localization/localizer_config.h"
-#include "omnitag/marker/marker_index.h"
 #include "omnitag/marker/marker_map.h"
-#include "omnitag/marker/tag_pattern.h"
 
 namespace omnitag {
 

@@ -1,14 +1,14 @@
 #include <algorithm>
 #include <utility>
 
-#include "account.h"
-#include "frame_search.h"
-#include "frame_steps.h"
-#include "glance_search.h"
-#include "localizer_impl.h"
-#include "omnitag/common/stopwatch.h"
-#include "omnitag/localization/relocalization.h"
-#include "pose_confirmation.h"
+#include "common/stopwatch.h"
+#include "localization/account.h"
+#include "localization/frame_search.h"
+#include "localization/frame_steps.h"
+#include "localization/glance_search.h"
+#include "localization/localizer_impl.h"
+#include "localization/pose_confirmation.h"
+#include "localization/relocalization.h"
 
 namespace omnitag {
 namespace {

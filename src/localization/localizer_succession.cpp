@@ -2,9 +2,9 @@
 #include <utility>
 #include <vector>
 
-#include "camera_state.h"
-#include "localizer_impl.h"
-#include "omnitag/marker/marker_selection.h"
+#include "localization/camera_state.h"
+#include "localization/localizer_impl.h"
+#include "marker/marker_selection.h"
 
 namespace omnitag {
 namespace {

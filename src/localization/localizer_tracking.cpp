@@ -1,16 +1,16 @@
 #include <algorithm>
 #include <utility>
 
-#include "belief.h"
-#include "camera_state.h"
-#include "frame_search.h"
-#include "frame_steps.h"
-#include "frame_tracker.h"
-#include "localizer_impl.h"
-#include "omnitag/common/stopwatch.h"
-#include "omnitag/common/symmetric_matrix.h"
-#include "omnitag/localization/relocalization.h"
-#include "omnitag/localization/reprojection.h"
+#include "common/stopwatch.h"
+#include "common/symmetric_matrix.h"
+#include "localization/belief.h"
+#include "localization/camera_state.h"
+#include "localization/frame_search.h"
+#include "localization/frame_steps.h"
+#include "localization/frame_tracker.h"
+#include "localization/localizer_impl.h"
+#include "localization/relocalization.h"
+#include "localization/reprojection.h"
 
 namespace omnitag {
 namespace {

@@ -1,4 +1,4 @@
-#include "omnitag/localization/look_around.h"
+#include "localization/look_around.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <optional>
 #include <utility>
 
-#include "omnitag/common/bounds.h"
-#include "omnitag/common/yaml_reader.h"
+#include "common/bounds.h"
+#include "common/yaml_reader.h"
 
 namespace omnitag {
 namespace {

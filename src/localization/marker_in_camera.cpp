@@ -1,4 +1,4 @@
-#include "omnitag/localization/marker_in_camera.h"
+#include "localization/marker_in_camera.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "omnitag/common/rotation.h"
-#include "omnitag/localization/marker_pose.h"
+#include "common/rotation.h"
+#include "localization/marker_pose.h"
 
 namespace omnitag {
 namespace {

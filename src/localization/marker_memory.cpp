@@ -1,9 +1,9 @@
-#include "omnitag/localization/marker_memory.h"
+#include "localization/marker_memory.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "omnitag/common/yaml_reader.h"
+#include "common/yaml_reader.h"
 
 namespace omnitag {
 

@@ -1,4 +1,4 @@
-#include "omnitag/localization/marker_pose.h"
+#include "localization/marker_pose.h"
 
 #include <algorithm>
 #include <array>
@@ -7,9 +7,9 @@
 #include <optional>
 #include <utility>
 
+#include "localization/planar_pose.h"
+#include "marker/marker_reader.h"
 #include "omnitag/common/angle.h"
-#include "omnitag/localization/planar_pose.h"
-#include "omnitag/marker/marker_reader.h"
 
 namespace omnitag {
 namespace {

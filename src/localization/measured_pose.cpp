@@ -1,9 +1,9 @@
-#include "measured_pose.h"
+#include "localization/measured_pose.h"
 
 #include <vector>
 
-#include "frame_search.h"
-#include "omnitag/localization/motion_model.h"
+#include "localization/frame_search.h"
+#include "localization/motion_model.h"
 
 namespace omnitag {
 namespace {

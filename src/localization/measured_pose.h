@@ -2,8 +2,8 @@
 
 #include <optional>
 
-#include "frame_steps.h"
-#include "omnitag/camera/mounted_camera.h"
+#include "camera/mounted_camera.h"
+#include "localization/frame_steps.h"
 #include "omnitag/common/pose.h"
 #include "omnitag/localization/frame_result.h"
 

@@ -1,12 +1,12 @@
-#include "omnitag/localization/motion_model.h"
+#include "localization/motion_model.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
-#include "omnitag/common/rotation.h"
-#include "omnitag/common/symmetric_matrix.h"
-#include "omnitag/common/yaml_reader.h"
+#include "common/rotation.h"
+#include "common/symmetric_matrix.h"
+#include "common/yaml_reader.h"
 
 namespace omnitag {
 namespace {

@@ -1,11 +1,11 @@
-#include "patrol.h"
+#include "localization/patrol.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "frame_search.h"
-#include "omnitag/common/stopwatch.h"
+#include "common/stopwatch.h"
+#include "localization/frame_search.h"
 
 namespace omnitag {
 namespace {

@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
-#include "frame_steps.h"
-#include "omnitag/camera/mounted_camera.h"
-#include "omnitag/localization/exploration.h"
+#include "camera/mounted_camera.h"
+#include "localization/exploration.h"
+#include "localization/frame_steps.h"
 #include "omnitag/localization/frame_result.h"
 
 namespace omnitag {

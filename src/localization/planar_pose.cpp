@@ -1,4 +1,4 @@
-#include "omnitag/localization/planar_pose.h"
+#include "localization/planar_pose.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "omnitag/common/symmetric_matrix.h"
+#include "common/symmetric_matrix.h"
 
 namespace omnitag {
 namespace {

@@ -1,13 +1,13 @@
-#include "pose_confirmation.h"
+#include "localization/pose_confirmation.h"
 
 #include <algorithm>
 #include <utility>
 #include <vector>
 
-#include "frame_search.h"
-#include "frame_tracker.h"
-#include "omnitag/common/stopwatch.h"
-#include "omnitag/localization/relocalization.h"
+#include "common/stopwatch.h"
+#include "localization/frame_search.h"
+#include "localization/frame_tracker.h"
+#include "localization/relocalization.h"
 
 namespace omnitag {
 namespace {

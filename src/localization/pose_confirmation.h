@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "frame_steps.h"
+#include "localization/frame_steps.h"
 #include "omnitag/localization/frame_result.h"
 
 namespace omnitag {

@@ -1,4 +1,4 @@
-#include "omnitag/localization/pose_estimator.h"
+#include "localization/pose_estimator.h"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,8 @@
 #include <limits>
 #include <utility>
 
-#include "omnitag/common/yaml_reader.h"
-#include "omnitag/localization/triangulation.h"
+#include "common/yaml_reader.h"
+#include "localization/triangulation.h"
 
 namespace omnitag {
 namespace {

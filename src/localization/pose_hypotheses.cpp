@@ -1,12 +1,12 @@
-#include "pose_hypotheses.h"
+#include "localization/pose_hypotheses.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-#include "omnitag/localization/marker_pose.h"
-#include "omnitag/measurement/marker_misplacement.h"
+#include "localization/marker_pose.h"
+#include "measurement/marker_misplacement.h"
 
 namespace omnitag {
 namespace {

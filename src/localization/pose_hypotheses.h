@@ -4,12 +4,12 @@
 #include <optional>
 #include <vector>
 
-#include "omnitag/camera/mounted_camera.h"
-#include "omnitag/localization/pose_estimator.h"
+#include "camera/mounted_camera.h"
+#include "localization/pose_estimator.h"
+#include "localization/reprojection.h"
+#include "marker/marker_reader.h"
 #include "omnitag/localization/relocalization_config.h"
-#include "omnitag/localization/reprojection.h"
 #include "omnitag/marker/marker_map.h"
-#include "omnitag/marker/marker_reader.h"
 
 namespace omnitag {
 

@@ -1,12 +1,12 @@
-#include "omnitag/localization/relocalization.h"
+#include "localization/relocalization.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-#include "omnitag/common/symmetric_matrix.h"
-#include "pose_hypotheses.h"
+#include "common/symmetric_matrix.h"
+#include "localization/pose_hypotheses.h"
 
 namespace omnitag {
 namespace {

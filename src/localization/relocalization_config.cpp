@@ -1,6 +1,6 @@
 #include "omnitag/localization/relocalization_config.h"
 
-#include "omnitag/common/yaml_reader.h"
+#include "common/yaml_reader.h"
 
 namespace omnitag {
 

@@ -1,4 +1,4 @@
-#include "omnitag/localization/reprojection.h"
+#include "localization/reprojection.h"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "omnitag/common/symmetric_matrix.h"
-#include "omnitag/measurement/frame_equations.h"
-#include "omnitag/measurement/marker_misplacement.h"
+#include "common/symmetric_matrix.h"
+#include "measurement/frame_equations.h"
+#include "measurement/marker_misplacement.h"
 
 namespace omnitag {
 namespace {

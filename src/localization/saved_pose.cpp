@@ -1,10 +1,10 @@
-#include "omnitag/localization/saved_pose.h"
+#include "localization/saved_pose.h"
 
 #include <Eigen/Cholesky>
 #include <vector>
 
-#include "omnitag/common/format.h"
-#include "omnitag/common/yaml_reader.h"
+#include "common/format.h"
+#include "common/yaml_reader.h"
 
 namespace omnitag {
 namespace {

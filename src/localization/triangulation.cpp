@@ -1,4 +1,4 @@
-#include "omnitag/localization/triangulation.h"
+#include "localization/triangulation.h"
 
 #include <Eigen/LU>
 #include <algorithm>

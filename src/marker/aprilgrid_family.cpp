@@ -1,11 +1,11 @@
-#include "aprilgrid_family.h"
+#include "marker/aprilgrid_family.h"
 
 #include <apriltag/tag36h11.h>
 
 #include <cstdint>
 #include <utility>
 
-#include "code_family.h"
+#include "marker/code_family.h"
 
 namespace omnitag {
 

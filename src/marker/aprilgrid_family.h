@@ -1,6 +1,6 @@
 #pragma once
 
-#include "apriltag_family.h"
+#include "marker/apriltag_family.h"
 
 namespace omnitag {
 

@@ -1,4 +1,4 @@
-#include "apriltag_family.h"
+#include "marker/apriltag_family.h"
 
 #include <apriltag/tag16h5.h>
 #include <apriltag/tag25h9.h>
@@ -16,10 +16,10 @@
 #include <array>
 #include <set>
 
-#include "aprilgrid_family.h"
-#include "aruco_family.h"
+#include "marker/aprilgrid_family.h"
+#include "marker/aruco_family.h"
+#include "marker/tag_family.h"
 #include "omnitag/common/error.h"
-#include "omnitag/marker/tag_family.h"
 
 namespace omnitag {
 namespace {

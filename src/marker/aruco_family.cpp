@@ -1,4 +1,4 @@
-#include "aruco_family.h"
+#include "marker/aruco_family.h"
 
 #include <opencv2/core/version.hpp>
 // From OpenCV 4.7 on, the dictionaries are in the main modules.
@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "code_family.h"
+#include "marker/code_family.h"
 
 namespace omnitag {
 namespace {

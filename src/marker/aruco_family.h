@@ -3,7 +3,7 @@
 #include <set>
 #include <string>
 
-#include "apriltag_family.h"
+#include "marker/apriltag_family.h"
 
 namespace omnitag {
 

@@ -1,8 +1,8 @@
-#include "omnitag/marker/board_file.h"
+#include "marker/board_file.h"
 
-#include "aprilgrid_family.h"
-#include "omnitag/common/yaml_reader.h"
-#include "omnitag/marker/tag_family.h"
+#include "common/yaml_reader.h"
+#include "marker/aprilgrid_family.h"
+#include "marker/tag_family.h"
 
 namespace omnitag {
 namespace {

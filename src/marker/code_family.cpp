@@ -1,4 +1,4 @@
-#include "code_family.h"
+#include "marker/code_family.h"
 
 #include <memory>
 #include <utility>

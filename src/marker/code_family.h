@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "apriltag_family.h"
+#include "marker/apriltag_family.h"
 
 namespace omnitag {
 

@@ -1,4 +1,4 @@
-#include "omnitag/marker/corner_refinement.h"
+#include "marker/corner_refinement.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

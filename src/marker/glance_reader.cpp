@@ -1,4 +1,4 @@
-#include "omnitag/marker/glance_reader.h"
+#include "marker/glance_reader.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -11,12 +11,12 @@
 #include <optional>
 #include <utility>
 
+#include "common/parallel.h"
+#include "common/symmetric_matrix.h"
+#include "marker/corner_refinement.h"
+#include "marker/marker_prediction.h"
 #include "omnitag/common/angle.h"
-#include "omnitag/common/parallel.h"
-#include "omnitag/common/symmetric_matrix.h"
-#include "omnitag/marker/corner_refinement.h"
-#include "omnitag/marker/marker_prediction.h"
-#include "omnitag/view/view_planner.h"
+#include "view/view_planner.h"
 
 namespace omnitag {
 namespace {

@@ -1,4 +1,4 @@
-#include "omnitag/marker/glance_sectors.h"
+#include "marker/glance_sectors.h"
 
 #include <Eigen/Core>
 #include <Eigen/LU>

@@ -1,4 +1,4 @@
-#include "library_detector.h"
+#include "marker/library_detector.h"
 
 #include <cmath>
 

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "omnitag/marker/tag_detector.h"
+#include "marker/tag_detector.h"
 
 namespace omnitag {
 

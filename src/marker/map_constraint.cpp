@@ -1,4 +1,4 @@
-#include "omnitag/marker/map_constraint.h"
+#include "marker/map_constraint.h"
 
 #include <algorithm>
 #include <cctype>

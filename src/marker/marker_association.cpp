@@ -1,11 +1,11 @@
-#include "omnitag/marker/marker_association.h"
+#include "marker/marker_association.h"
 
 #include <cmath>
 #include <complex>
 #include <limits>
 
-#include "omnitag/common/format.h"
-#include "omnitag/common/yaml_reader.h"
+#include "common/format.h"
+#include "common/yaml_reader.h"
 
 namespace omnitag {
 namespace {

@@ -1,4 +1,4 @@
-#include "omnitag/marker/marker_families.h"
+#include "marker/marker_families.h"
 
 namespace omnitag {
 

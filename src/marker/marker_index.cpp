@@ -1,4 +1,4 @@
-#include "omnitag/marker/marker_index.h"
+#include "marker/marker_index.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

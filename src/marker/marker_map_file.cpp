@@ -10,12 +10,12 @@
 #include <utility>
 #include <vector>
 
+#include "common/yaml_reader.h"
+#include "marker/map_constraint.h"
+#include "marker/pattern_picture.h"
+#include "marker/tag_family.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/yaml_reader.h"
-#include "omnitag/marker/map_constraint.h"
-#include "omnitag/marker/pattern_picture.h"
-#include "omnitag/marker/tag_family.h"
 
 namespace omnitag {
 namespace {

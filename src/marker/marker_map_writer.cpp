@@ -1,4 +1,4 @@
-#include "omnitag/marker/marker_map_writer.h"
+#include "marker/marker_map_writer.h"
 
 #include <yaml-cpp/yaml.h>
 
@@ -12,9 +12,9 @@
 #include <memory>
 #include <utility>
 
+#include "marker/pattern_picture.h"
 #include "omnitag/common/error.h"
 #include "omnitag/marker/marker_map_file.h"
-#include "omnitag/marker/pattern_picture.h"
 
 namespace omnitag {
 namespace {

@@ -1,11 +1,11 @@
-#include "omnitag/marker/marker_prediction.h"
+#include "marker/marker_prediction.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "omnitag/common/yaml_reader.h"
+#include "common/yaml_reader.h"
 
 namespace omnitag {
 namespace {

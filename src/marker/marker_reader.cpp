@@ -1,4 +1,4 @@
-#include "omnitag/marker/marker_reader.h"
+#include "marker/marker_reader.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "omnitag/common/parallel.h"
+#include "common/parallel.h"
 
 namespace omnitag {
 namespace {

@@ -1,11 +1,11 @@
-#include "omnitag/marker/marker_selection.h"
+#include "marker/marker_selection.h"
 
 #include <algorithm>
 #include <limits>
 
+#include "marker/pattern_picture.h"
+#include "marker/tag_family.h"
 #include "omnitag/common/error.h"
-#include "omnitag/marker/pattern_picture.h"
-#include "omnitag/marker/tag_family.h"
 
 namespace omnitag {
 namespace {

@@ -1,4 +1,4 @@
-#include "omnitag/marker/pattern_picture.h"
+#include "marker/pattern_picture.h"
 
 #include <array>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <opencv2/core.hpp>
 #include <sstream>
 
+#include "common/format.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/format.h"
 
 namespace omnitag {
 namespace {

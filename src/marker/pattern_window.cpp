@@ -1,4 +1,4 @@
-#include "omnitag/marker/pattern_window.h"
+#include "marker/pattern_window.h"
 
 #include <algorithm>
 #include <cmath>

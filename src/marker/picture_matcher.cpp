@@ -1,4 +1,4 @@
-#include "picture_matcher.h"
+#include "marker/picture_matcher.h"
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -9,9 +9,9 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "common/correlation_threshold.h"
+#include "marker/marker_reader.h"
 #include "omnitag/common/angle.h"
-#include "omnitag/common/correlation_threshold.h"
-#include "omnitag/marker/marker_reader.h"
 
 namespace omnitag {
 namespace {

@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
+#include "marker/pattern_picture.h"
 #include "omnitag/marker/marker_map.h"
-#include "omnitag/marker/pattern_picture.h"
 
 namespace omnitag {
 

@@ -1,4 +1,4 @@
-#include "omnitag/marker/sharpening.h"
+#include "marker/sharpening.h"
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>

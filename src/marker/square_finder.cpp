@@ -1,4 +1,4 @@
-#include "square_finder.h"
+#include "marker/square_finder.h"
 
 #include <apriltag/apriltag.h>
 
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "apriltag_family.h"
-#include "library_detector.h"
+#include "marker/apriltag_family.h"
+#include "marker/library_detector.h"
 
 // The library's own sources declare it where they use it; its header does not.
 extern "C" zarray_t* apriltag_quad_thresh(apriltag_detector_t* detector, image_u8_t* image);

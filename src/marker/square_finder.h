@@ -4,8 +4,8 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "marker/tag_detector.h"
 #include "omnitag/marker/marker_map.h"
-#include "omnitag/marker/tag_detector.h"
 
 namespace omnitag {
 

@@ -1,4 +1,4 @@
-#include "omnitag/marker/tag_detector.h"
+#include "marker/tag_detector.h"
 
 #include <apriltag/apriltag.h>
 
@@ -12,14 +12,14 @@
 #include <stdexcept>
 #include <utility>
 
-#include "aprilgrid_family.h"
-#include "apriltag_family.h"
-#include "library_detector.h"
+#include "common/yaml_reader.h"
+#include "marker/aprilgrid_family.h"
+#include "marker/apriltag_family.h"
+#include "marker/corner_refinement.h"
+#include "marker/library_detector.h"
+#include "marker/picture_matcher.h"
+#include "marker/square_finder.h"
 #include "omnitag/common/angle.h"
-#include "omnitag/common/yaml_reader.h"
-#include "omnitag/marker/corner_refinement.h"
-#include "picture_matcher.h"
-#include "square_finder.h"
 
 namespace omnitag {
 namespace {

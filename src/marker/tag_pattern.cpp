@@ -1,4 +1,4 @@
-#include "omnitag/marker/tag_pattern.h"
+#include "marker/tag_pattern.h"
 
 #include <algorithm>
 #include <array>
@@ -8,9 +8,9 @@
 #include <memory>
 #include <opencv2/core.hpp>
 
-#include "apriltag_family.h"
+#include "common/normal_distribution.h"
+#include "marker/apriltag_family.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/normal_distribution.h"
 
 namespace omnitag {
 namespace {

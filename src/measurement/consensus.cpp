@@ -1,11 +1,11 @@
-#include "omnitag/measurement/consensus.h"
+#include "measurement/consensus.h"
 
 #include <algorithm>
 #include <cstddef>
 #include <limits>
 #include <utility>
 
-#include "omnitag/common/symmetric_matrix.h"
+#include "common/symmetric_matrix.h"
 
 namespace omnitag {
 namespace {

@@ -1,10 +1,10 @@
-#include "omnitag/measurement/frame_equations.h"
+#include "measurement/frame_equations.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <cmath>
 
-#include "omnitag/common/symmetric_matrix.h"
+#include "common/symmetric_matrix.h"
 
 namespace omnitag {
 namespace {

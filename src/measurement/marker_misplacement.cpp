@@ -1,4 +1,4 @@
-#include "omnitag/measurement/marker_misplacement.h"
+#include "measurement/marker_misplacement.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
-#include "omnitag/measurement/pose_prior.h"
+#include "measurement/pose_prior.h"
 
 #include <algorithm>
 
-#include "omnitag/common/symmetric_matrix.h"
+#include "common/symmetric_matrix.h"
 
 namespace omnitag {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "omnitag/photometry/blur_filter.h"
+#include "photometry/blur_filter.h"
 
 namespace omnitag {
 namespace {

@@ -1,4 +1,4 @@
-#include "blur_fit.h"
+#include "photometry/blur_fit.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

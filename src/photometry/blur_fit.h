@@ -2,12 +2,12 @@
 
 #include <cstddef>
 
-#include "lit_patch.h"
-#include "omnitag/camera/mounted_camera.h"
-#include "omnitag/marker/tag_pattern.h"
+#include "camera/mounted_camera.h"
+#include "marker/tag_pattern.h"
 #include "omnitag/photometry/blur_equations.h"
-#include "omnitag/photometry/marker_patch.h"
-#include "omnitag/photometry/pixel_noise.h"
+#include "photometry/lit_patch.h"
+#include "photometry/marker_patch.h"
+#include "photometry/pixel_noise.h"
 
 namespace omnitag {
 

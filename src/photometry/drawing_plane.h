@@ -4,11 +4,11 @@
 #include <Eigen/Geometry>
 #include <optional>
 
+#include "common/rotation.h"
+#include "marker/tag_pattern.h"
 #include "omnitag/camera/camera_model.h"
 #include "omnitag/common/pose.h"
-#include "omnitag/common/rotation.h"
 #include "omnitag/marker/marker_map.h"
-#include "omnitag/marker/tag_pattern.h"
 
 namespace omnitag {
 

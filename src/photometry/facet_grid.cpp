@@ -1,12 +1,12 @@
-#include "omnitag/photometry/facet_grid.h"
+#include "photometry/facet_grid.h"
 
 #include <Eigen/LU>
 #include <cmath>
 #include <optional>
 
-#include "drawing_plane.h"
-#include "node_grid.h"
-#include "omnitag/common/grid_index.h"
+#include "common/grid_index.h"
+#include "photometry/drawing_plane.h"
+#include "photometry/node_grid.h"
 
 namespace omnitag {
 namespace {

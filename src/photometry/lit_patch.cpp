@@ -1,4 +1,4 @@
-#include "lit_patch.h"
+#include "photometry/lit_patch.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

@@ -4,10 +4,10 @@
 #include <optional>
 #include <vector>
 
+#include "camera/mounted_camera.h"
 #include "omnitag/camera/camera_uncertainty.h"
-#include "omnitag/camera/mounted_camera.h"
-#include "omnitag/photometry/marker_patch.h"
-#include "omnitag/photometry/pixel_noise.h"
+#include "photometry/marker_patch.h"
+#include "photometry/pixel_noise.h"
 
 namespace omnitag {
 

@@ -1,13 +1,13 @@
-#include "marker_fitter.h"
+#include "photometry/marker_fitter.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <utility>
 
-#include "blur_fit.h"
-#include "omnitag/common/parallel.h"
-#include "omnitag/measurement/marker_misplacement.h"
+#include "common/parallel.h"
+#include "measurement/marker_misplacement.h"
+#include "photometry/blur_fit.h"
 
 namespace omnitag {
 namespace {

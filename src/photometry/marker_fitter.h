@@ -6,16 +6,16 @@
 #include <optional>
 #include <vector>
 
-#include "lit_patch.h"
-#include "omnitag/camera/mounted_camera.h"
+#include "camera/mounted_camera.h"
+#include "marker/tag_pattern.h"
+#include "measurement/frame_equations.h"
 #include "omnitag/common/pose.h"
 #include "omnitag/marker/marker_map.h"
-#include "omnitag/marker/tag_pattern.h"
-#include "omnitag/measurement/frame_equations.h"
 #include "omnitag/photometry/blur_equations.h"
-#include "omnitag/photometry/marker_patch.h"
-#include "omnitag/photometry/photometric_refinement.h"
-#include "omnitag/photometry/pixel_noise.h"
+#include "photometry/lit_patch.h"
+#include "photometry/marker_patch.h"
+#include "photometry/photometric_refinement.h"
+#include "photometry/pixel_noise.h"
 
 namespace omnitag {
 

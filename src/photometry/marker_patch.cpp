@@ -1,10 +1,10 @@
-#include "omnitag/photometry/marker_patch.h"
+#include "photometry/marker_patch.h"
 
 #include <algorithm>
 #include <cstdint>
 
-#include "drawing_plane.h"
-#include "pixel_sorter.h"
+#include "photometry/drawing_plane.h"
+#include "photometry/pixel_sorter.h"
 
 namespace omnitag {
 

@@ -1,6 +1,6 @@
-#include "node_grid.h"
+#include "photometry/node_grid.h"
 
-#include "omnitag/common/grid_index.h"
+#include "common/grid_index.h"
 
 namespace omnitag {
 namespace {

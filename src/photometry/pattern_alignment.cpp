@@ -1,4 +1,4 @@
-#include "pattern_alignment.h"
+#include "photometry/pattern_alignment.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "omnitag/marker/tag_pattern.h"
-#include "omnitag/photometry/marker_patch.h"
+#include "marker/tag_pattern.h"
+#include "photometry/marker_patch.h"
 
 namespace omnitag {
 

@@ -1,4 +1,4 @@
-#include "pattern_comparison.h"
+#include "photometry/pattern_comparison.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "common/symmetric_matrix.h"
 #include "omnitag/common/angle.h"
-#include "omnitag/common/symmetric_matrix.h"
 
 namespace omnitag {
 namespace {

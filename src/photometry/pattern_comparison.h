@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "omnitag/marker/tag_pattern.h"
-#include "omnitag/photometry/marker_patch.h"
-#include "pattern_alignment.h"
+#include "marker/tag_pattern.h"
+#include "photometry/marker_patch.h"
+#include "photometry/pattern_alignment.h"
 
 namespace omnitag {
 

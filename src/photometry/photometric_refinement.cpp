@@ -1,4 +1,4 @@
-#include "omnitag/photometry/photometric_refinement.h"
+#include "photometry/photometric_refinement.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -6,11 +6,11 @@
 #include <limits>
 #include <utility>
 
-#include "lit_patch.h"
-#include "marker_fitter.h"
-#include "omnitag/measurement/frame_equations.h"
-#include "omnitag/photometry/marker_patch.h"
-#include "omnitag/photometry/pixel_noise.h"
+#include "measurement/frame_equations.h"
+#include "photometry/lit_patch.h"
+#include "photometry/marker_fitter.h"
+#include "photometry/marker_patch.h"
+#include "photometry/pixel_noise.h"
 
 namespace omnitag {
 namespace {

@@ -1,4 +1,4 @@
-#include "omnitag/photometry/pixel_noise.h"
+#include "photometry/pixel_noise.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "pixel_sorter.h"
+#include "photometry/pixel_sorter.h"
 
 #include <Eigen/Core>
 #include <algorithm>

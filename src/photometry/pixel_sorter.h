@@ -2,11 +2,11 @@
 
 #include <vector>
 
-#include "drawing_plane.h"
-#include "omnitag/camera/mounted_camera.h"
-#include "omnitag/marker/tag_pattern.h"
-#include "omnitag/photometry/facet_grid.h"
-#include "omnitag/photometry/marker_patch.h"
+#include "camera/mounted_camera.h"
+#include "marker/tag_pattern.h"
+#include "photometry/drawing_plane.h"
+#include "photometry/facet_grid.h"
+#include "photometry/marker_patch.h"
 
 namespace omnitag {
 

@@ -1,4 +1,4 @@
-#include "omnitag/photometry/recognition.h"
+#include "photometry/recognition.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -8,12 +8,12 @@
 #include <optional>
 #include <vector>
 
-#include "omnitag/common/correlation_threshold.h"
-#include "omnitag/common/yaml_reader.h"
-#include "omnitag/marker/marker_reader.h"
-#include "omnitag/photometry/marker_patch.h"
-#include "pattern_alignment.h"
-#include "pattern_comparison.h"
+#include "common/correlation_threshold.h"
+#include "common/yaml_reader.h"
+#include "marker/marker_reader.h"
+#include "photometry/marker_patch.h"
+#include "photometry/pattern_alignment.h"
+#include "photometry/pattern_comparison.h"
 
 namespace omnitag {
 namespace {

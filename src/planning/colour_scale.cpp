@@ -1,11 +1,11 @@
-#include "colour_scale.h"
+#include "planning/colour_scale.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 
-#include "omnitag/common/quantile.h"
+#include "common/quantile.h"
 
 namespace omnitag {
 namespace {

@@ -3,7 +3,7 @@
 #include <opencv2/core/matx.hpp>
 #include <vector>
 
-#include "omnitag/planning/floor_prediction.h"
+#include "planning/floor_prediction.h"
 
 namespace omnitag {
 

@@ -1,11 +1,11 @@
-#include "omnitag/planning/expected_information.h"
+#include "planning/expected_information.h"
 
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
+#include "measurement/marker_misplacement.h"
 #include "omnitag/common/angle.h"
-#include "omnitag/measurement/marker_misplacement.h"
 
 namespace omnitag {
 namespace {

@@ -1,11 +1,11 @@
-#include "omnitag/planning/family_limits.h"
+#include "planning/family_limits.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "marker/marker_prediction.h"
+#include "marker/tag_pattern.h"
 #include "omnitag/common/angle.h"
-#include "omnitag/marker/marker_prediction.h"
-#include "omnitag/marker/tag_pattern.h"
 
 namespace omnitag {
 namespace {

@@ -1,14 +1,14 @@
-#include "omnitag/planning/floor_prediction.h"
+#include "planning/floor_prediction.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "common/grid_index.h"
+#include "common/parallel.h"
 #include "omnitag/common/angle.h"
-#include "omnitag/common/grid_index.h"
-#include "omnitag/common/parallel.h"
-#include "omnitag/planning/expected_information.h"
-#include "omnitag/planning/pose_prediction.h"
+#include "planning/expected_information.h"
+#include "planning/pose_prediction.h"
 
 namespace omnitag {
 namespace {

@@ -1,11 +1,11 @@
-#include "omnitag/planning/greedy_choice.h"
+#include "planning/greedy_choice.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "omnitag/common/parallel.h"
+#include "common/parallel.h"
 
 namespace omnitag {
 namespace {

@@ -1,21 +1,21 @@
-#include "omnitag/planning/marker_placement.h"
+#include "planning/marker_placement.h"
 
 #include <algorithm>
 #include <cmath>
 #include <set>
 #include <string>
 
+#include "common/format.h"
+#include "common/parallel.h"
+#include "marker/tag_family.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/format.h"
-#include "omnitag/common/parallel.h"
 #include "omnitag/marker/marker_map_file.h"
-#include "omnitag/marker/tag_family.h"
-#include "omnitag/planning/expected_information.h"
-#include "omnitag/planning/greedy_choice.h"
-#include "omnitag/planning/pose_prediction.h"
-#include "omnitag/planning/sight.h"
-#include "omnitag/planning/wall_places.h"
+#include "planning/expected_information.h"
+#include "planning/greedy_choice.h"
+#include "planning/pose_prediction.h"
+#include "planning/sight.h"
+#include "planning/wall_places.h"
 
 namespace omnitag {
 namespace {

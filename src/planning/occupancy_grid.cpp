@@ -1,4 +1,4 @@
-#include "omnitag/planning/occupancy_grid.h"
+#include "planning/occupancy_grid.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
+#include "common/yaml_reader.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/yaml_reader.h"
 
 namespace omnitag {
 namespace {

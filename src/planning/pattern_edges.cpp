@@ -1,6 +1,6 @@
-#include "omnitag/planning/pattern_edges.h"
+#include "planning/pattern_edges.h"
 
-#include "omnitag/marker/tag_pattern.h"
+#include "marker/tag_pattern.h"
 
 namespace omnitag {
 

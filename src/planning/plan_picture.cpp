@@ -1,4 +1,4 @@
-#include "omnitag/planning/plan_picture.h"
+#include "planning/plan_picture.h"
 
 #include <algorithm>
 #include <array>
@@ -7,12 +7,12 @@
 #include <optional>
 #include <string>
 
-#include "colour_scale.h"
-#include "omnitag/common/bounds.h"
-#include "omnitag/common/drawing.h"
-#include "omnitag/common/format.h"
-#include "omnitag/common/grid_index.h"
-#include "omnitag/planning/plan_report.h"
+#include "common/bounds.h"
+#include "common/drawing.h"
+#include "common/format.h"
+#include "common/grid_index.h"
+#include "planning/colour_scale.h"
+#include "planning/plan_report.h"
 
 namespace omnitag {
 namespace {

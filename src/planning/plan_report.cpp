@@ -1,12 +1,12 @@
-#include "omnitag/planning/plan_report.h"
+#include "planning/plan_report.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "common/format.h"
+#include "common/quantile.h"
 #include "omnitag/common/angle.h"
-#include "omnitag/common/format.h"
-#include "omnitag/common/quantile.h"
 
 namespace omnitag {
 namespace {

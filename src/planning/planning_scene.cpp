@@ -1,6 +1,6 @@
-#include "omnitag/planning/planning_scene.h"
+#include "planning/planning_scene.h"
 
-#include "omnitag/localization/motion_model.h"
+#include "localization/motion_model.h"
 
 namespace omnitag {
 

@@ -1,7 +1,7 @@
-#include "omnitag/planning/pose_prediction.h"
+#include "planning/pose_prediction.h"
 
-#include "omnitag/planning/expected_information.h"
-#include "omnitag/planning/sight.h"
+#include "planning/expected_information.h"
+#include "planning/sight.h"
 
 namespace omnitag {
 

@@ -1,10 +1,10 @@
-#include "omnitag/planning/sight.h"
+#include "planning/sight.h"
 
 #include <algorithm>
 #include <array>
 
-#include "omnitag/marker/marker_prediction.h"
-#include "omnitag/planning/family_limits.h"
+#include "marker/marker_prediction.h"
+#include "planning/family_limits.h"
 
 namespace omnitag {
 namespace {

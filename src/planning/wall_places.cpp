@@ -1,12 +1,12 @@
-#include "omnitag/planning/wall_places.h"
+#include "planning/wall_places.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
 
-#include "omnitag/common/bounds.h"
-#include "omnitag/common/symmetric_matrix.h"
+#include "common/bounds.h"
+#include "common/symmetric_matrix.h"
 
 namespace omnitag {
 namespace {

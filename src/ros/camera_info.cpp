@@ -1,4 +1,4 @@
-#include "omnitag/ros/camera_info.h"
+#include "ros/camera_info.h"
 
 #include <yaml-cpp/yaml.h>
 
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include "camera/camera_yaml.h"
 #include "omnitag/camera/camera_file.h"
-#include "omnitag/camera/camera_yaml.h"
 #include "omnitag/common/error.h"
 
 namespace omnitag {

@@ -1,4 +1,4 @@
-#include "omnitag/ros/conversions.h"
+#include "ros/conversions.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "localization/marker_in_camera.h"
 #include "omnitag/common/error.h"
-#include "omnitag/localization/marker_in_camera.h"
 
 namespace omnitag {
 namespace {

@@ -1,4 +1,4 @@
-#include "omnitag/ros/debug_image.h"
+#include "ros/debug_image.h"
 
 #include <algorithm>
 #include <array>
@@ -8,9 +8,9 @@
 #include <string>
 #include <utility>
 
+#include "common/drawing.h"
 #include "omnitag/common/angle.h"
-#include "omnitag/common/drawing.h"
-#include "omnitag/ros/debug_image_layout.h"
+#include "ros/debug_image_layout.h"
 
 namespace omnitag {
 namespace {

@@ -1,4 +1,4 @@
-#include "omnitag/ros/debug_image_layout.h"
+#include "ros/debug_image_layout.h"
 
 #include <algorithm>
 #include <cmath>

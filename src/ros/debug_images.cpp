@@ -1,4 +1,4 @@
-#include "omnitag/ros/debug_images.h"
+#include "ros/debug_images.h"
 
 #include <cv_bridge/cv_bridge.h>
 #include <sensor_msgs/image_encodings.h>

@@ -1,11 +1,11 @@
-#include "omnitag/ros/frame_assembler.h"
+#include "ros/frame_assembler.h"
 
 #include <tf2/exceptions.h>
 
 #include <algorithm>
 #include <utility>
 
-#include "omnitag/ros/conversions.h"
+#include "ros/conversions.h"
 
 namespace omnitag {
 namespace {

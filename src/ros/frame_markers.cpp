@@ -1,13 +1,13 @@
-#include "omnitag/ros/frame_markers.h"
+#include "ros/frame_markers.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
+#include "common/symmetric_matrix.h"
 #include "omnitag/common/angle.h"
-#include "omnitag/common/symmetric_matrix.h"
-#include "omnitag/ros/conversions.h"
-#include "omnitag/ros/rviz_marker.h"
+#include "ros/conversions.h"
+#include "ros/rviz_marker.h"
 
 namespace omnitag {
 namespace {

@@ -1,4 +1,4 @@
-#include "omnitag/ros/health_monitor.h"
+#include "ros/health_monitor.h"
 
 #include <algorithm>
 #include <boost/algorithm/string/join.hpp>
@@ -8,9 +8,9 @@
 #include <sstream>
 #include <utility>
 
+#include "marker/marker_selection.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/localization/localizer.h"
-#include "omnitag/marker/marker_selection.h"
 
 namespace omnitag {
 namespace {

@@ -1,4 +1,4 @@
-#include "omnitag/ros/image_input.h"
+#include "ros/image_input.h"
 
 #include <image_transport/exception.h>
 #include <sensor_msgs/CompressedImage.h>
@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "omnitag/common/error.h"
-#include "omnitag/ros/image_conversion.h"
+#include "ros/image_conversion.h"
 
 namespace omnitag {
 namespace {

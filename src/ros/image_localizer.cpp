@@ -1,9 +1,9 @@
-#include "omnitag/ros/image_localizer.h"
+#include "ros/image_localizer.h"
 
 #include <algorithm>
 #include <limits>
 
-#include "omnitag/common/stopwatch.h"
+#include "common/stopwatch.h"
 #include "omnitag/marker/marker_map_file.h"
 
 namespace omnitag {

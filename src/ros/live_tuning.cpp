@@ -1,11 +1,11 @@
-#include "omnitag/ros/live_tuning.h"
+#include "ros/live_tuning.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "log_line.h"
 #include "omnitag/common/error.h"
+#include "ros/log_line.h"
 
 namespace omnitag {
 namespace {

@@ -1,6 +1,6 @@
 #include <ros/ros.h>
 
-#include "omnitag/ros/localizer_starter.h"
+#include "ros/localizer_starter.h"
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "localizer");

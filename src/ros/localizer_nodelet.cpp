@@ -3,7 +3,7 @@
 #include <memory>
 #include <pluginlib/class_list_macros.hpp>
 
-#include "omnitag/ros/localizer_starter.h"
+#include "ros/localizer_starter.h"
 
 namespace omnitag {
 

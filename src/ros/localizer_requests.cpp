@@ -5,11 +5,11 @@
 #include <optional>
 #include <utility>
 
-#include "omnitag/adjustment/mapped_entries.h"
+#include "adjustment/mapped_entries.h"
+#include "common/file_replacement.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/file_replacement.h"
-#include "omnitag/ros/conversions.h"
-#include "omnitag/ros/localizer_server.h"
+#include "ros/conversions.h"
+#include "ros/localizer_server.h"
 
 namespace omnitag {
 namespace {

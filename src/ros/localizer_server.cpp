@@ -1,4 +1,4 @@
-#include "omnitag/ros/localizer_server.h"
+#include "ros/localizer_server.h"
 
 #include <cv_bridge/cv_bridge.h>
 #include <sensor_msgs/image_encodings.h>
@@ -12,9 +12,9 @@
 #include <utility>
 
 #include "omnitag/common/error.h"
-#include "omnitag/ros/conversions.h"
-#include "omnitag/ros/image_conversion.h"
-#include "omnitag/ros/result_messages.h"
+#include "ros/conversions.h"
+#include "ros/image_conversion.h"
+#include "ros/result_messages.h"
 
 namespace omnitag {
 namespace {

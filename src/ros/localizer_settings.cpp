@@ -1,4 +1,4 @@
-#include "omnitag/ros/localizer_settings.h"
+#include "ros/localizer_settings.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,10 +1,10 @@
-#include "omnitag/ros/localizer_starter.h"
+#include "ros/localizer_starter.h"
 
 #include <image_transport/camera_common.h>
 
 #include <optional>
 
-#include "omnitag/ros/image_localizer.h"
+#include "ros/image_localizer.h"
 
 namespace omnitag {
 

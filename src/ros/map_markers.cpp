@@ -1,12 +1,12 @@
-#include "omnitag/ros/map_markers.h"
+#include "ros/map_markers.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
-#include "omnitag/marker/tag_pattern.h"
-#include "omnitag/ros/conversions.h"
-#include "omnitag/ros/rviz_marker.h"
+#include "marker/tag_pattern.h"
+#include "ros/conversions.h"
+#include "ros/rviz_marker.h"
 
 namespace omnitag {
 namespace {

@@ -1,11 +1,11 @@
-#include "omnitag/ros/map_publisher.h"
+#include "ros/map_publisher.h"
 
 #include <Eigen/Geometry>
 #include <cctype>
 #include <map>
 #include <utility>
 
-#include "omnitag/ros/conversions.h"
+#include "ros/conversions.h"
 
 namespace omnitag {
 namespace {

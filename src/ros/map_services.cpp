@@ -1,4 +1,4 @@
-#include "omnitag/ros/map_services.h"
+#include "ros/map_services.h"
 
 #include <omnitag/AddMarker.h>
 #include <omnitag/ChangeMap.h>
@@ -8,7 +8,7 @@
 
 #include <utility>
 
-#include "omnitag/ros/conversions.h"
+#include "ros/conversions.h"
 
 namespace omnitag {
 namespace {

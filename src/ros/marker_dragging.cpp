@@ -1,4 +1,4 @@
-#include "omnitag/ros/marker_dragging.h"
+#include "ros/marker_dragging.h"
 
 #include <visualization_msgs/InteractiveMarker.h>
 
@@ -6,10 +6,10 @@
 #include <cmath>
 #include <utility>
 
-#include "log_line.h"
+#include "marker/marker_selection.h"
 #include "omnitag/common/error.h"
-#include "omnitag/marker/marker_selection.h"
-#include "omnitag/ros/conversions.h"
+#include "ros/conversions.h"
+#include "ros/log_line.h"
 
 namespace omnitag {
 namespace {

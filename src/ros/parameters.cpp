@@ -1,10 +1,10 @@
-#include "omnitag/ros/parameters.h"
+#include "ros/parameters.h"
 
 #include <ros/param.h>
 
 #include <algorithm>
 
-#include "omnitag/ros/xmlrpc_yaml.h"
+#include "ros/xmlrpc_yaml.h"
 
 namespace omnitag {
 namespace {

@@ -1,8 +1,8 @@
-#include "omnitag/ros/parent_watch.h"
+#include "ros/parent_watch.h"
 
 #include <utility>
 
-#include "omnitag/ros/conversions.h"
+#include "ros/conversions.h"
 
 namespace omnitag {
 const std::string& sentFrame(const FrameNames& frames) {

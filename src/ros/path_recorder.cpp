@@ -1,4 +1,4 @@
-#include "omnitag/ros/path_recorder.h"
+#include "ros/path_recorder.h"
 
 #include <cmath>
 

@@ -1,12 +1,12 @@
-#include "omnitag/ros/pose_keeper.h"
+#include "ros/pose_keeper.h"
 
 #include <filesystem>
 #include <utility>
 
-#include "log_line.h"
+#include "common/file_replacement.h"
+#include "common/format.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/file_replacement.h"
-#include "omnitag/common/format.h"
+#include "ros/log_line.h"
 
 namespace omnitag {
 namespace {

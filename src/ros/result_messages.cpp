@@ -1,7 +1,7 @@
-#include "omnitag/ros/result_messages.h"
+#include "ros/result_messages.h"
 
-#include "omnitag/localization/marker_in_camera.h"
-#include "omnitag/ros/conversions.h"
+#include "localization/marker_in_camera.h"
+#include "ros/conversions.h"
 
 namespace omnitag {
 namespace {

@@ -1,4 +1,4 @@
-#include "omnitag/ros/rviz_marker.h"
+#include "ros/rviz_marker.h"
 
 namespace omnitag {
 

@@ -1,4 +1,4 @@
-#include "omnitag/ros/stamp_timeline.h"
+#include "ros/stamp_timeline.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "omnitag/ros/transform_input.h"
+#include "ros/transform_input.h"
 
 #include <cstdint>
 #include <exception>

@@ -1,4 +1,4 @@
-#include "omnitag/ros/xmlrpc_yaml.h"
+#include "ros/xmlrpc_yaml.h"
 
 #include "omnitag/common/error.h"
 

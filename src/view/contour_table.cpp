@@ -1,4 +1,4 @@
-#include "omnitag/view/contour_table.h"
+#include "view/contour_table.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
-#include "omnitag/view/view_planner.h"
+#include "view/view_planner.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "omnitag/common/yaml_reader.h"
+#include "common/yaml_reader.h"
 
 namespace omnitag {
 namespace {

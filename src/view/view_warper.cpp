@@ -1,4 +1,4 @@
-#include "omnitag/view/view_warper.h"
+#include "view/view_warper.h"
 
 #include <cmath>
 #include <utility>

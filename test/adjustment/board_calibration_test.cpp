@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "../support/sample_markers.h"
-#include "omnitag/adjustment/camera_calibration.h"
+#include "adjustment/camera_calibration.h"
+#include "marker/board_file.h"
 #include "omnitag/camera/camera_file.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
-#include "omnitag/marker/board_file.h"
 
 namespace omnitag {
 namespace {

@@ -1,4 +1,4 @@
-#include "omnitag/adjustment/bundle_adjustment.h"
+#include "adjustment/bundle_adjustment.h"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 #include <random>
 #include <utility>
 
-#include "../../src/adjustment/perturbed_cameras.h"
 #include "../support/sweep.h"
+#include "adjustment/observability.h"
+#include "adjustment/perturbed_cameras.h"
 #include "drive.h"
-#include "omnitag/adjustment/observability.h"
 #include "omnitag/camera/camera_file.h"
 
 namespace omnitag {

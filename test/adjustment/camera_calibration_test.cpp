@@ -1,4 +1,4 @@
-#include "omnitag/adjustment/camera_calibration.h"
+#include "adjustment/camera_calibration.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "omnitag/adjustment/camera_template.h"
+#include "adjustment/camera_template.h"
 
 #include <gtest/gtest.h>
 

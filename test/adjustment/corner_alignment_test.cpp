@@ -1,4 +1,4 @@
-#include "omnitag/adjustment/corner_alignment.h"
+#include "adjustment/corner_alignment.h"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "../support/sample_markers.h"
+#include "localization/frame_readings.h"
 #include "omnitag/common/error.h"
-#include "omnitag/localization/frame_readings.h"
 #include "omnitag/marker/marker_map.h"
 
 namespace omnitag::test {

@@ -1,12 +1,12 @@
-#include "omnitag/adjustment/leaning_mounting.h"
+#include "adjustment/leaning_mounting.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "../support/sample_cameras.h"
+#include "camera/mounted_camera.h"
 #include "drive.h"
-#include "omnitag/camera/mounted_camera.h"
 
 namespace omnitag {
 namespace {

@@ -1,4 +1,4 @@
-#include "../../src/adjustment/light_grid.h"
+#include "adjustment/light_grid.h"
 
 #include <gtest/gtest.h>
 

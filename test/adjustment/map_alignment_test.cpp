@@ -1,4 +1,4 @@
-#include "omnitag/adjustment/map_alignment.h"
+#include "adjustment/map_alignment.h"
 
 #include <gtest/gtest.h>
 

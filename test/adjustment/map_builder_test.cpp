@@ -1,4 +1,4 @@
-#include "omnitag/adjustment/map_builder.h"
+#include "adjustment/map_builder.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "omnitag/adjustment/map_editor.h"
+#include "adjustment/map_editor.h"
 
 #include <gtest/gtest.h>
 #include <stdlib.h>

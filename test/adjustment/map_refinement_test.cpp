@@ -1,13 +1,13 @@
-#include "omnitag/adjustment/map_refinement.h"
+#include "adjustment/map_refinement.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "../../src/adjustment/key_frame.h"
 #include "../support/panorama_renderer.h"
-#include "omnitag/adjustment/bundle_adjustment.h"
-#include "omnitag/adjustment/mapped_entries.h"
+#include "adjustment/bundle_adjustment.h"
+#include "adjustment/key_frame.h"
+#include "adjustment/mapped_entries.h"
 #include "omnitag/marker/marker_map_file.h"
 #include "simulated_recording.h"
 

@@ -1,4 +1,4 @@
-#include "omnitag/adjustment/marker_estimate.h"
+#include "adjustment/marker_estimate.h"
 
 #include <gtest/gtest.h>
 

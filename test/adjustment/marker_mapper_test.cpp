@@ -1,4 +1,4 @@
-#include "omnitag/adjustment/marker_mapper.h"
+#include "adjustment/marker_mapper.h"
 
 #include <gtest/gtest.h>
 

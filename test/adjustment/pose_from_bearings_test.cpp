@@ -1,4 +1,4 @@
-#include "omnitag/adjustment/pose_from_bearings.h"
+#include "adjustment/pose_from_bearings.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "omnitag/adjustment/reading_alignment.h"
+#include "adjustment/reading_alignment.h"
 
 #include <gtest/gtest.h>
 

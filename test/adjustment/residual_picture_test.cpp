@@ -1,4 +1,4 @@
-#include "omnitag/adjustment/residual_picture.h"
+#include "adjustment/residual_picture.h"
 
 #include <gtest/gtest.h>
 

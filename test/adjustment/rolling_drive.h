@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "../support/sample_markers.h"
-#include "omnitag/adjustment/odometry_at.h"
-#include "omnitag/camera/mounted_camera.h"
-#include "omnitag/camera/shutter.h"
-#include "omnitag/localization/frame_readings.h"
+#include "adjustment/odometry_at.h"
+#include "camera/mounted_camera.h"
+#include "camera/shutter.h"
+#include "localization/frame_readings.h"
 #include "omnitag/marker/marker_map.h"
 
 namespace omnitag::test {

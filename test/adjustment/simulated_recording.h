@@ -7,7 +7,7 @@
 
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
-#include "omnitag/localization/frame_readings.h"
+#include "localization/frame_readings.h"
 
 namespace omnitag::test {
 

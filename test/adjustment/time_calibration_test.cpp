@@ -1,4 +1,4 @@
-#include "omnitag/adjustment/time_calibration.h"
+#include "adjustment/time_calibration.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <string>
 
 #include "../support/sweep.h"
+#include "adjustment/timed_calibration.h"
 #include "drive.h"
-#include "omnitag/adjustment/timed_calibration.h"
 #include "omnitag/camera/camera_file.h"
 #include "rolling_drive.h"
 

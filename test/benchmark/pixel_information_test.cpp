@@ -13,7 +13,7 @@
 #include "../support/panorama_renderer.h"
 #include "../support/sample_cameras.h"
 #include "../support/sweep.h"
-#include "omnitag/camera/catadioptric_camera.h"
+#include "camera/catadioptric_camera.h"
 
 namespace omnitag {
 namespace {

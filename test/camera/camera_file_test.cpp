@@ -10,13 +10,13 @@
 #include <string>
 #include <vector>
 
-#include "omnitag/camera/catadioptric_camera.h"
-#include "omnitag/camera/double_sphere_camera.h"
-#include "omnitag/camera/equidistant_camera.h"
-#include "omnitag/camera/equirectangular_camera.h"
-#include "omnitag/camera/eucm_camera.h"
-#include "omnitag/camera/ocam_camera.h"
-#include "omnitag/camera/unified_camera.h"
+#include "camera/catadioptric_camera.h"
+#include "camera/double_sphere_camera.h"
+#include "camera/equidistant_camera.h"
+#include "camera/equirectangular_camera.h"
+#include "camera/eucm_camera.h"
+#include "camera/ocam_camera.h"
+#include "camera/unified_camera.h"
 #include "omnitag/common/error.h"
 
 namespace omnitag {

@@ -1,4 +1,4 @@
-#include "omnitag/camera/camera_writer.h"
+#include "camera/camera_writer.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "camera/ocam_calibration.h"
 #include "omnitag/camera/camera_file.h"
 #include "omnitag/camera/camera_model.h"
-#include "omnitag/camera/ocam_calibration.h"
 #include "omnitag/common/error.h"
 #include "toolbox_ocam.h"
 

@@ -1,4 +1,4 @@
-#include "omnitag/camera/catadioptric_camera.h"
+#include "camera/catadioptric_camera.h"
 
 #include <gtest/gtest.h>
 

@@ -12,11 +12,11 @@
 #include <utility>
 #include <vector>
 
-#include "omnitag/camera/double_sphere_camera.h"
-#include "omnitag/camera/equidistant_camera.h"
-#include "omnitag/camera/eucm_camera.h"
-#include "omnitag/camera/ocam_camera.h"
-#include "omnitag/camera/unified_camera.h"
+#include "camera/double_sphere_camera.h"
+#include "camera/equidistant_camera.h"
+#include "camera/eucm_camera.h"
+#include "camera/ocam_camera.h"
+#include "camera/unified_camera.h"
 #include "toolbox_ocam.h"
 
 namespace omnitag {

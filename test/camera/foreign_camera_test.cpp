@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "camera/central_camera.h"
 #include "omnitag/camera/camera_file.h"
-#include "omnitag/camera/central_camera.h"
 #include "omnitag/common/error.h"
 
 namespace omnitag {

@@ -1,4 +1,4 @@
-#include "omnitag/camera/mirror_profile.h"
+#include "camera/mirror_profile.h"
 
 #include <gtest/gtest.h>
 

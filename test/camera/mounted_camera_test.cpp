@@ -1,4 +1,4 @@
-#include "omnitag/camera/mounted_camera.h"
+#include "camera/mounted_camera.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "../support/sample_cameras.h"
-#include "omnitag/camera/catadioptric_camera.h"
+#include "camera/catadioptric_camera.h"
 
 namespace omnitag {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "omnitag/camera/catadioptric_camera.h"
+#include "camera/catadioptric_camera.h"
 
 namespace omnitag {
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "omnitag/camera/mounted_camera.h"
+#include "camera/mounted_camera.h"
 #include "omnitag/common/angle.h"
 #include "sample_cameras.h"
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <unsupported/Eigen/Polynomials>
 
-#include "omnitag/camera/ocam_calibration.h"
+#include "camera/ocam_calibration.h"
 
 /// The definitions of the OCamCalib toolbox, written down from its documentation in its own
 /// conventions: x along the rows, y along the columns, the image's middle at -z, pixels (row,

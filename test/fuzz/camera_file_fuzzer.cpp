@@ -6,8 +6,8 @@
 
 #include "omnitag/camera/camera_file.h"
 #include "omnitag/common/error.h"
-#include "omnitag/view/contour_table.h"
 #include "one_line.h"
+#include "view/contour_table.h"
 
 // A camera that is accepted must do for what a localizer builds of it. That takes a while, and is
 // therefore done for one in eight, chosen by the text so that every crash comes again.

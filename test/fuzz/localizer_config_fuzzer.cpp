@@ -2,8 +2,8 @@
 #include <cstdint>
 #include <string>
 
+#include "common/yaml_reader.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/yaml_reader.h"
 #include "omnitag/localization/localizer_config.h"
 #include "one_line.h"
 

@@ -3,10 +3,10 @@
 #include <functional>
 #include <string>
 
-#include "omnitag/camera/ocam_camera.h"
+#include "camera/ocam_camera.h"
 #include "omnitag/common/error.h"
-#include "omnitag/view/contour_table.h"
 #include "one_line.h"
+#include "view/contour_table.h"
 
 // As with camera files: one accepted calibration in eight must do for what a localizer builds of
 // it.

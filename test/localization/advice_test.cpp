@@ -1,4 +1,4 @@
-#include "omnitag/localization/advice.h"
+#include "localization/advice.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "../../src/localization/belief.h"
+#include "localization/belief.h"
 
 #include <gtest/gtest.h>
 

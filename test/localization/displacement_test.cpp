@@ -1,4 +1,4 @@
-#include "omnitag/localization/displacement.h"
+#include "localization/displacement.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "omnitag/localization/exploration.h"
+#include "localization/exploration.h"
 
 #include <gtest/gtest.h>
 
@@ -10,9 +10,9 @@
 #include "../support/panorama_renderer.h"
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
+#include "localization/look_around.h"
 #include "omnitag/localization/localizer.h"
-#include "omnitag/localization/look_around.h"
-#include "omnitag/view/view_warper.h"
+#include "view/view_warper.h"
 
 namespace omnitag {
 namespace {

@@ -9,8 +9,8 @@
 #include "../support/panorama_renderer.h"
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
+#include "marker/marker_prediction.h"
 #include "omnitag/localization/localizer.h"
-#include "omnitag/marker/marker_prediction.h"
 
 namespace omnitag {
 namespace {

@@ -9,8 +9,8 @@
 #include "../support/panorama_renderer.h"
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
+#include "localization/image_lag.h"
 #include "omnitag/common/angle.h"
-#include "omnitag/localization/image_lag.h"
 #include "omnitag/localization/localizer.h"
 
 namespace omnitag {

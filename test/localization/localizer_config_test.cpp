@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "common/yaml_reader.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/yaml_reader.h"
 
 namespace omnitag {
 namespace {

@@ -15,7 +15,7 @@
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
 #include "omnitag/common/error.h"
-#include "omnitag/view/view_warper.h"
+#include "view/view_warper.h"
 
 namespace omnitag {
 namespace {

@@ -1,4 +1,4 @@
-#include "omnitag/localization/look_around.h"
+#include "localization/look_around.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
-#include "omnitag/view/view_warper.h"
+#include "view/view_warper.h"
 
 namespace omnitag {
 namespace {

@@ -1,4 +1,4 @@
-#include "omnitag/localization/marker_in_camera.h"
+#include "localization/marker_in_camera.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "omnitag/localization/marker_memory.h"
+#include "localization/marker_memory.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "omnitag/localization/marker_pose.h"
+#include "localization/marker_pose.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "omnitag/localization/motion_model.h"
+#include "localization/motion_model.h"
 
 #include <gtest/gtest.h>
 

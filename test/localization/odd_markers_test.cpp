@@ -14,7 +14,7 @@
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
 #include "../support/sweep.h"
-#include "omnitag/localization/displacement.h"
+#include "localization/displacement.h"
 #include "omnitag/localization/localizer.h"
 
 namespace omnitag {

@@ -1,4 +1,4 @@
-#include "omnitag/localization/planar_pose.h"
+#include "localization/planar_pose.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
-#include "omnitag/localization/marker_pose.h"
+#include "localization/marker_pose.h"
 
 namespace omnitag {
 namespace {

@@ -1,4 +1,4 @@
-#include "omnitag/localization/pose_estimator.h"
+#include "localization/pose_estimator.h"
 
 #include <gtest/gtest.h>
 

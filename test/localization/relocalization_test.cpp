@@ -1,4 +1,4 @@
-#include "omnitag/localization/relocalization.h"
+#include "localization/relocalization.h"
 
 #include <gtest/gtest.h>
 

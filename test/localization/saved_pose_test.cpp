@@ -1,4 +1,4 @@
-#include "omnitag/localization/saved_pose.h"
+#include "localization/saved_pose.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "omnitag/marker/board_file.h"
+#include "marker/board_file.h"
 
 #include <gtest/gtest.h>
 

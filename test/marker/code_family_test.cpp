@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "../support/supersampling.h"
-#include "omnitag/marker/tag_detector.h"
-#include "omnitag/marker/tag_family.h"
-#include "omnitag/marker/tag_pattern.h"
+#include "marker/tag_detector.h"
+#include "marker/tag_family.h"
+#include "marker/tag_pattern.h"
 
 namespace omnitag {
 namespace {

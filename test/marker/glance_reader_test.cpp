@@ -1,4 +1,4 @@
-#include "omnitag/marker/glance_reader.h"
+#include "marker/glance_reader.h"
 
 #include <gtest/gtest.h>
 

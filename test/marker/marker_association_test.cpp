@@ -1,4 +1,4 @@
-#include "omnitag/marker/marker_association.h"
+#include "marker/marker_association.h"
 
 #include <gtest/gtest.h>
 

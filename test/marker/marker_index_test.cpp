@@ -1,4 +1,4 @@
-#include "omnitag/marker/marker_index.h"
+#include "marker/marker_index.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
+#include "marker/marker_prediction.h"
 #include "omnitag/common/angle.h"
-#include "omnitag/marker/marker_prediction.h"
 
 namespace omnitag {
 namespace {

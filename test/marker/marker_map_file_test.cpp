@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "marker/pattern_picture.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
-#include "omnitag/marker/pattern_picture.h"
 
 namespace omnitag {
 namespace {

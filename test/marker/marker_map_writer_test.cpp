@@ -1,4 +1,4 @@
-#include "omnitag/marker/marker_map_writer.h"
+#include "marker/marker_map_writer.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -8,11 +8,11 @@
 #include <fstream>
 #include <iterator>
 
+#include "common/file_replacement.h"
+#include "marker/pattern_picture.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/file_replacement.h"
 #include "omnitag/marker/marker_map_file.h"
-#include "omnitag/marker/pattern_picture.h"
 
 namespace omnitag {
 namespace {

@@ -1,4 +1,4 @@
-#include "omnitag/marker/marker_prediction.h"
+#include "marker/marker_prediction.h"
 
 #include <gtest/gtest.h>
 

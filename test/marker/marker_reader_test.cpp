@@ -1,4 +1,4 @@
-#include "omnitag/marker/marker_reader.h"
+#include "marker/marker_reader.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include "../support/panorama_renderer.h"
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
-#include "omnitag/view/view_planner.h"
+#include "view/view_planner.h"
 
 namespace omnitag {
 namespace {

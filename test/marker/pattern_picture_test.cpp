@@ -1,4 +1,4 @@
-#include "omnitag/marker/pattern_picture.h"
+#include "marker/pattern_picture.h"
 
 #include <gtest/gtest.h>
 
@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "../support/sample_pictures.h"
+#include "marker/tag_pattern.h"
 #include "omnitag/common/error.h"
-#include "omnitag/marker/tag_pattern.h"
 
 namespace omnitag {
 namespace {

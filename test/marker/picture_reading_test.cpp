@@ -14,8 +14,8 @@
 #include "../support/sample_pictures.h"
 #include "../support/supersampling.h"
 #include "../support/sweep.h"
+#include "marker/tag_detector.h"
 #include "omnitag/common/angle.h"
-#include "omnitag/marker/tag_detector.h"
 
 namespace omnitag {
 namespace {

@@ -1,4 +1,4 @@
-#include "omnitag/marker/sharpening.h"
+#include "marker/sharpening.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "omnitag/marker/tag_detector.h"
+#include "marker/tag_detector.h"
 
 #include <apriltag/apriltag.h>
 #include <apriltag/tag16h5.h>
@@ -10,9 +10,9 @@
 #include <apriltag/tagStandard41h12.h>
 #include <apriltag/tagStandard52h13.h>
 
+#include "common/yaml_reader.h"
+#include "marker/tag_family.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/yaml_reader.h"
-#include "omnitag/marker/tag_family.h"
 #if __has_include(<apriltag/tag36h10.h>)
 #include <apriltag/tag36h10.h>
 #endif

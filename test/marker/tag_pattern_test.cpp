@@ -1,4 +1,4 @@
-#include "omnitag/marker/tag_pattern.h"
+#include "marker/tag_pattern.h"
 
 #include <apriltag/tag36h11.h>
 #include <gtest/gtest.h>
@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "../support/panorama_renderer.h"
+#include "marker/tag_family.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
-#include "omnitag/marker/tag_family.h"
 
 namespace omnitag {
 namespace {

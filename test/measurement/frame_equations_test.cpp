@@ -1,4 +1,4 @@
-#include "omnitag/measurement/frame_equations.h"
+#include "measurement/frame_equations.h"
 
 #include <gtest/gtest.h>
 

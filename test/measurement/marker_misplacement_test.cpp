@@ -1,4 +1,4 @@
-#include "omnitag/measurement/marker_misplacement.h"
+#include "measurement/marker_misplacement.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
-#include "omnitag/camera/catadioptric_camera.h"
-#include "omnitag/camera/mounted_camera.h"
+#include "camera/catadioptric_camera.h"
+#include "camera/mounted_camera.h"
 
 namespace omnitag {
 namespace {

@@ -1,4 +1,4 @@
-#include "omnitag/photometry/marker_patch.h"
+#include "photometry/marker_patch.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "omnitag/photometry/photometric_refinement.h"
+#include "photometry/photometric_refinement.h"
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@
 #include "../support/panorama_renderer.h"
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
-#include "omnitag/photometry/lasting_disagreement.h"
+#include "photometry/lasting_disagreement.h"
 
 namespace omnitag {
 namespace {

@@ -1,4 +1,4 @@
-#include "omnitag/photometry/recognition.h"
+#include "photometry/recognition.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <opencv2/core/mat.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "omnitag/planning/occupancy_grid.h"
+#include "planning/occupancy_grid.h"
 
 namespace omnitag::test {
 

@@ -1,4 +1,4 @@
-#include "omnitag/planning/expected_information.h"
+#include "planning/expected_information.h"
 
 #include <gtest/gtest.h>
 
@@ -10,9 +10,9 @@
 #include "../support/sample_markers.h"
 #include "../support/sweep.h"
 #include "building.h"
-#include "omnitag/localization/reprojection.h"
-#include "omnitag/marker/tag_pattern.h"
-#include "omnitag/planning/pose_prediction.h"
+#include "localization/reprojection.h"
+#include "marker/tag_pattern.h"
+#include "planning/pose_prediction.h"
 
 namespace omnitag {
 namespace {

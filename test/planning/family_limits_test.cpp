@@ -1,4 +1,4 @@
-#include "omnitag/planning/family_limits.h"
+#include "planning/family_limits.h"
 
 #include <gtest/gtest.h>
 

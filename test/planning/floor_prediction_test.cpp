@@ -1,4 +1,4 @@
-#include "omnitag/planning/floor_prediction.h"
+#include "planning/floor_prediction.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include "../support/sample_cameras.h"
 #include "../support/sample_markers.h"
 #include "building.h"
-#include "omnitag/planning/plan_picture.h"
-#include "omnitag/planning/plan_report.h"
+#include "planning/plan_picture.h"
+#include "planning/plan_report.h"
 
 namespace omnitag {
 namespace {

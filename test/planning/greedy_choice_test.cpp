@@ -1,4 +1,4 @@
-#include "omnitag/planning/greedy_choice.h"
+#include "planning/greedy_choice.h"
 
 #include <gtest/gtest.h>
 

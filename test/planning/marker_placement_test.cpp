@@ -1,4 +1,4 @@
-#include "omnitag/planning/marker_placement.h"
+#include "planning/marker_placement.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include "../support/sample_markers.h"
 #include "building.h"
 #include "omnitag/common/error.h"
-#include "omnitag/planning/floor_prediction.h"
-#include "omnitag/planning/wall_places.h"
+#include "planning/floor_prediction.h"
+#include "planning/wall_places.h"
 
 namespace omnitag {
 namespace {

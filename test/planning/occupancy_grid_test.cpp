@@ -1,4 +1,4 @@
-#include "omnitag/planning/occupancy_grid.h"
+#include "planning/occupancy_grid.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "omnitag/planning/sight.h"
+#include "planning/sight.h"
 
 #include <gtest/gtest.h>
 

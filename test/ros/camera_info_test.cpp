@@ -1,4 +1,4 @@
-#include "omnitag/ros/camera_info.h"
+#include "ros/camera_info.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <limits>
 #include <string>
 
-#include "omnitag/camera/equidistant_camera.h"
+#include "camera/equidistant_camera.h"
 #include "omnitag/common/error.h"
 
 namespace omnitag {

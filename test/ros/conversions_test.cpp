@@ -1,4 +1,4 @@
-#include "omnitag/ros/conversions.h"
+#include "ros/conversions.h"
 
 #include <gtest/gtest.h>
 

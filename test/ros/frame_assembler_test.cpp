@@ -1,4 +1,4 @@
-#include "omnitag/ros/frame_assembler.h"
+#include "ros/frame_assembler.h"
 
 #include <geometry_msgs/TransformStamped.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "omnitag/ros/health_monitor.h"
+#include "ros/health_monitor.h"
 
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "omnitag/ros/image_conversion.h"
+#include "ros/image_conversion.h"
 
 #include <gtest/gtest.h>
 #include <sensor_msgs/image_encodings.h>

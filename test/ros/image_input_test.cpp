@@ -1,4 +1,4 @@
-#include "omnitag/ros/image_input.h"
+#include "ros/image_input.h"
 
 #include <gtest/gtest.h>
 #include <ros/ros.h>

@@ -1,4 +1,4 @@
-#include "omnitag/ros/image_localizer.h"
+#include "ros/image_localizer.h"
 
 #include <geometry_msgs/TransformStamped.h>
 #include <gtest/gtest.h>
@@ -14,8 +14,8 @@
 #include "omnitag/camera/camera_file.h"
 #include "omnitag/common/error.h"
 #include "omnitag/marker/marker_map_file.h"
-#include "omnitag/ros/conversions.h"
-#include "omnitag/ros/localizer_settings.h"
+#include "ros/conversions.h"
+#include "ros/localizer_settings.h"
 
 namespace omnitag {
 namespace {

@@ -1,4 +1,4 @@
-#include "omnitag/ros/live_tuning.h"
+#include "ros/live_tuning.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "omnitag/ros/parameters.h"
+#include "ros/parameters.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "omnitag/ros/xmlrpc_yaml.h"
+#include "ros/xmlrpc_yaml.h"
 
 namespace omnitag {
 namespace {

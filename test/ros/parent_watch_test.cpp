@@ -1,4 +1,4 @@
-#include "omnitag/ros/parent_watch.h"
+#include "ros/parent_watch.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
-#include "omnitag/ros/result_messages.h"
+#include "ros/result_messages.h"
 
 #include <gtest/gtest.h>
 
-#include "omnitag/ros/conversions.h"
+#include "ros/conversions.h"
 
 namespace omnitag {
 namespace {

@@ -1,8 +1,8 @@
-#include "omnitag/ros/stamp_timeline.h"
+#include "ros/stamp_timeline.h"
 
 #include <gtest/gtest.h>
 
-#include "omnitag/ros/clock_watch.h"
+#include "ros/clock_watch.h"
 
 namespace omnitag {
 namespace {

@@ -7,11 +7,11 @@
 
 #include "omnitag/camera/camera_file.h"
 #include "omnitag/common/angle.h"
-#include "omnitag/ros/debug_image.h"
-#include "omnitag/ros/debug_image_layout.h"
-#include "omnitag/ros/frame_markers.h"
-#include "omnitag/ros/map_markers.h"
-#include "omnitag/ros/path_recorder.h"
+#include "ros/debug_image.h"
+#include "ros/debug_image_layout.h"
+#include "ros/frame_markers.h"
+#include "ros/map_markers.h"
+#include "ros/path_recorder.h"
 
 namespace omnitag {
 namespace {

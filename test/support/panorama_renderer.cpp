@@ -17,7 +17,7 @@
 #include <optional>
 #include <utility>
 
-#include "omnitag/marker/pattern_picture.h"
+#include "marker/pattern_picture.h"
 
 namespace omnitag::test {
 

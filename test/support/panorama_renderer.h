@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "omnitag/camera/mounted_camera.h"
+#include "camera/mounted_camera.h"
 #include "omnitag/marker/marker_map.h"
 
 namespace omnitag::test {

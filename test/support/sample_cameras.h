@@ -3,8 +3,8 @@
 #include <Eigen/Geometry>
 #include <memory>
 
+#include "camera/ocam_camera.h"
 #include "omnitag/camera/camera_file.h"
-#include "omnitag/camera/ocam_camera.h"
 #include "omnitag/common/angle.h"
 
 namespace omnitag::test {

@@ -7,11 +7,11 @@
 #include <random>
 #include <vector>
 
-#include "omnitag/camera/mounted_camera.h"
+#include "camera/mounted_camera.h"
+#include "localization/observation.h"
+#include "marker/marker_reader.h"
 #include "omnitag/common/angle.h"
-#include "omnitag/localization/observation.h"
 #include "omnitag/marker/marker_map.h"
-#include "omnitag/marker/marker_reader.h"
 
 namespace omnitag::test {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "omnitag/marker/pattern_picture.h"
+#include "marker/pattern_picture.h"
 
 namespace omnitag::test {
 

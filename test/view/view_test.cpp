@@ -6,8 +6,8 @@
 #include <opencv2/core.hpp>
 
 #include "../support/sample_cameras.h"
-#include "omnitag/view/view_planner.h"
-#include "omnitag/view/view_warper.h"
+#include "view/view_planner.h"
+#include "view/view_warper.h"
 
 namespace omnitag {
 namespace {

@@ -1,10 +1,10 @@
-#include "alignment_options.h"
+#include "ros/adjustment_tools/alignment_options.h"
 
 #include <boost/program_options.hpp>
 #include <sstream>
 
-#include "../bag_tools/command_line.h"
 #include "omnitag/common/error.h"
+#include "ros/bag_tools/command_line.h"
 
 namespace omnitag {
 namespace {

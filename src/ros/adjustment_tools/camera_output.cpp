@@ -1,4 +1,4 @@
-#include "camera_output.h"
+#include "ros/adjustment_tools/camera_output.h"
 
 #include <filesystem>
 #include <fstream>
@@ -7,11 +7,11 @@
 #include <system_error>
 #include <vector>
 
-#include "../bag_tools/mounting_option.h"
-#include "omnitag/adjustment/leaning_mounting.h"
+#include "adjustment/leaning_mounting.h"
+#include "common/format.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/format.h"
+#include "ros/bag_tools/mounting_option.h"
 
 namespace omnitag {
 namespace {

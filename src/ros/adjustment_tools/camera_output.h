@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "omnitag/adjustment/camera_calibration.h"
+#include "adjustment/camera_calibration.h"
 
 namespace omnitag {
 

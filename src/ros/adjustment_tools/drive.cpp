@@ -1,16 +1,16 @@
-#include "drive.h"
+#include "ros/adjustment_tools/drive.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "../bag_tools/recorded_images.h"
+#include "common/format.h"
+#include "localization/look_around.h"
+#include "marker/marker_reader.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/format.h"
-#include "omnitag/localization/look_around.h"
-#include "omnitag/marker/marker_reader.h"
-#include "omnitag/ros/conversions.h"
-#include "omnitag/ros/frame_assembler.h"
-#include "omnitag/view/view_warper.h"
+#include "ros/bag_tools/recorded_images.h"
+#include "ros/conversions.h"
+#include "ros/frame_assembler.h"
+#include "view/view_warper.h"
 
 namespace omnitag {
 

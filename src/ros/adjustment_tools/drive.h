@@ -11,13 +11,13 @@
 #include <string>
 #include <vector>
 
-#include "../bag_tools/bag_input.h"
-#include "omnitag/adjustment/map_alignment.h"
-#include "omnitag/adjustment/odometry_at.h"
+#include "adjustment/map_alignment.h"
+#include "adjustment/odometry_at.h"
+#include "localization/frame_readings.h"
+#include "marker/marker_families.h"
 #include "omnitag/camera/camera_model.h"
-#include "omnitag/localization/frame_readings.h"
-#include "omnitag/marker/marker_families.h"
-#include "omnitag/ros/parameters.h"
+#include "ros/bag_tools/bag_input.h"
+#include "ros/parameters.h"
 
 namespace omnitag {
 

@@ -1,15 +1,15 @@
-#include "joint_run.h"
+#include "ros/adjustment_tools/joint_run.h"
 
 #include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <utility>
 
-#include "omnitag/adjustment/place_constraint.h"
-#include "omnitag/adjustment/reading_alignment.h"
-#include "omnitag/adjustment/timed_calibration.h"
+#include "adjustment/place_constraint.h"
+#include "adjustment/reading_alignment.h"
+#include "adjustment/timed_calibration.h"
+#include "marker/tag_pattern.h"
 #include "omnitag/camera/camera_file.h"
-#include "omnitag/marker/tag_pattern.h"
 
 namespace omnitag {
 namespace {

@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "drive.h"
-#include "omnitag/adjustment/camera_calibration.h"
-#include "omnitag/adjustment/camera_template.h"
-#include "omnitag/adjustment/map_builder.h"
-#include "omnitag/adjustment/time_calibration.h"
+#include "adjustment/camera_calibration.h"
+#include "adjustment/camera_template.h"
+#include "adjustment/map_builder.h"
+#include "adjustment/time_calibration.h"
 #include "omnitag/marker/marker_map.h"
+#include "ros/adjustment_tools/drive.h"
 
 namespace omnitag {
 

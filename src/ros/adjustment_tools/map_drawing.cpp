@@ -1,4 +1,4 @@
-#include "map_drawing.h"
+#include "ros/adjustment_tools/map_drawing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,10 +6,10 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
+#include "common/drawing.h"
+#include "common/symmetric_matrix.h"
 #include "omnitag/common/angle.h"
-#include "omnitag/common/drawing.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/symmetric_matrix.h"
 
 namespace omnitag {
 namespace {

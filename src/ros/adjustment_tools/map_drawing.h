@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "omnitag/adjustment/map_builder.h"
+#include "adjustment/map_builder.h"
 
 namespace omnitag {
 

@@ -1,4 +1,4 @@
-#include "map_output.h"
+#include "ros/adjustment_tools/map_output.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,14 +7,14 @@
 #include <utility>
 #include <vector>
 
-#include "omnitag/adjustment/map_alignment.h"
-#include "omnitag/adjustment/mapped_entries.h"
-#include "omnitag/adjustment/marker_estimate.h"
+#include "adjustment/map_alignment.h"
+#include "adjustment/mapped_entries.h"
+#include "adjustment/marker_estimate.h"
+#include "common/format.h"
+#include "marker/marker_map_writer.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/format.h"
 #include "omnitag/marker/marker_map_file.h"
-#include "omnitag/marker/marker_map_writer.h"
 
 namespace omnitag {
 namespace {

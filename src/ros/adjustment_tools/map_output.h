@@ -2,9 +2,9 @@
 
 #include <string>
 
-#include "alignment_options.h"
-#include "drive.h"
-#include "omnitag/adjustment/map_builder.h"
+#include "adjustment/map_builder.h"
+#include "ros/adjustment_tools/alignment_options.h"
+#include "ros/adjustment_tools/drive.h"
 
 namespace omnitag {
 

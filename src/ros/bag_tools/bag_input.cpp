@@ -1,4 +1,4 @@
-#include "bag_input.h"
+#include "ros/bag_tools/bag_input.h"
 
 #include <image_transport/camera_common.h>
 #include <rosbag/exceptions.h>
@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "omnitag/common/error.h"
-#include "omnitag/ros/conversions.h"
-#include "omnitag/ros/image_conversion.h"
+#include "ros/conversions.h"
+#include "ros/image_conversion.h"
 
 namespace omnitag {
 namespace {

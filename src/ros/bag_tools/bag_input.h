@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
-#include "omnitag/ros/camera_info.h"
-#include "omnitag/ros/parent_watch.h"
+#include "ros/camera_info.h"
+#include "ros/parent_watch.h"
 
 namespace omnitag {
 

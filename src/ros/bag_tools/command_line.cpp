@@ -1,4 +1,4 @@
-#include "command_line.h"
+#include "ros/bag_tools/command_line.h"
 
 #include <boost/program_options.hpp>
 #include <filesystem>

@@ -1,4 +1,4 @@
-#include "mounting_option.h"
+#include "ros/bag_tools/mounting_option.h"
 
 #include <array>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "omnitag/adjustment/leaning_mounting.h"
+#include "adjustment/leaning_mounting.h"
 #include "omnitag/common/error.h"
 
 namespace omnitag {

@@ -1,4 +1,4 @@
-#include "progress.h"
+#include "ros/bag_tools/progress.h"
 
 #include <unistd.h>
 

@@ -1,9 +1,9 @@
-#include "recorded_images.h"
+#include "ros/bag_tools/recorded_images.h"
 
 #include <algorithm>
 
 #include "omnitag/common/error.h"
-#include "progress.h"
+#include "ros/bag_tools/progress.h"
 
 namespace omnitag {
 

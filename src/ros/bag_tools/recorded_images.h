@@ -6,8 +6,8 @@
 #include <functional>
 #include <string>
 
-#include "bag_input.h"
-#include "omnitag/ros/frame_assembler.h"
+#include "ros/bag_tools/bag_input.h"
+#include "ros/frame_assembler.h"
 
 namespace omnitag {
 

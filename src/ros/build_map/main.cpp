@@ -8,18 +8,18 @@
 #include <utility>
 #include <vector>
 
-#include "../adjustment_tools/camera_output.h"
-#include "../adjustment_tools/drive.h"
-#include "../adjustment_tools/joint_run.h"
-#include "../adjustment_tools/map_drawing.h"
-#include "../adjustment_tools/map_output.h"
-#include "omnitag/adjustment/map_builder.h"
+#include "adjustment/map_builder.h"
+#include "common/file_replacement.h"
+#include "marker/map_constraint.h"
+#include "marker/marker_families.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/file_replacement.h"
-#include "omnitag/marker/map_constraint.h"
-#include "omnitag/marker/marker_families.h"
 #include "omnitag/marker/marker_map_file.h"
-#include "options.h"
+#include "ros/adjustment_tools/camera_output.h"
+#include "ros/adjustment_tools/drive.h"
+#include "ros/adjustment_tools/joint_run.h"
+#include "ros/adjustment_tools/map_drawing.h"
+#include "ros/adjustment_tools/map_output.h"
+#include "ros/build_map/options.h"
 
 namespace omnitag {
 namespace {

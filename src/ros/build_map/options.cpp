@@ -1,11 +1,11 @@
-#include "options.h"
+#include "ros/build_map/options.h"
 
 #include <boost/program_options.hpp>
 #include <cmath>
 #include <filesystem>
 
-#include "../bag_tools/command_line.h"
 #include "omnitag/common/error.h"
+#include "ros/bag_tools/command_line.h"
 
 namespace omnitag {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "../adjustment_tools/alignment_options.h"
-#include "omnitag/ros/parameters.h"
+#include "ros/adjustment_tools/alignment_options.h"
+#include "ros/parameters.h"
 
 namespace omnitag {
 

@@ -5,20 +5,20 @@
 #include <string>
 #include <utility>
 
-#include "../adjustment_tools/camera_output.h"
-#include "../adjustment_tools/drive.h"
-#include "../adjustment_tools/joint_run.h"
-#include "../adjustment_tools/map_output.h"
-#include "omnitag/adjustment/camera_template.h"
-#include "omnitag/adjustment/residual_picture.h"
+#include "adjustment/camera_template.h"
+#include "adjustment/residual_picture.h"
+#include "common/file_replacement.h"
+#include "marker/board_file.h"
+#include "marker/map_constraint.h"
+#include "marker/marker_families.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/file_replacement.h"
-#include "omnitag/marker/board_file.h"
-#include "omnitag/marker/map_constraint.h"
-#include "omnitag/marker/marker_families.h"
 #include "omnitag/marker/marker_map_file.h"
-#include "options.h"
-#include "parameter_output.h"
+#include "ros/adjustment_tools/camera_output.h"
+#include "ros/adjustment_tools/drive.h"
+#include "ros/adjustment_tools/joint_run.h"
+#include "ros/adjustment_tools/map_output.h"
+#include "ros/calibrate_camera/options.h"
+#include "ros/calibrate_camera/parameter_output.h"
 
 namespace omnitag {
 namespace {

@@ -1,13 +1,13 @@
-#include "options.h"
+#include "ros/calibrate_camera/options.h"
 
 #include <boost/program_options.hpp>
 #include <cmath>
 #include <filesystem>
 #include <sstream>
 
-#include "../bag_tools/command_line.h"
-#include "../bag_tools/mounting_option.h"
 #include "omnitag/common/error.h"
+#include "ros/bag_tools/command_line.h"
+#include "ros/bag_tools/mounting_option.h"
 
 namespace omnitag {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "../adjustment_tools/alignment_options.h"
+#include "ros/adjustment_tools/alignment_options.h"
 
 namespace omnitag {
 

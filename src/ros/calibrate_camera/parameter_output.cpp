@@ -1,4 +1,4 @@
-#include "parameter_output.h"
+#include "ros/calibrate_camera/parameter_output.h"
 
 #include <yaml-cpp/yaml.h>
 
@@ -6,12 +6,12 @@
 #include <regex>
 #include <utility>
 
-#include "omnitag/adjustment/mapped_entries.h"
+#include "adjustment/mapped_entries.h"
+#include "common/file_replacement.h"
+#include "common/format.h"
+#include "marker/marker_map_writer.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/file_replacement.h"
-#include "omnitag/common/format.h"
-#include "omnitag/marker/marker_map_writer.h"
-#include "omnitag/ros/parameters.h"
+#include "ros/parameters.h"
 
 namespace omnitag {
 namespace {

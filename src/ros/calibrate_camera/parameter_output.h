@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "omnitag/adjustment/time_calibration.h"
+#include "adjustment/time_calibration.h"
 
 namespace omnitag {
 

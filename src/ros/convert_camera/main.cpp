@@ -3,12 +3,12 @@
 #include <iostream>
 #include <string>
 
-#include "../bag_tools/command_line.h"
+#include "camera/camera_writer.h"
+#include "camera/camera_yaml.h"
+#include "common/file_replacement.h"
 #include "omnitag/camera/camera_file.h"
-#include "omnitag/camera/camera_writer.h"
-#include "omnitag/camera/camera_yaml.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/file_replacement.h"
+#include "ros/bag_tools/command_line.h"
 
 namespace omnitag {
 namespace {

@@ -8,17 +8,17 @@
 #include <string>
 #include <vector>
 
-#include "../bag_tools/bag_input.h"
-#include "../bag_tools/progress.h"
-#include "omnitag/adjustment/mapped_entries.h"
+#include "adjustment/mapped_entries.h"
+#include "common/file_replacement.h"
+#include "common/quantile.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/file_replacement.h"
-#include "omnitag/common/quantile.h"
-#include "omnitag/ros/image_conversion.h"
-#include "omnitag/ros/image_localizer.h"
-#include "options.h"
-#include "result_bag.h"
-#include "result_files.h"
+#include "ros/bag_tools/bag_input.h"
+#include "ros/bag_tools/progress.h"
+#include "ros/image_conversion.h"
+#include "ros/image_localizer.h"
+#include "ros/localize_bag/options.h"
+#include "ros/localize_bag/result_bag.h"
+#include "ros/localize_bag/result_files.h"
 
 namespace omnitag {
 namespace {
@@ -74,7 +74,8 @@ std::string stampText(const ros::Time& stamp) {
   return std::to_string(stamp.sec) + "." + std::to_string(stamp.nsec + 1000000000U).substr(1);
 }
 
-/// If asked for, writes the map file's text with what images have shown of its markers and of others.
+/// If asked for, writes the map file's text with what images have shown of its markers and of
+/// others.
 void saveMap(const BagOptions& options, const ImageLocalizer& localizer) {
   if (options.mapped.empty()) return;
   const std::vector<ProvisionalMarker> provisional = localizer.provisional();

@@ -1,12 +1,12 @@
-#include "options.h"
+#include "ros/localize_bag/options.h"
 
 #include <boost/program_options.hpp>
 #include <cmath>
 #include <sstream>
 
-#include "../bag_tools/command_line.h"
-#include "../bag_tools/mounting_option.h"
 #include "omnitag/common/error.h"
+#include "ros/bag_tools/command_line.h"
+#include "ros/bag_tools/mounting_option.h"
 
 namespace omnitag {
 namespace {

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "../bag_tools/bag_input.h"
 #include "omnitag/common/pose.h"
-#include "omnitag/ros/parameters.h"
+#include "ros/bag_tools/bag_input.h"
+#include "ros/parameters.h"
 
 namespace omnitag {
 

@@ -1,4 +1,4 @@
-#include "result_bag.h"
+#include "ros/localize_bag/result_bag.h"
 
 #include <cv_bridge/cv_bridge.h>
 #include <sensor_msgs/image_encodings.h>
@@ -9,11 +9,11 @@
 #include <set>
 
 #include "omnitag/common/error.h"
-#include "omnitag/ros/conversions.h"
-#include "omnitag/ros/map_markers.h"
-#include "omnitag/ros/map_publisher.h"
-#include "omnitag/ros/parent_watch.h"
-#include "omnitag/ros/result_messages.h"
+#include "ros/conversions.h"
+#include "ros/map_markers.h"
+#include "ros/map_publisher.h"
+#include "ros/parent_watch.h"
+#include "ros/result_messages.h"
 
 namespace omnitag {
 namespace {

@@ -6,11 +6,11 @@
 #include <string>
 
 #include "omnitag/marker/marker_map.h"
-#include "omnitag/ros/debug_image.h"
-#include "omnitag/ros/frame_markers.h"
-#include "omnitag/ros/image_localizer.h"
-#include "omnitag/ros/parameters.h"
-#include "omnitag/ros/path_recorder.h"
+#include "ros/debug_image.h"
+#include "ros/frame_markers.h"
+#include "ros/image_localizer.h"
+#include "ros/parameters.h"
+#include "ros/path_recorder.h"
 
 namespace omnitag {
 

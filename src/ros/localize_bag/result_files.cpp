@@ -1,10 +1,10 @@
-#include "result_files.h"
+#include "ros/localize_bag/result_files.h"
 
 #include <cmath>
 #include <optional>
 
+#include "common/format.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/format.h"
 
 namespace omnitag {
 namespace {

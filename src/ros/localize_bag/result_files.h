@@ -6,7 +6,7 @@
 #include <string>
 
 #include "omnitag/marker/marker_map.h"
-#include "omnitag/ros/image_localizer.h"
+#include "ros/image_localizer.h"
 
 namespace omnitag {
 

@@ -13,19 +13,19 @@
 #include <utility>
 #include <vector>
 
+#include "common/file_replacement.h"
+#include "common/format.h"
+#include "marker/marker_map_writer.h"
+#include "marker/tag_family.h"
 #include "omnitag/camera/camera_file.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/file_replacement.h"
-#include "omnitag/common/format.h"
 #include "omnitag/marker/marker_map_file.h"
-#include "omnitag/marker/marker_map_writer.h"
-#include "omnitag/marker/tag_family.h"
-#include "omnitag/planning/marker_placement.h"
-#include "omnitag/planning/plan_picture.h"
-#include "omnitag/planning/plan_report.h"
-#include "omnitag/ros/parameters.h"
-#include "options.h"
+#include "planning/marker_placement.h"
+#include "planning/plan_picture.h"
+#include "planning/plan_report.h"
+#include "ros/parameters.h"
+#include "ros/plan_markers/options.h"
 
 namespace omnitag {
 namespace {

@@ -1,17 +1,17 @@
-#include "options.h"
+#include "ros/plan_markers/options.h"
 
 #include <boost/program_options.hpp>
 #include <cmath>
 #include <filesystem>
 #include <vector>
 
-#include "../bag_tools/command_line.h"
-#include "../bag_tools/mounting_option.h"
+#include "camera/camera_yaml.h"
+#include "common/format.h"
 #include "omnitag/camera/camera_file.h"
-#include "omnitag/camera/camera_yaml.h"
 #include "omnitag/common/error.h"
-#include "omnitag/common/format.h"
-#include "omnitag/planning/occupancy_grid.h"
+#include "planning/occupancy_grid.h"
+#include "ros/bag_tools/command_line.h"
+#include "ros/bag_tools/mounting_option.h"
 
 namespace omnitag {
 namespace {

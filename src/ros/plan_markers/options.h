@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "omnitag/planning/floor_prediction.h"
+#include "planning/floor_prediction.h"
 
 namespace omnitag {
 

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <visualization_msgs/MarkerArray.h>
+
+#include <string>
+#include <vector>
+
+#include "adjustment/marker_mapper.h"
+#include "omnitag/marker/marker_map.h"
+
+namespace omnitag {
+
+/// The marker map for RViz: `tags`, as they are printed (in a map of more than 200 only their
+/// border) and grey on their back; `normals`, an arrowhead out of each face; `names`, the entry's
+/// id and name. Markers that mapping has found are framed and named in green if they are used, in
+/// orange if they are not known well enough yet. Throws InputError for a tag that the AprilTag
+/// library does not have.
+visualization_msgs::MarkerArray mapMarkers(const MarkerMap& map,
+                                           const std::vector<ProvisionalMarker>& provisional,
+                                           const std::string& map_frame);
+
+/// The map as RViz shows it, redrawn if mapping has made a visible difference.
+class MapDrawing {
+ public:
+  MapDrawing(const MarkerMap& map, const std::string& map_frame);
+
+  /// Whether it was redrawn: if markers came or went, are used now, or are at least 1 cm from where
+  /// they were last drawn.
+  bool update(const MarkerMap& map, const std::vector<ProvisionalMarker>& provisional);
+
+  /// Draws another map and deletes what is left of the previous one.
+  void replace(const MarkerMap& map, const std::vector<ProvisionalMarker>& provisional);
+
+  const visualization_msgs::MarkerArray& markers() const { return markers_; }
+
+ private:
+  std::string map_frame_;
+  visualization_msgs::MarkerArray markers_;
+  /// The results of mapping that `markers_` shows.
+  std::vector<ProvisionalMarker> drawn_;
+};
+
+}  // namespace omnitag
