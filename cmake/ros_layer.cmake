@@ -34,7 +34,7 @@ add_dependencies(omnitag_ros ${PROJECT_NAME}_generate_messages_cpp ${catkin_EXPO
 target_include_directories(omnitag_ros SYSTEM PUBLIC
   ${CATKIN_DEVEL_PREFIX}/include ${catkin_INCLUDE_DIRS})
 target_link_libraries(omnitag_ros
-  PUBLIC omnitag_core ${catkin_LIBRARIES}
+  PUBLIC omnitag_internal ${catkin_LIBRARIES}
   PRIVATE opencv_imgcodecs
 )
 
@@ -95,6 +95,9 @@ add_executable(plan_markers
 )
 target_link_libraries(plan_markers PRIVATE omnitag_bag_tools opencv_imgcodecs)
 
+set(programs localizer_node localize_bag build_map calibrate_camera convert_camera plan_markers)
+omnitag_flags(omnitag_ros omnitag_nodelet omnitag_bag_tools omnitag_adjustment_tools ${programs})
+
 # Shared libraries and programs cannot share them: their code is compiled for different places.
 set(precompiled_ros_headers ${precompiled_headers}
   <cv_bridge/cv_bridge.h>
@@ -117,16 +120,13 @@ if(OMNITAG_PCH AND NOT OMNITAG_PCH STREQUAL TESTS)
   endforeach()
 endif()
 
-install(TARGETS omnitag_core omnitag_ros omnitag_nodelet
+install(TARGETS omnitag_ros omnitag_nodelet
   ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
   LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
   RUNTIME DESTINATION ${CATKIN_GLOBAL_BIN_DESTINATION}
 )
-install(TARGETS localizer_node localize_bag build_map calibrate_camera convert_camera plan_markers
+install(TARGETS ${programs}
   RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION}
-)
-install(DIRECTORY include/${PROJECT_NAME}/
-  DESTINATION ${CATKIN_PACKAGE_INCLUDE_DESTINATION}
 )
 install(DIRECTORY bags config launch maps meshes urdf worlds
   DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION}

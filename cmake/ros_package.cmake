@@ -1,13 +1,15 @@
-# What those need, too, who use the libraries.
-set(exported_packages
+find_package(catkin REQUIRED COMPONENTS
   cv_bridge
   diagnostic_updater
   dynamic_reconfigure
   geometry_msgs
   image_transport
   interactive_markers
+  message_generation
   nav_msgs
   nodelet
+  pluginlib
+  rosbag_storage
   roscpp
   sensor_msgs
   std_msgs
@@ -17,8 +19,6 @@ set(exported_packages
   tf2_ros
   visualization_msgs
 )
-find_package(catkin REQUIRED COMPONENTS
-  ${exported_packages} message_generation pluginlib rosbag_storage)
 if(POLICY CMP0167)
   cmake_policy(SET CMP0167 NEW)  # Boost's own CMake package: CMake has no other for it any more
 endif()
@@ -41,14 +41,6 @@ add_service_files(FILES
 )
 generate_messages(DEPENDENCIES geometry_msgs std_msgs)
 
-# catkin exports what these variables name; yaml-cpp's own configuration sets others.
-set(YAML_CPP_FOUND TRUE)
-set(YAML_CPP_INCLUDE_DIRS ${YAML_CPP_INCLUDE_DIR})
-set(YAML_CPP_LIBRARIES yaml-cpp)
-
-catkin_package(
-  INCLUDE_DIRS include
-  LIBRARIES omnitag_core omnitag_ros
-  CATKIN_DEPENDS ${exported_packages} message_runtime
-  DEPENDS EIGEN3 OpenCV YAML_CPP
-)
+# The messages alone, so that who exchanges them needs none of the libraries. The core has a CMake
+# package of its own, omnitag_core; the ROS layer's headers are for the nodelet and the tools.
+catkin_package(CATKIN_DEPENDS geometry_msgs message_runtime std_msgs)

@@ -47,18 +47,18 @@ def own_names(source: str) -> Set[str]:
     return names
 
 
-def units_of(sources: List[Path], public: Set[str]) -> List[List[Path]]:
+def units_of(sources: List[Path], shared: Set[str]) -> List[List[Path]]:
     """Shares sources of one folder out among as few units as their number and names allow.
 
-    A name for itself that is also public hides that from all that follow in the unit: such a source
-    comes late, and none after it that uses the public one.
+    A name for itself that a header has, too, hides that from all that follow in the unit: such a source
+    comes late, and none after it that uses the header's.
     """
     texts = {source: source.read_text(encoding="utf-8") for source in sources}
     own = {source: own_names(text) for source, text in texts.items()}
     units: List[List[Path]] = [[] for _ in range(-(-len(sources) // LARGEST_UNIT))]
     taken: List[Set[str]] = [set() for _ in units]
-    for source in sorted(sources, key=lambda source: len(own[source] & public)):
-        words = own[source] | set(re.findall(r"\w+", texts[source])) & public
+    for source in sorted(sources, key=lambda source: len(own[source] & shared)):
+        words = own[source] | set(re.findall(r"\w+", texts[source])) & shared
         for index in sorted(range(len(units)), key=lambda i: len(units[i])):
             if not words & taken[index]:
                 break
@@ -88,17 +88,16 @@ def main() -> None:
     for source in sorted(commands):
         folders.setdefault(source.parent, []).append(source)
 
-    public: Set[str] = set()
-    for header in arguments.headers.rglob("*.h"):
-        public |= defined_names(header.read_text(encoding="utf-8"))
+    # A source may include headers of any folder.
+    shared: Set[str] = set()
+    for root in (arguments.headers, arguments.sources):
+        for header in root.rglob("*.h"):
+            shared |= defined_names(header.read_text(encoding="utf-8"))
 
     output.mkdir(parents=True, exist_ok=True)
     entries = []
     for folder, sources in folders.items():
-        local: Set[str] = set()
-        for header in folder.glob("*.h"):
-            local |= defined_names(header.read_text(encoding="utf-8"))
-        for number, unit in enumerate(units_of(sources, public | local)):
+        for number, unit in enumerate(units_of(sources, shared)):
             name = "_".join([PREFIX, *folder.relative_to(arguments.sources).parts, str(number)])
             path = output / f"{name}.cpp"
             path.write_text(

@@ -68,4 +68,8 @@ LocalizerConfig readLocalizerConfig(const YamlReader& reader) {
   return config;
 }
 
+LocalizerConfig loadLocalizerConfig(const std::string& path) {
+  return readLocalizerConfig(YamlReader::fromFile(path));
+}
+
 }  // namespace omnitag

@@ -23,6 +23,12 @@ TEST(LocalizerConfigTest, AbsentKeysKeepTheirDefaults) {
   EXPECT_EQ(config.detector.min_white_black_diff, defaults.detector.min_white_black_diff);
 }
 
+TEST(LocalizerConfigTest, LoadsAFile) {
+  const LocalizerConfig config = loadLocalizerConfig(PACKAGE_DIR "/config/localizer.yaml");
+  EXPECT_EQ(config.evidence.odds, LocalizerConfig().evidence.odds);
+  EXPECT_THROW(loadLocalizerConfig("no_such_file.yaml"), InputError);
+}
+
 TEST(LocalizerConfigTest, ReadsEveryGroup) {
   const LocalizerConfig config = read(R"(
 estimator: reprojection

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "omnitag/camera/shutter_config.h"
 #include "omnitag/localization/attention_config.h"
 #include "omnitag/localization/estimator_config.h"
@@ -46,5 +48,8 @@ struct LocalizerConfig {
 /// and those of ShutterConfig. Absent keys keep their defaults; other top-level keys are ignored.
 /// Throws InputError.
 LocalizerConfig readLocalizerConfig(const YamlReader& reader);
+
+/// The same from a file such as config/localizer.yaml.
+LocalizerConfig loadLocalizerConfig(const std::string& path);
 
 }  // namespace omnitag
