@@ -23,20 +23,20 @@ OcamCalibration loadedCalibration(const YamlReader& camera) {
 }
 
 OcamCalibration statedCalibration(const YamlReader& camera) {
-  const YamlReader reader = camera.mapping("calibration");
-  reader.allowOnly({"polynomial", "center", "affine"});
-  OcamCalibration calibration;
-  calibration.polynomial = reader.numbers("polynomial");
-  if (calibration.polynomial.empty()) reader.refuse("polynomial", "a0, a1, ...");
-  const std::vector<double> center = reader.numbers("center", 2);
-  calibration.center_row = center[0];
-  calibration.center_column = center[1];
-  const std::vector<double> affine = reader.numbers("affine", 3);
-  calibration.c = affine[0];
-  calibration.d = affine[1];
-  calibration.e = affine[2];
-  calibration.image_size = readImageSize(camera);
-  return calibration;
+  const YamlReader calibration = camera.mapping("calibration");
+  calibration.allowOnly({"polynomial", "center", "affine"});
+  OcamCalibration stated;
+  stated.image_size = readImageSize(camera);
+  stated.polynomial = calibration.numbers("polynomial");
+  if (stated.polynomial.empty()) calibration.refuse("polynomial", "a0, a1, ...");
+  const std::vector<double> center = calibration.numbers("center", 2);
+  stated.center_row = center[0];
+  stated.center_column = center[1];
+  const std::vector<double> affine = calibration.numbers("affine", 3);
+  stated.c = affine[0];
+  stated.d = affine[1];
+  stated.e = affine[2];
+  return stated;
 }
 
 }  // namespace
