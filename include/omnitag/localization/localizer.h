@@ -32,7 +32,7 @@ struct TrackingTools;
 /// A camera that a localizer looks through.
 struct LocalizerCamera {
   std::shared_ptr<const CameraModel> model;
-  /// None: as LocalizerConfig says.
+  /// If none, the one in LocalizerConfig.
   std::optional<ShutterConfig> shutter = std::nullopt;
 };
 
@@ -49,7 +49,7 @@ class Localizer {
             const LocalizerConfig& config);
   ~Localizer();
 
-  /// s by which an image may be older than the last one of another camera.
+  /// s: how much older an image may be than the last one of another camera.
   static constexpr double kMaxOvertaken = 0.5;
 
   /// Takes base_link's pose in the map from outside, as a hypothesis
@@ -59,29 +59,29 @@ class Localizer {
   void setPose(const PoseEstimate& map_from_base,
                const std::optional<Pose>& odom_from_base = std::nullopt);
 
-  /// The same without a covariance; the configured initial deviations apply.
+  /// The same without a covariance, using the configured initial deviations.
   void setPose(const Pose& map_from_base, const std::optional<Pose>& odom_from_base = std::nullopt);
 
   /// Forgets the pose; the next frames search.
   void forgetPose();
 
-  /// Replaces the map by one with markers appended, or with some of the existing ones moved.
-  /// Throws InputError as the constructor does; a family that the map did not name before must be
-  /// its default.
+  /// Replaces the map by one that has markers appended, or some of the existing ones moved. Throws
+  /// InputError as the constructor does; a family that the map did not name before must be its
+  /// default.
   void setMap(MarkerMap map);
 
-  /// Continues from the state of another localizer of the same cameras whose map or settings
-  /// differ: takes over its pose, and what it knows of markers that this map has in the same
+  /// Continues from the state of another localizer with the same cameras but another map or other
+  /// settings: takes over its pose, and what it knows of markers that this map has in the same
   /// places. Call it before the first image.
   void continueFrom(const Localizer& before);
 
-  /// Takes markers that the map does not have, with the places where they seem to hang: exploring
-  /// (LocalizerConfig::exploring_views) looks for them there, too.
+  /// Takes markers that the map does not have, at the places where they seem to hang; exploring
+  /// (LocalizerConfig::exploring_views) then looks for them there, too.
   void seek(const std::vector<Marker>& markers);
 
-  /// Processes a frame. The stamps of each camera must increase, be at most kMaxOvertaken older
-  /// than those of others, and frame.image must have the camera's size; otherwise throws InputError
-  /// and keeps its state.
+  /// Processes a frame. The stamps of each camera must increase and be at most kMaxOvertaken older
+  /// than those of other cameras, and frame.image must have the camera's size; otherwise throws
+  /// InputError and keeps its state.
   FrameResult process(const Frame& frame);
 
   const MarkerMap& map() const { return map_; }
@@ -89,12 +89,13 @@ class Localizer {
 
  private:
   void check(const Frame& frame) const;
-  /// Carries all hypotheses on to the frame; gives their poses, of use unless they are then lost.
+  /// Carries all hypotheses on to the frame and returns their poses, which are of no use for
+  /// hypotheses that are then lost.
   std::vector<PoseEstimate> predict(const Frame& frame);
   CameraState& stateOf(const Frame& frame) { return *cameras_[frame.camera]; }
   /// Whether an image of another camera has just given the pose.
   bool isSeenByAnother(const Frame& frame) const;
-  /// The camera while it takes the frame's image. After predict().
+  /// The camera while it takes the frame's image. To be called after predict().
   MountedCamera cameraOf(const Frame& frame);
   /// Whether no hypothesis has a pose.
   bool isLost() const;
@@ -105,8 +106,8 @@ class Localizer {
   std::vector<Account> track(const Frame& frame, const MountedCamera& camera,
                              const Hypothesis& before, const PoseEstimate& predicted,
                              bool is_likeliest, std::vector<MarkerObservation>* seen);
-  /// The pose from the markers that are found near their predictions, the blur with which they are
-  /// found best, and other poses that they may indicate.
+  /// The pose from the markers that are found near their predictions, the blur that finds them
+  /// best, and other poses that they may indicate.
   std::optional<PoseEstimate> followMarkers(const TrackingTools& tools, const Frame& frame,
                                             const MountedCamera& camera,
                                             const PoseEstimate& predicted, bool learns,
@@ -118,24 +119,24 @@ class Localizer {
                                       const MountedCamera& camera, const Hypothesis& before,
                                       const Account& account,
                                       const std::vector<MarkerObservation>& seen);
-  /// A pose, less certain by the effect of the images' lag on the robot's motion, if they seem
-  /// to lag.
+  /// A pose, its covariance widened for the robot's motion if the images seem to lag.
   PoseEstimate withLag(const Frame& frame, const PoseEstimate& predicted, const PoseEstimate& pose,
                        bool learns);
   /// Whether the accepted markers alone, without the prediction, lead to the predicted place. An
-  /// overconfident prediction may hold a pose against all of them.
+  /// overconfident prediction may hold the pose there against all of them.
   bool markersAgree(const MountedCamera& camera, const PoseEstimate& predicted,
                     const Pose& solution, const FrameResult& result) const;
-  /// Whether a look all around finds the robot elsewhere. It is done now and then, if only a marker
-  /// or two are found and one is missed that the last frame showed. Exploring keeps what it reads.
+  /// Whether a look all around finds the robot elsewhere. It is only done now and then, if at most
+  /// two markers are found and one that the last frame showed is missing. Exploring keeps what it
+  /// reads.
   bool isElsewhere(const TrackingTools& tools, const Frame& frame, const MountedCamera& camera,
                    const Hypothesis& hypothesis, const PoseEstimate& tracked, FrameResult* result);
 
-  /// Searches for a robot that is lost, or seems not to be where its account puts it: the resulting
-  /// accounts, for that account and for the place where the robot is found.
+  /// Searches for a robot that is lost, or seems not to be where its account puts it; returns that
+  /// account and those for the place where the robot is found.
   std::vector<Account> lookFor(const Frame& frame, const MountedCamera& camera, Account account,
                                const std::optional<PoseEstimate>& predicted, bool is_refuted);
-  /// Looks all around; nothing if that gives no pose that the prediction must yield to.
+  /// Looks all around; nothing if that gives no pose that overrules the prediction.
   std::optional<PoseEstimate> search(const TrackingTools& tools, const Frame& frame,
                                      const MountedCamera& camera,
                                      const std::optional<PoseEstimate>& predicted,
@@ -147,10 +148,11 @@ class Localizer {
   void learnFrom(const Frame& frame, const MountedCamera& camera, bool was_searched,
                  FrameResult* result);
   void learnBlur(const Frame& frame, const MountedCamera& camera, FrameResult* result);
-  /// Pixels, standard deviation of the blur that is to be removed for decoders.
+  /// Pixels: standard deviation of the blur to remove for decoders.
   static double blurToRead(CameraState* state);
   TrackingTools trackingTools(const Frame& frame, const Hypothesis& hypothesis);
-  /// Whether it is time to measure how far a marker hangs from its place; if so, counts it as done.
+  /// Whether it is time to measure how far a marker hangs from its place; if so, notes it as
+  /// measured.
   bool isDue(const MarkerDetection& rejected, double stamp);
 
   MarkerMap map_;
@@ -160,7 +162,7 @@ class Localizer {
   TagPatterns patterns_;
   Evidence evidence_;
   /// The likeliest first. There is always one: for a lost robot, it holds what was last known of
-  /// the world and of how the robot stands.
+  /// the markers and of how the robot stands.
   std::vector<Hypothesis> hypotheses_;
   ImageLag image_lag_;
   /// How the robot stands, as far as is known without a prediction.
@@ -172,7 +174,7 @@ class Localizer {
   };
   std::optional<GivenPose> given_pose_;
   std::optional<double> last_stamp_;
-  /// Stamp from which a pose that is based on few markers is next doubted.
+  /// Stamp from which a pose based on few markers may next be doubted.
   double next_doubt_ = -std::numeric_limits<double>::infinity();
   /// By family and id: when it was last measured how far a marker hangs from its place.
   std::map<std::pair<std::string, int>, double> measured_;

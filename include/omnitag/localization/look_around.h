@@ -23,21 +23,21 @@ struct LookAroundConfig {
   bool glance = true;
   /// rad, between the middles of neighbouring views.
   double step = radians(45.0);
-  /// rad, by which neighbouring views or sectors overlap: a narrower marker is whole in one of
-  /// them. Much wider, hence nearer, markers are not looked for, except on the floor and under
-  /// the ceiling.
+  /// rad: how far neighbouring views or sectors overlap, so that a narrower marker is whole in one
+  /// of them. Much wider (nearer) markers are not looked for, except on the floor and under the
+  /// ceiling.
   double overlap = radians(20.0);
-  /// Pixels of a view per pixel of the panorama along the tangent, where the panorama
-  /// resolves best.
+  /// Pixels of a view per pixel of the panorama along the tangent, where the panorama has its best
+  /// resolution.
   double oversampling = 1.0;
-  /// Pixels, width and height of a view at most; larger ones are made coarser.
+  /// Pixels: largest width and height of a view; larger views are made coarser.
   int max_size = 960;
 };
 
 /// Reads the keys above; absent ones keep their defaults. Throws InputError.
 LookAroundConfig readLookAroundConfig(const YamlReader& reader);
 
-/// Where markers can image, whole, that are at these heights, up to `max_range` metres away and not
+/// Where whole markers can image that are at these heights, up to `max_range` metres away and not
 /// much wider than `config.overlap`; and those on the floor and under the ceiling, however near.
 /// Nothing if the camera sees none of these.
 std::optional<Annulus> annulusOfMarkers(const MarkerHeights& heights, const MountedCamera& camera,
