@@ -29,8 +29,8 @@ struct CalibrationParameter {
 /// The parameters' values, in their order.
 Eigen::VectorXd valuesOf(const std::vector<CalibrationParameter>& parameters);
 
-/// A camera file whose parameters can be replaced. Whatever is optimized can therefore be written,
-/// read again and used.
+/// A camera file whose parameters can be replaced, so whatever is optimized can be written, read
+/// again and used.
 ///
 /// The parameters are the lens's fx, fy, cx and cy; for a mirror, radius_of_curvature,
 /// conic_constant and apex_distance (only apex_distance if it is tabulated); for the equidistant

@@ -19,14 +19,14 @@ std::vector<MapEntry> usedEntries(const std::vector<ProvisionalMarker>& markers)
 
 /// The result of saving a map.
 struct SavedMap {
-  /// The markers added to the file. Markers whose family and id it already had are not among them.
+  /// The markers added to the file; not those whose family and id it already had.
   std::vector<Marker> added;
   /// Whether the file was written.
   bool is_written = false;
 };
 
-/// Adds markers to a map file in its present state, including edits made meanwhile. Throws
-/// InputError if it cannot be read, parsed or replaced; it is then unchanged.
+/// Adds markers to a map file as it now is, keeping edits made meanwhile. Throws InputError if it
+/// cannot be read, parsed or replaced; it is then unchanged.
 SavedMap addToMapFile(const std::string& path, const std::vector<MapEntry>& entries);
 
 /// The text of a file. Throws InputError if it cannot be read.
