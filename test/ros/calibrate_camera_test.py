@@ -24,7 +24,7 @@ uncertainty: none
 lens: {fx: 1090.0, fy: 1090.0, cx: 255.0, cy: 244.0}
 mirror: {profile: spherical, radius_of_curvature: 0.04, apex_distance: 0.21, rim_radius: 0.0375}
 """
-# Leans by 5 degrees against the bag's transform, which is true.
+# Leans by 5 degrees relative to the bag's transform, which is true.
 LEANING = "0.1,0.02,1.1,-3.08,0.06,0.5236"
 
 
@@ -89,7 +89,7 @@ class CalibrateCameraTest(unittest.TestCase):
         self.assertIn("with the guess", result.stderr)
         self.assertIn("calibrating:", result.stderr)
 
-        # What it gives is what localize_bag takes.
+        # localize_bag accepts what it writes.
         localized = subprocess.run(
             ["rosrun", "omnitag", "localize_bag", "--camera", self.path("out.yaml"), "--map", MAP,
              "--bag", BAG, "--trajectory", self.path("out.tum"), "--mounting",
@@ -132,7 +132,7 @@ class CalibrateCameraTest(unittest.TestCase):
         found = yaml.safe_load(text)
         self.assertAlmostEqual(found["image_time_offset"], 0.020, delta=0.001)
         self.assertEqual(found["row_readout_time"], 0.0)
-        # What it gives is what localize_bag takes.
+        # localize_bag accepts what it writes.
         localized = subprocess.run(
             ["rosrun", "omnitag", "localize_bag", "--camera", self.path("out.yaml"), "--map", MAP,
              "--bag", bag, "--odom-frame", "odom", "--params", params,

@@ -63,7 +63,7 @@ class CameraInfoTest(unittest.TestCase):
         self.assertTrue(wait_until(lambda: "/save_map" in rosservice.get_service_list()))
         self.assertTrue(wait_until(lambda: is_connected(self.images, self.status.subscriber)))
 
-        # It needs no more of them, and still says where its camera is from.
+        # It needs no more of them, and still says where its camera came from.
         self.assertTrue(wait_until(lambda: self.infos.get_num_connections() == 0))
         start = len(self.diagnostics.messages)
         self.assertTrue(wait_until(lambda: any(

@@ -50,7 +50,7 @@ class FaultsTest(unittest.TestCase):
         cls.later = rospy.Duration(0)
 
     def setUp(self):
-        # After the last image come the first ones again, which are later, and elsewhere.
+        # After the last image, the first ones come again, later and elsewhere.
         if self.index + MOST_IMAGES > len(self.harness.images):
             type(self).later = self.later + 2 * HALF_PERIOD * len(self.harness.images)
             type(self).index = 0
@@ -171,7 +171,7 @@ class FaultsTest(unittest.TestCase):
             self.expect_tracking()
             self.expect_no_pose_at(image.header.stamp)
 
-        # Nobody waits for the transform of what is refused anyway.
+        # An image that is refused anyway does not wait for its transform.
         unnamed = self.between_images()
         unnamed.header.frame_id = ""
         start = time.monotonic()
@@ -275,7 +275,7 @@ class FaultsTest(unittest.TestCase):
             return image
 
         self.expect_right_pose(send(self.next_image(), True))
-        # One only: another might still wait when the transform is back, and rightly get it.
+        # Only one: another might still be waiting when the transform is back, and rightly get it.
         gone = send(self.next_image(), False)
         self.harness.publish_any(gone)
         self.wait_for_diagnostics("transforms", DiagnosticStatus.ERROR, "waiting for tf",
@@ -331,7 +331,7 @@ class FaultsTest(unittest.TestCase):
         camera.publish(self.image_of_bag(40))
         before = status.at(self.image_of_bag(40).header.stamp)
         self.assertIsNotNone(before)
-        # It waits for this one's transform while the others come.
+        # The localizer waits for this one's transform while the others come.
         slow = self.image_of_bag(41)
         slow.header.frame_id = "no_such_camera"
         camera.publish(slow)

@@ -24,7 +24,7 @@ TRUTH = os.path.join(PACKAGE, "bags", "paper.tum")
 IMAGE_TOPIC = "/camera/image"
 TIMEOUT = 60.0  # s, for what must come; a test that passes does not wait for it
 
-# odom in the map: the odometry of the tests has no error, but another origin.
+# odom in the map: the tests' odometry has no error, but another origin.
 ODOM_X, ODOM_Y, ODOM_YAW = 1.5, -0.7, 0.6
 
 
@@ -143,7 +143,7 @@ def read_bag() -> Tuple[List[CompressedImage], List]:
     with rosbag.Bag(BAG) as bag:
         for topic, message, _ in bag.read_messages():
             if topic == IMAGE_TOPIC + "/compressed":
-                # As a message of this process, not of the bag's own copy of the type.
+                # As a message of this process's type, not of the bag's own copy of it.
                 images.append(CompressedImage(header=message.header, format=message.format,
                                               data=message.data))
             elif topic == "/tf_static":

@@ -67,7 +67,7 @@ class MappingTest(unittest.TestCase):
 
         response = save()
         self.assertTrue(response.success, response.message)
-        # What stood there stands there, and the file that was is beside it.
+        # The old text is still there, and the old file is kept beside it.
         text = self.read_map()
         without_new = "".join(line for line in text.splitlines(True) if "mapped:" not in line)
         self.assertEqual(without_new, seed_text())
@@ -80,12 +80,12 @@ class MappingTest(unittest.TestCase):
             distance = np.linalg.norm(marker.position - truth[marker.id].position)
             self.assertLess(distance, 0.02, marker.id)
 
-        # RViz has them by name, too.
+        # RViz shows their names, too.
         names = {shape.text for message in markers.messages for shape in message.markers
                  if shape.ns == "names"}
         self.assertTrue({str(marker.id) for marker in added} <= names, names)
 
-        # What is saved is not saved again.
+        # Saved markers are not saved again.
         self.assertIsNotNone(harness.localize(harness.images[IMAGES]))
         save()
         again = load_marker_map(self.map_file).markers

@@ -76,7 +76,7 @@ class SavedPoseTest(unittest.TestCase):
         message = harness.covariances.at(dark.header.stamp)
         self.assertAlmostEqual(message.pose.pose.position.x, x, delta=0.01)
         self.assertGreater(message.pose.covariance[0], 0.1 ** 2)
-        # What was not seen is not saved.
+        # A pose that no marker showed is not saved.
         before = os.stat(self.pose_file).st_mtime_ns
         rospy.sleep(0.6)
         self.assertEqual(os.stat(self.pose_file).st_mtime_ns, before)

@@ -48,7 +48,7 @@ class SeveralCamerasTest(unittest.TestCase):
         ends.append(self.joint_paintings.subscriber)
         ends += self.publishers.values()
         self.assertTrue(wait_until(lambda: is_connected(*ends)))
-        # One image of both at the same moment, then in turns.
+        # Both cameras' images of the same moment first, then one camera at a time.
         self.sent = [(0, "front"), (0, "back")]
         self.sent += [(index, NAMES[index % 2]) for index in range(1, 13)]
 

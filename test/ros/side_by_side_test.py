@@ -86,7 +86,7 @@ class SideBySideTest(unittest.TestCase):
                 distance, angle = harness.errors(pose)
                 self.assertLess(distance, 0.02)
                 self.assertLess(angle, 0.01)
-        # From both, it would be twice there.
+        # If both sent it, it would be there twice.
         self.assertTrue(wait_until(lambda: len(harness.published_transforms()) >= IMAGES))
         stamps = [transform.header.stamp for transform in harness.published_transforms()]
         self.assertEqual(sorted(stamps), [image.header.stamp for image in harness.images[:IMAGES]])
