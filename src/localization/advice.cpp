@@ -37,7 +37,7 @@ void Advisor::add(const FrameResult& result, const MarkerMap& map, const CameraM
   excess_.add(result.excess);
   misplacement_.add(misplacementIn(result, map));
   blur_.add(result.blur.largestDeviation());
-  // All modes except the principal point's, which shifts the whole image alike.
+  // All modes except the principal point's, which shifts the whole image equally.
   constexpr int kPrincipalPoint = 2;
   const auto modes = result.imaging_error.segment<kCameraModes - kPrincipalPoint>(kPrincipalPoint);
   const CameraUncertainty& uncertainty = camera.uncertainty();

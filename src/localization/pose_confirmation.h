@@ -11,7 +11,7 @@ namespace omnitag {
 /// should be seen agrees with it sharply, so markers that were moved as one must be fewer.
 bool isBeyondDoubt(const FrameResult& seen);
 
-/// The pose that a few readings, however uncertain or ambiguous by themselves, lead to, and what is
+/// The pose that a few readings lead to, even if uncertain or ambiguous by themselves, and what is
 /// seen from there as in tracking. Nothing if that is not enough to be sure, if a reading
 /// contradicts, if a marker that is found from there contradicts (unless the pose is beyond doubt),
 /// or if more than one pose is confirmed. `seen`: the readings and where they were read. Adds the

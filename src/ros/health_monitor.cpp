@@ -16,11 +16,11 @@ namespace omnitag {
 namespace {
 
 constexpr double kReportPeriod = 1.0;
-/// s: a camera without an image for so long counts as gone.
+/// s: a camera without an image for this long counts as gone.
 constexpr double kImageTimeout = 3.0;
 /// s after the start during which images need not have come.
 constexpr double kStart = 0.9 * kReportPeriod;
-/// s: so long after markers gave a pose, whichever camera showed them, the robot counts as tracked.
+/// s: for this long after markers gave a pose, whichever camera showed them, it counts as tracked.
 constexpr double kTracked = 1.0;
 /// s between two log lines about the same lasting problem.
 constexpr double kLinePeriod = 10.0;

@@ -25,8 +25,8 @@ class MapEditor {
   /// the file is dropped and named.
   std::string reload();
 
-  /// Loads another file; unsaved changes are dropped, and their number is told. The map's frame
-  /// must be the same unless `may_change_frame`.
+  /// Loads another file; drops unsaved changes and says how many. The map's frame must be the same
+  /// unless `may_change_frame`.
   std::string change(const std::string& path, bool may_change_frame);
 
   /// `marker`: an empty family, a size of 0 and deviations of 0 are replaced by the map's defaults.

@@ -132,7 +132,7 @@ class MarkerMemory {
     std::optional<RememberedSighting> in_place;
     std::optional<RememberedSighting> elsewhere;
     int times_in_place = 0;
-    /// Since when it is elsewhere, and in which group.
+    /// s: the stamp since when it has been elsewhere; and its group.
     double elsewhere_since = 0.0;
     std::size_t group = 0;
   };

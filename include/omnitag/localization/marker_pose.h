@@ -22,7 +22,7 @@ std::vector<ReprojectionFit> posesFromMarker(const MarkerMap& map, const Mounted
 
 /// The other pose of the robot from which a marker on a wall looks almost the same: on the other
 /// side of the marker's normal, at the same distance, with the marker in the same direction from
-/// the robot. Small or far markers cannot tell the two apart. Nothing for a lying marker.
+/// the robot. With small or far markers, the two cannot be told apart. Nothing for a lying marker.
 std::optional<Pose> mirroredPose(const Marker& marker, const MountedCamera& camera,
                                  const Pose& map_from_base);
 

@@ -25,8 +25,8 @@ std::vector<Pose> planarPoses(const Marker& marker, const MountedCamera& camera,
                               const MarkerObservation& observation);
 
 /// The other pose, however the robot then stands, from which a marker looks almost as it does from
-/// `map_from_base`: slanted the other way about the line of sight. Small or far markers cannot tell
-/// the two apart.
+/// `map_from_base`: slanted the other way about the line of sight. With small or far markers, the
+/// two cannot be told apart.
 Pose flippedPose(const Marker& marker, const MountedCamera& camera, const Pose& map_from_base);
 
 }  // namespace omnitag

@@ -44,8 +44,8 @@ struct LocalizedImage {
   bool map_changed = false;
 };
 
-/// Localizes by a stream of images from a topic or a bag: the same images and transforms give the
-/// same poses. Not safe to use from two threads at once.
+/// Localizes the robot in a stream of images from a topic or a bag: the same images and transforms
+/// give the same poses. Not safe to use from two threads at once.
 class ImageLocalizer {
  public:
   /// Loads the map. `cameras`: those of the parameters, in their order. Throws InputError if the
