@@ -17,8 +17,7 @@
 namespace omnitag {
 
 /// Prior of a marker's place: the place, and the standard deviations (m and rad) of the
-/// MarkerIncrement from there to the true place. 0: exactly there; infinity: unknown along or about
-/// that axis.
+/// MarkerIncrement from it to the true place. 0: exact; infinity: unknown along or about that axis.
 struct PlacePrior {
   Eigen::Isometry3d map_from_marker = Eigen::Isometry3d::Identity();
   MarkerIncrement deviations = MarkerIncrement::Constant(std::numeric_limits<double>::infinity());
@@ -37,7 +36,7 @@ struct PlacePrior {
 /// Frames and landmarks are referred to by index.
 struct Bundle {
   struct Frame {
-    /// The mounting given by tf; the camera's parameters change it for all frames alike.
+    /// The mounting from tf; the camera's parameters change it by the same amount in all frames.
     Eigen::Isometry3d base_from_camera = Eigen::Isometry3d::Identity();
     Pose map_from_base;
     bool is_held = false;
@@ -81,7 +80,7 @@ struct Bundle {
 /// What is estimated, and how far the robot may deviate from standing on its floor.
 struct BundleConfig {
   /// Indices of the camera's parameters that are estimated; the others keep their values. The prior
-  /// of each is the model's guess, with a standard deviation of some scales.
+  /// of each is the model's guess, with a standard deviation of several scales.
   std::vector<Eigen::Index> free;
   bool adjusts_poses = true;
   bool adjusts_markers = true;
@@ -98,15 +97,15 @@ struct BundleConfig {
   int max_iterations = 100;
 };
 
-/// The pixels of each observation's corners as predicted by the bundle's state; nothing if a corner
-/// is hidden.
+/// The pixels of each observation's corners as the bundle's state predicts them; nothing if a
+/// corner is hidden.
 std::vector<std::optional<CornerPixels>> predictions(const Bundle& bundle);
 
 /// How far an observation is from its prediction.
 struct ReadingMisfit {
-  /// Pixels, RMS over its corners; infinity if the estimate hides one.
+  /// Pixels, RMS over its corners; infinity if the estimate hides a corner.
   double pixels = 0.0;
-  /// Chi-square with 8 degrees of freedom, if the noise is as the observation says.
+  /// Distributed as chi-square with 8 degrees of freedom if the observation's noise is right.
   double square = 0.0;
 };
 std::vector<ReadingMisfit> misfits(const Bundle& bundle, double noise);

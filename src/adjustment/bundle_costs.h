@@ -11,9 +11,9 @@
 #include "adjustment/bundle.h"
 #include "adjustment/perturbed_cameras.h"
 
-/// The terms of a bundle's sum of squares, over its blocks of parameters: of a frame, x, y, yaw, z,
-/// roll and pitch of its pose; of a landmark, its MarkerIncrement from a reference place, and its
-/// size; of the camera, the offsets of its free parameters, in their scales.
+/// The terms of a bundle's sum of squares over its parameter blocks. A frame's block is x, y, yaw,
+/// z, roll and pitch of its pose; a landmark's are its MarkerIncrement from a reference place, and
+/// its size; the camera's is the offsets of its free parameters, in their scales.
 namespace omnitag {
 
 using SixBlock = std::array<double, 6>;
@@ -26,11 +26,11 @@ PoseMatrix poseByBlock(const Pose& pose);
 
 Marker markerAt(const Marker& about, const double* increment, double size);
 
-/// Squares up to what chance leaves (99 of 100), Cauchy's function beyond.
+/// The square up to what chance explains (99 of 100), Cauchy's function beyond.
 class ExpectedLoss final : public ceres::LossFunction {
  public:
-  /// `expected`: of chi-square with the residual's degrees of freedom: 20.1 for 8, 16.8 for 6, 6.6
-  /// for 1.
+  /// `expected`: this quantile of chi-square with the residual's degrees of freedom: 20.1 for 8,
+  /// 16.8 for 6, 6.6 for 1.
   explicit ExpectedLoss(double expected) : expected_(expected) {}
   void Evaluate(double square, double* out) const override;
 
@@ -41,11 +41,11 @@ constexpr double kExpectedOfMarker = 20.1;
 constexpr double kExpectedOfPlace = 16.8;
 constexpr double kExpectedOfNumber = 6.6;
 
-/// Whitened errors of a marker's corners in an image. Blocks: frame, landmark, size and, if any of
-/// the camera's parameters are free, these.
+/// Whitened errors of a marker's corners in an image. Blocks: frame, landmark, size and, if there
+/// are any, the camera's free parameters.
 class MarkerCost final : public ceres::CostFunction {
  public:
-  /// Keeps the references. `about`: the marker from which the landmark's increment counts.
+  /// Keeps the references. `about`: the marker that the landmark's increment is relative to.
   MarkerCost(PerturbedCameras* cameras, const Eigen::Isometry3d& base_from_camera,
              const Marker& about, const Bundle::Observation& observation, double noise);
   bool Evaluate(const double* const* parameters, double* residuals,
@@ -76,8 +76,8 @@ class KnownNumbersCost final : public ceres::CostFunction {
   std::vector<Known> known_;
 };
 
-/// Error of the motion between two frames relative to odometry, in its deviations: along x, y and
-/// yaw, or along all six axes if the robot is free. Blocks: both frames.
+/// Error of the motion between two frames relative to odometry, in odometry's deviations: in x, y
+/// and yaw, or in all six numbers if the robot is free. Blocks: both frames.
 class MotionCost final : public ceres::CostFunction {
  public:
   MotionCost(const Bundle::Motion& motion, bool is_free);
@@ -91,10 +91,10 @@ class MotionCost final : public ceres::CostFunction {
   bool is_free_;
 };
 
-/// Error of a constraint, in its deviation. Blocks: the landmarks that it names.
+/// Error of a constraint, in its deviations. Blocks: the landmarks that it names.
 class ConstraintCost final : public ceres::CostFunction {
  public:
-  /// `about`: the constraint's markers, from which their increments count.
+  /// `about`: the constraint's markers, which their increments are relative to.
   ConstraintCost(const PlaceConstraint& constraint, std::vector<Marker> about);
   bool Evaluate(const double* const* parameters, double* residuals,
                 double** jacobians) const override;

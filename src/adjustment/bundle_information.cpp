@@ -17,8 +17,8 @@ namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
 
-/// The derivatives of all terms by the estimated blocks: first the poses', then the wanted ones,
-/// those of the places, the sizes and the camera.
+/// The derivatives of all terms by the estimated blocks: first the poses, then the wanted ones,
+/// which are the places, the sizes and the camera.
 class Linearization {
  public:
   Linearization(const Bundle& bundle, const BundleConfig& config)
@@ -40,7 +40,7 @@ class Linearization {
   Eigen::Index placeOf(std::size_t landmark) const { return place_[landmark]; }
   Eigen::Index sizeOf(std::size_t landmark) const { return size_[landmark]; }
 
-  /// The noise that the residuals show, as a factor of the assumed one.
+  /// The noise that the residuals show, relative to the assumed noise.
   double noise() const {
     return std::sqrt(weighted_squares_ /
                      std::max(1.0, 8.0 * static_cast<double>(bundle_.observations.size()) -
@@ -58,7 +58,7 @@ class Linearization {
     const Sparse by_poses = jacobian_.leftCols(poses_);
     const Sparse mixed = by_wanted.transpose() * by_poses;
     const Eigen::SimplicialLDLT<Sparse> poses(Sparse(by_poses.transpose() * by_poses));
-    // In slices: for a whole recording at once, memory would not suffice.
+    // In slices: a whole recording at once would not fit in memory.
     constexpr Eigen::Index kSlice = 128;
     const Sparse transposed = mixed.transpose();
     for (Eigen::Index first = 0; first < wanted(); first += kSlice) {
@@ -106,7 +106,7 @@ class Linearization {
     options.residual_blocks = problem_.observationTerms();
     options.residual_blocks.insert(options.residual_blocks.end(), problem_.otherTerms().begin(),
                                    problem_.otherTerms().end());
-    // The weights are kept fixed: Ceres's correction for their change would not give a covariance.
+    // Keep the weights fixed: Ceres's correction for their change would not give a covariance.
     options.apply_loss_function = false;
     std::vector<double> residuals;
     ceres::CRSMatrix crs;

@@ -9,9 +9,9 @@
 namespace omnitag {
 namespace {
 
-/// Standard deviation of a guess of the camera, in scales.
+/// Standard deviation of a guessed camera parameter, in scales.
 constexpr double kScalesOfGuess = 4.0;
-/// m and rad: far more exact than anything else in a bundle, which is as good as holding it.
+/// m and rad: so much more exact than anything else in a bundle that it amounts to holding it.
 constexpr double kExact = 1e-6;
 
 /// The rotation vector of a rotation.

@@ -19,7 +19,7 @@ class BundleProblem {
 
   ceres::Problem& problem() { return problem_; }
 
-  /// Writes the parameters to the bundle that this was made from, or to a copy of it.
+  /// Writes the parameters to the bundle that the problem was made from, or to a copy of it.
   void store(Bundle* bundle) const;
 
   /// The blocks that are estimated; null if a frame, a landmark or its size is held, or no term
@@ -40,7 +40,7 @@ class BundleProblem {
   std::vector<double*> independentPoses();
 
  private:
-  /// The increment counts from the place of the prior, or from the initial place if there is none.
+  /// The increment is relative to the prior's place, or to the initial place if there is no prior.
   struct MarkerBlocks {
     Marker about;
     SixBlock increment{};

@@ -7,7 +7,7 @@
 #include "omnitag/camera/image_plane.h"
 #include "omnitag/common/pose.h"
 
-/// Checks for recordings that cannot calibrate a camera. All throw InputError, with what to do.
+/// Checks that a recording can calibrate a camera. All throw InputError, with what to do.
 namespace omnitag {
 
 /// The mounting must be the same in all frames.

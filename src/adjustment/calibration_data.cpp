@@ -15,8 +15,8 @@ namespace {
 constexpr std::size_t kMinMarkers = 3;
 constexpr std::size_t kMinFrames = 10;
 
-/// Mean edge in pixels: the corners of smaller markers, whose modules are hardly two pixels wide,
-/// are several times less exact and displaced inwards.
+/// Mean edge in pixels: the modules of smaller markers are hardly two pixels wide, and their
+/// corners are several times less exact and displaced inwards.
 constexpr double kLargeEdge = 16.0;
 
 /// Counts of what the readings contain.

@@ -22,10 +22,10 @@ struct CalibrationData {
   std::vector<std::string> remarks;
 };
 
-/// The readings of a recording that belong to one marker of the map without doubt, in frames with
-/// at least three of them: fewer do not determine the robot's pose while the camera is unknown.
+/// The readings of a recording that clearly belong to one marker of the map, in frames with at
+/// least three of them: fewer do not determine the robot's pose while the camera is unknown.
 ///
-/// `prefers_large`: small markers, whose corners are less exact, are used only if there are too few
+/// `prefers_large`: use small markers, whose corners are less exact, only if there are too few
 /// large ones. Throws InputError, with what to do, if the readings cannot calibrate a camera: too
 /// few frames, too few markers, ids that occur twice in the map.
 CalibrationData selectObservations(const MarkerMap& map, const std::vector<FrameReadings>& frames,

@@ -21,14 +21,14 @@ std::string namesOf(const CalibrationModel& model);
 void addTradeOffs(const CalibrationModel& model, const ParameterUncertainty& uncertainty,
                   std::vector<std::string>* remarks);
 
-/// If the camera leans, adds a line about how uncertain the robot's place is because of the
-/// uncertain distance of the mirror.
+/// If the camera leans, adds a line about how uncertain the mirror's distance makes the robot's
+/// place.
 void addLean(const std::vector<CalibratedParameter>& parameters,
              const Eigen::Isometry3d& base_from_camera, std::vector<std::string>* remarks);
 
-/// The rim (m) to write; nothing to keep the guess's, which may have been measured. If the
-/// guess's rim would image far from the guess's circle or hide corners that were seen, the circle
-/// is kept instead.
+/// The rim (m) to write; nothing to keep the guess's, which may have been measured. If the guess's
+/// rim would image far from the guess's circle or hide corners that were seen, keeps the circle
+/// instead.
 std::optional<double> rimOf(const CameraTemplate& camera, const CalibrationResult& result);
 
 }  // namespace omnitag

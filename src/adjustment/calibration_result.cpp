@@ -40,9 +40,9 @@ std::vector<CalibratedParameter> parametersOf(const CalibrationOutcome& outcome,
   return parameters;
 }
 
-/// The camera's uncertainty by chance, given its mounting: the lean of the robot, and with it of
-/// the camera, is estimated in each image anyway. Without errors common to all corners: these do
-/// not propagate through the parameters as random ones do.
+/// The camera's random uncertainty, given its mounting: the lean of the robot, and so of the
+/// camera, is estimated in each image anyway. Without errors common to all corners, which do not
+/// propagate through the parameters as random ones do.
 ParameterUncertainty uncertaintyOfCameraAlone(const CalibrationModel& model,
                                               const std::vector<Eigen::Index>& observed,
                                               const Eigen::MatrixXd& information) {

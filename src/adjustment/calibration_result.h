@@ -18,7 +18,7 @@ struct CalibrationOutcome {
   std::vector<std::string> why_held;
 };
 
-/// With the error that the edges of blurred markers have in common.
+/// Adds the error that the edges of blurred markers have in common.
 CameraInformation withCommonError(CameraInformation information);
 
 /// The result with its uncertainty. Throws InputError if no camera of the model's kind explains

@@ -50,9 +50,9 @@ class Calibrator {
     return summary;
   }
 
-  /// From the bearings' poses to a camera. If the profile is far from the mirror's, the
-  /// other parameters would diverge to compensate: then the conic constant is estimated from
-  /// the beginning.
+  /// Estimates the camera, starting at the poses from bearings. If the profile is far from the
+  /// mirror's, the other parameters would diverge to compensate; then the conic constant is
+  /// estimated from the beginning.
   void approach() {
     constexpr double kFarOff = 0.5;  // pixels
     constexpr double kFarBetter = 0.5;
@@ -83,8 +83,8 @@ class Calibrator {
 
   bool mayDoubtProfile() const { return impliesConic() && !fit_.isFixed("conic_constant"); }
 
-  /// All parameters that may be estimated: without the mirror's size and a conic constant that the
-  /// profile implies, unless these are in doubt.
+  /// All parameters that may be estimated; the mirror's size, and a conic constant that the profile
+  /// implies, only if they are in doubt.
   Indices candidates() const {
     Indices indices;
     for (std::size_t i = 0; i < model().parameters().size(); ++i) {
@@ -99,8 +99,8 @@ class Calibrator {
     return indices;
   }
 
-  /// Whether the corners fit clearly better once `*doubts` adds a parameter to the candidates; if
-  /// not, everything is restored.
+  /// Whether the corners fit clearly better with the parameter that `*doubts` adds to the
+  /// candidates; if not, restores everything.
   bool fitsBetter(const std::string& step, bool* doubts) {
     const Bundle believed = fit_.bundle;
     const double before = fit_.rms();
@@ -116,7 +116,7 @@ class Calibrator {
     return true;
   }
 
-  /// A profile that implies the conic constant is kept unless another constant fits better.
+  /// Keeps a profile that implies the conic constant unless another constant fits better.
   void decideProfile() {
     fit_.adjust("everything", candidates(), Moving::kAll);
     if (doubts_profile_) {
@@ -129,8 +129,8 @@ class Calibrator {
     }
   }
 
-  /// The size of a mirror shows only in parallax: a caliper measures it better than images do, so
-  /// that the guess is kept unless they contradict it.
+  /// A mirror's size shows only in parallax. A caliper measures it better than images do, so the
+  /// guess is kept unless they contradict it.
   void decideSize() {
     Indices all = fit_.indicesOf({"radius_of_curvature"});
     if (all.empty()) return;
@@ -145,9 +145,9 @@ class Calibrator {
     size_deviation_ = uncertaintyOf(model(), all, fit_.cameraInformation(all)).deviations(0);
   }
 
-  /// Whether a mirror that does not have the guess's profile is a sphere or a paraboloid: the one
-  /// whose conic constant agrees with the estimate, unless the corners then fit clearly worse. The
-  /// distances of the lens and the mirror are then known several times better.
+  /// If a mirror does not have the guess's profile, decides whether it is a sphere or a paraboloid:
+  /// the one whose conic constant agrees with the estimate, unless the corners then fit clearly
+  /// worse. If it is, the distance between lens and mirror is known several times better.
   void settleProfile() {
     if (!doubts_profile_) return;
     const Indices all = candidates();
@@ -179,7 +179,7 @@ class Calibrator {
     const double before = fit_.rms();
     for (const auto& [index, deviation] : held_) fit_.bundle.values(index) = fit_.guess()(index);
     fit_.adjust("what is observed", observed_, Moving::kAll);
-    // The guess of two parameters that trade off against each other may be so far off that the
+    // The guesses of two parameters that trade off against each other may be so far off that the
     // others cannot compensate.
     holds_estimates_ = isClearlyBetter(before, fit_.rms());
     if (!holds_estimates_) return;
@@ -235,14 +235,14 @@ class Calibrator {
   CameraFit fit_;
   bool doubts_profile_ = false;
   bool doubts_size_ = false;
-  /// Whether the mirror is a sphere or a paraboloid, although the guess was another.
+  /// Whether the mirror is a sphere or a paraboloid although the guess was neither or the other.
   bool is_settled_ = false;
   double size_deviation_ = 0.0;
   /// The improvement by the last doubt, in words.
   std::string improvement_;
   Indices observed_;
   std::vector<std::pair<Eigen::Index, double>> held_;
-  /// Whether these are held at their estimates instead of at the guess.
+  /// Whether the held parameters stay at their estimates instead of the guess.
   bool holds_estimates_ = false;
 };
 

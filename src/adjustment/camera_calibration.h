@@ -20,14 +20,14 @@ struct CalibrationConfig {
   std::set<std::string> fixed;
   /// Pixels: corners that are farther off count less and less.
   double robust_width = 0.25;
-  /// Whether the markers were read with a camera that may be wrong: then small ones count, too, and
-  /// they need not be all around.
+  /// Whether the markers were read with a camera that may be wrong: then small markers count, too,
+  /// and they need not be all around.
   bool is_rough = false;
   /// Pixels: a calibration is refused if its corners are farther off (RMS).
   double max_residual = 1.0;
   /// Whether the camera moves freely, as before a board: then nothing of its mounting is estimated.
   bool is_free = false;
-  /// If it does not, how far the robot may lean, and its height vary.
+  /// Otherwise, how far the robot may lean and its height may vary.
   FloorConfig floor;
   /// Priors of the places of the map's markers; if empty, the markers' own.
   std::vector<std::optional<PlacePrior>> priors;
@@ -63,7 +63,7 @@ struct CalibrationResult {
   std::vector<Marker> markers_found;
   std::vector<MarkerCovariance> marker_covariances;
   Eigen::Matrix<double, 6, 6> placement = Eigen::Matrix<double, 6, 6>::Zero();
-  /// The robot's poses in the images that count, and the images' stamps (s).
+  /// The robot's poses in the images that are used, and the images' stamps (s).
   std::vector<Pose> trajectory;
   std::vector<double> stamps;
   /// The remaining uncertainty of the camera and the mounting, for the camera file.
@@ -79,13 +79,13 @@ struct CalibrationResult {
 /// Called with the name of a step and how often it has been iterated.
 using CalibrationProgress = std::function<void(const std::string& step, int iteration)>;
 
-/// Estimates a camera and its mounting (height, roll and pitch) from markers of known place that
+/// Estimates a camera and its mounting (height, roll and pitch) from markers at known places that
 /// were read along a drive.
 ///
-/// Bearings, which do not depend on how the optics image elevation, give the initial poses on a
-/// floor; of a free camera, corners do, for which the guess must be right to some percent. Then
-/// parameters are released in steps: the radial scale; the centre and the lean; the mirror's shape.
-/// Corners that are far off count less and less. Finally, parameters that the images do not
+/// On a floor, the initial poses come from bearings, which do not depend on how the optics image
+/// elevation; for a free camera, from corners, which takes a guess that is right to a few percent.
+/// Then parameters are released in steps: the radial scale; the centre and the lean; the mirror's
+/// shape. Corners that are far off count less and less. Finally, parameters that the images do not
 /// determine are held at the guess.
 ///
 /// Throws InputError, with what to do, if the recording cannot calibrate the camera: see

@@ -19,8 +19,8 @@ namespace {
 
 constexpr std::size_t kMinFrames = 10;
 
-/// The misfit of a marker's corners (RMS) beyond which it counts less and less, relative to
-/// the noise.
+/// The misfit of a marker's corners (RMS), relative to the noise, beyond which the marker counts
+/// less and less.
 const double kWidthOfNoise = std::sqrt(0.25 * kExpectedOfMarker);
 
 }  // namespace
@@ -48,7 +48,7 @@ CameraFit::CameraFit(const CameraTemplate& guess, const MarkerMap& map,
   CalibrationData data = selectObservations(map, frames, !config.is_rough);
   remarks = std::move(data.remarks);
   const MountedCamera camera = model().mounted(bundle.values);
-  // A lying camera sees the markers of all walls in a band across its image.
+  // A camera whose axis is horizontal sees the markers of all walls in a band across its image.
   if (!config.is_rough && (config.is_free || isUpright(mounting))) {
     checkCoverage(data.frames, camera.model().imagePlane(), config.is_free);
   }
@@ -116,7 +116,7 @@ BundleConfig CameraFit::configOf(const Indices& free, Moving moving) const {
   config.adjusts_markers = moving == Moving::kAll;
   config.is_free = config_.is_free;
   if (!config_.is_free && moving == Moving::kAll) {
-    // Both have a part due to the mounting and one due to the floor.
+    // Height and lean each have a part from the mounting and one from the floor.
     config.height_deviation = std::sqrt(2.0) * config_.floor.height_deviation;
     config.lean_deviation = std::sqrt(2.0) * config_.floor.lean_deviation;
   }
@@ -134,7 +134,7 @@ void CameraFit::adjust(const std::string& step, const Indices& free, Moving movi
   for (int round = 0; round < kMaxRounds; ++round) {
     const double width =
         std::max(config_.robust_width, std::min(kWide * medianResidual(), kWidest));
-    // Repeating with a width that is hardly narrower changes nothing.
+    // Another round with a hardly narrower width would change nothing.
     constexpr double kHardly = 0.9;
     if (width > kHardly * last_width) break;
     last_width = width;

@@ -22,8 +22,8 @@ class CameraFit {
  public:
   using Indices = std::vector<Eigen::Index>;
 
-  /// Takes initial poses from bearings, of a free camera from corners. Keeps references to `config`
-  /// and `progress`. Throws InputError as calibrateCamera() does.
+  /// Takes initial poses from bearings, for a free camera from corners. Keeps references to
+  /// `config` and `progress`. Throws InputError as calibrateCamera() does.
   CameraFit(const CameraTemplate& guess, const MarkerMap& map,
             const std::vector<FrameReadings>& frames, const CalibrationConfig& config,
             const CalibrationProgress& progress);
@@ -36,7 +36,7 @@ class CameraFit {
   /// The parameters with those names that exist and may change.
   Indices indicesOf(std::initializer_list<const char*> names) const;
 
-  /// Minimizes with a robust width that narrows with the residuals.
+  /// Minimizes with a robust width that narrows as the residuals do.
   void adjust(const std::string& step, const Indices& free, Moving moving);
   /// Adjusts once more, at the noise that the residuals show.
   void settle(const Indices& free);

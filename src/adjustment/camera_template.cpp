@@ -289,7 +289,7 @@ double CameraTemplate::silhouette(const Eigen::VectorXd& values) const {
     const double height = apex_distance + point.sag;
     return height > 0.0 && height > rho * point.slope;
   };
-  // Farthest useful radius of a mirror: seen at 80 degrees off the lens's axis.
+  // Farthest useful radius of a mirror, in apex distances: 80 degrees off the lens's axis.
   constexpr double kFarthest = 5.0;
   // A conic's slope is infinite where it ends.
   constexpr double kInside = 0.999;

@@ -29,14 +29,14 @@ struct CalibrationParameter {
 /// The parameters' values, in their order.
 Eigen::VectorXd valuesOf(const std::vector<CalibrationParameter>& parameters);
 
-/// A camera file whose parameters can be replaced. Whatever is optimized can therefore be written,
-/// read again and used.
+/// A camera file whose parameters can be replaced, so whatever is optimized can be written, read
+/// again and used.
 ///
 /// The parameters are the lens's fx, fy, cx and cy; for a mirror, radius_of_curvature,
 /// conic_constant and apex_distance (only apex_distance if it is tabulated); for the equidistant
 /// model, k1 to k4; for other models, those present of xi, alpha, beta, k1, k2, p1 and p2. Those of
-/// the ocam model are cx and cy, the coefficients a0, a2, ... and the affine c, d and e; text() then
-/// has the calibration in the file itself. Everything else stays as in the file.
+/// the ocam model are cx and cy, the coefficients a0, a2, ... and the affine c, d and e; text()
+/// then has the calibration in the file itself. Everything else stays as in the file.
 class CameraTemplate {
  public:
   /// Throws InputError if the file does not describe a camera, or if its model cannot

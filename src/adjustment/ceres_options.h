@@ -13,7 +13,7 @@ inline ceres::Problem::Options notOwning() {
   return options;
 }
 
-/// Silent, on one core, until nothing changes.
+/// Options to solve silently, on one core, until nothing changes.
 inline ceres::Solver::Options solverOptions(ceres::LinearSolverType solver, int max_iterations) {
   ceres::Solver::Options options;
   options.linear_solver_type = solver;

@@ -22,7 +22,7 @@ class ContradictionSearch {
       const std::vector<ReadingPlace> readings = readingsOfId(m);
       if (!isSuspect(m, readings)) continue;
       const RecordedMarker& marker = recording_.markers[m];
-      // A marker of another size seems to hang elsewhere from wherever it is seen.
+      // A marker of another size seems to hang elsewhere wherever it is seen from.
       if (const auto sized = sizeContradicting(m, readings)) {
         result_.remarks.push_back(describeSize(marker, *sized));
         if (!marker.is_seed) result_.left_out.push_back(m);

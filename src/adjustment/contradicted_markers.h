@@ -13,12 +13,12 @@ namespace omnitag {
 struct ContradictedMarkers {
   /// Which marker, and what it seems to be, a line each.
   std::vector<std::string> remarks;
-  /// Markers that no single place explains; none of the seed, whose markers stay.
+  /// Markers that no single place explains, except the seed's, which stay.
   std::vector<std::size_t> left_out;
 };
 
-/// For each marker that many readings contradict, its size, or where it hung when. Throws
-/// DegenerateRecording for a marker that hangs at several places at once.
+/// Finds, for each marker that many readings contradict, its size, or where it hung and when.
+/// Throws DegenerateRecording for a marker that hangs at several places at once.
 ContradictedMarkers contradictedMarkers(const Recording& recording, const MapBuilderConfig& config);
 
 /// Distance of a reading from where a marker images, RMS over its corners, in pixels.

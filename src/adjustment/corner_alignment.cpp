@@ -34,7 +34,7 @@ struct Sample {
   Unknowns by_unknowns = Unknowns::Zero();
 };
 
-/// How much each corner's shift moves a position between them (modules of the drawing).
+/// How much each corner's shift moves a position between the corners (modules of the drawing).
 Eigen::Vector4d shares(const Eigen::Vector2d& position, const TagPattern& pattern) {
   const double half = 0.5 * pattern.width();
   const double reach = 0.5 * pattern.widthBetweenCorners();
@@ -89,8 +89,8 @@ PixelNoise noiseOf(const std::vector<Sample>& samples) {
   return noiseOf(std::move(residuals), kLeastFlat);
 }
 
-/// Normal equations, with a prior of contrasts that bend by about `bend` grey levels from node
-/// to node.
+/// Normal equations, with the prior that contrasts bend by about `bend` grey levels from node to
+/// node.
 Normal normalOf(const std::vector<Sample>& samples, const PixelNoise& noise, const GridLight& light,
                 double bend, Unknowns* right_side) {
   Normal normal = Normal::Zero();
@@ -105,7 +105,7 @@ Normal normalOf(const std::vector<Sample>& samples, const PixelNoise& noise, con
   return normal;
 }
 
-/// The light that fits best with the pattern at its projection; saturated pixels count, too.
+/// The light that fits best while the pattern is at its projection; saturated pixels count, too.
 Unknowns fitLight(const std::vector<Footprint>& footprints, const cv::Mat& panorama,
                   const TagPattern& pattern) {
   const std::vector<Sample> samples = samplesAt(Unknowns::Zero(), footprints, panorama, pattern);

@@ -20,10 +20,10 @@ struct AlignedCorners {
 
 /// Locates a marker's corners by all of its pixels, several times more exactly than decoding does.
 /// The pattern is projected from a pose and the marker's place, known to about half a pixel. Its
-/// corners are moved, with everything between them in proportion, until it explains the panorama's
-/// grey levels (CV_8UC1); the light is free. Least squares (Gauss-Newton) with robust weights. The
+/// corners are moved, and everything between them in proportion, until it explains the panorama's
+/// grey levels (CV_8UC1) under any light. Least squares (Gauss-Newton) with robust weights. The
 /// covariance is the inverse of the pixels' information, at the noise estimated from their
-/// residuals, plus errors that the residuals do not show: of the pose, and by shadows.
+/// residuals, plus errors that the residuals do not show: of the pose, and from shadows.
 ///
 /// Nothing if too little of the pattern is in the image, its contrast is too low, or it does
 /// not fit.

@@ -24,7 +24,7 @@ std::vector<CornerResidual> cornerResiduals(const Bundle& bundle);
 
 /// Residuals of corners, in pixels.
 struct ResidualSummary {
-  /// Over the corners that count, and their number.
+  /// Pixels, over the corners that are used; and their number.
   double rms = 0.0;
   std::size_t counted = 0;
   /// Corners that are too far off to be used for the camera, or are not seen at all.

@@ -17,7 +17,8 @@ constexpr std::array<const char*, kRings> kRingNames = {"the middle", "half way 
 constexpr std::array<const char*, kSectors> kSectorNames = {
     "right", "lower right", "bottom", "lower left", "left", "upper left", "top", "upper right"};
 
-/// Within the image as well as within the field: lenses may image more than the sensor has.
+/// Whether a pixel of the field is also within the image: lenses may image more than the sensor
+/// has.
 bool isInImage(const CameraModel& camera, const Eigen::Vector2d& pixel) {
   const ImageSize& size = camera.imageSize();
   return pixel.minCoeff() >= 0.0 && pixel.x() <= size.width - 1 && pixel.y() <= size.height - 1;

@@ -8,9 +8,10 @@
 
 namespace omnitag {
 
-/// How much of a camera's field some pixels cover: cells of rings and sectors of the same area.
+/// How much of a camera's field some pixels cover, counted in cells (rings by sectors) of equal
+/// area.
 struct FieldCoverage {
-  /// Of the cells that have a pixel, from 0 to 1.
+  /// Share of the cells that have a pixel, from 0 to 1.
   double share = 0.0;
   /// The empty cells in words, such as "the rim (left, upper left)", a part for each ring.
   std::vector<std::string> missing;

@@ -8,7 +8,7 @@
 namespace omnitag {
 namespace {
 
-/// Lower bounds of odometry's deviations over any motion, in m and rad.
+/// Lower bounds of odometry's deviations for any motion, in m and rad.
 constexpr double kLeastTranslationDeviation = 0.002;
 constexpr double kLeastRotationDeviation = 0.002;
 
@@ -65,7 +65,7 @@ BundleConfig bundleConfig(const MapBuilderConfig& config) {
   BundleConfig bundle;
   bundle.estimates_sizes = config.estimates_sizes;
   bundle.is_free = !config.motion.isOnFloor();
-  // Both have a part due to the mounting and one due to the floor.
+  // Height and lean each have a part from the mounting and one from the floor.
   bundle.height_deviation = std::sqrt(2.0) * config.motion.floor.height_deviation;
   bundle.lean_deviation = std::sqrt(2.0) * config.motion.floor.lean_deviation;
   bundle.noise = 1.0;  // whitened by each reading's own covariance

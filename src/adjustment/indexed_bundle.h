@@ -14,8 +14,8 @@ namespace omnitag {
 Eigen::Vector3d odometryDeviations(const Pose& motion, const MotionModelConfig& config);
 
 /// The recording's frames that have a pose, and its placed markers, as one problem; `frame_indices`
-/// and `marker_indices` map the bundle's frames and landmarks to the recording. Readings that are
-/// farther off than a moved marker would be are left out. Markers of the seed have their priors;
+/// and `marker_indices` map the bundle's frames and landmarks to the recording. Leaves out readings
+/// that are farther off than a moved marker would be. Markers of the seed have their priors;
 /// `held_frame`, if given, is held.
 struct IndexedBundle {
   Bundle bundle;

@@ -7,13 +7,13 @@ namespace omnitag {
 /// The rotation's angles as in tf: Rz(yaw) Ry(pitch) Rx(roll); pitch in [-pi/2, pi/2].
 Eigen::Vector3d rollPitchYaw(const Eigen::Matrix3d& rotation);
 
-/// The rotation of these angles.
+/// The inverse.
 Eigen::Matrix3d fromRollPitchYaw(const Eigen::Vector3d& roll_pitch_yaw);
 
 /// A camera's mounting on a robot that moves on the floor, split into what images determine and
-/// what they do not. Images alone do not determine where on the robot the camera sits or how it is
-/// turned about the vertical: a change of the mounting's x, y and yaw is equivalent to another
-/// place and heading of the robot. They do determine the height and how the camera leans.
+/// what they do not. They do not determine where on the robot the camera sits or how it is turned
+/// about the vertical: a change of the mounting's x, y and yaw is equivalent to another place and
+/// heading of the robot. They do determine the height and how the camera leans.
 class LeaningMounting {
  public:
   /// z (m), roll and pitch (rad), as in tf.

@@ -4,16 +4,17 @@
 
 namespace omnitag {
 
-/// The light on a marker: black, and the contrast at the nodes of a grid over its drawing, bilinear
-/// between them. Unlike a smooth function of the place, this fits a shadow whose edge crosses the
-/// marker; the error left by a misfit would be alike in all images taken in the same light.
+/// The light on a marker: the grey level of black, and the contrast at the nodes of a grid over its
+/// drawing, bilinear between them. Unlike a smooth function of the place, this fits a shadow whose
+/// edge crosses the marker; a misfit would leave the same error in all images taken in the same
+/// light.
 constexpr Eigen::Index kLightNodes = 5;  // along each side
 constexpr Eigen::Index kGridLightTerms = 1 + kLightNodes * kLightNodes;
 using GridLight = Eigen::Matrix<double, kGridLightTerms, 1>;
 
-/// Derivative of a grey level by the light, for a pixel with this share of white; its product
-/// with the light is the grey level. `place` is on the drawing, whose sides have length 1, from
-/// its middle.
+/// Derivative of a grey level by the light, for a pixel with this share of white; its product with
+/// the light is the grey level. `place`: on the drawing, relative to its middle; its sides have
+/// length 1.
 GridLight greyByLight(double white, const Eigen::Vector2d& place);
 
 double contrastAt(const Eigen::Vector2d& place, const GridLight& light);

@@ -48,7 +48,8 @@ Pose bestFit(const std::vector<PosePair>& pairs, const Eigen::VectorXd& weights,
   return fit;
 }
 
-/// The share of independent errors in a sequence with this correlation of successive errors.
+/// The share of the errors in a sequence that count as independent, from the correlation of
+/// successive ones.
 double independentShare(const std::vector<Eigen::Vector2d>& errors) {
   double together = 0.0;
   double alone = 0.0;
@@ -60,8 +61,8 @@ double independentShare(const std::vector<Eigen::Vector2d>& errors) {
   return (1.0 - correlation) / (1.0 + correlation);
 }
 
-/// Covariance of the fit, about the middle of the points that agree, whose errors have
-/// these variances.
+/// Covariance of the fit, about the middle of the points that agree, if their errors have these
+/// variances.
 Eigen::Matrix3d covarianceOf(const std::vector<PosePair>& pairs, const std::vector<bool>& agrees,
                              double position_variance, double heading_variance) {
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
@@ -179,7 +180,7 @@ MapAlignment alignByPoints(const std::vector<PointPair>& pairs) {
   alignment.all = pairs.size();
   alignment.agreeing = pairs.size();
   alignment.position_residual = std::sqrt(squares / static_cast<double>(size));
-  // Of each coordinate: each point has two, and the fit takes up three.
+  // Variance of each coordinate: each point has two, and the fit uses up three.
   constexpr double kLeast = 1e-6;  // m
   const double variance =
       std::max(squares, kLeast * kLeast) / (2.0 * static_cast<double>(size) - 3.0);

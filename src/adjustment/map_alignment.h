@@ -23,15 +23,15 @@ struct PointPair {
   Eigen::Vector2d in_other;
 };
 
-/// The planar transform of the map that was built to another map; z is along gravity in both.
+/// The planar transform from the map that was built to another map; z is along gravity in both.
 struct MapAlignment {
   Pose other_from_map;
-  /// Covariance of x, y and yaw of its error, about the middle of what was aligned (m and rad).
+  /// Covariance of its errors in x, y and yaw, about the middle of what was aligned (m and rad).
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   /// RMS of the residuals of the pairs that agree: m, and rad if there are headings.
   double position_residual = 0.0;
   double heading_residual = 0.0;
-  /// Number of pairs that agree, and of all.
+  /// Number of pairs that agree, and of all pairs.
   std::size_t agreeing = 0;
   std::size_t all = 0;
 
@@ -40,13 +40,13 @@ struct MapAlignment {
   double headingDeviation() const;
 };
 
-/// Robust: poses of a localizer that was lost for a while do not count. Correlated errors of
-/// successive poses are accounted for: the deviations are those of the equivalent number of
-/// independent poses. Throws InputError for fewer than three pairs, or if most do not agree.
+/// Robust: poses of a localizer that was lost for a while do not count. The errors of successive
+/// poses are correlated, so the deviations are those of the equivalent number of independent poses.
+/// Throws InputError for fewer than three pairs, or if most do not agree.
 MapAlignment alignByPoses(const std::vector<PosePair>& pairs);
 
-/// From two or more points, all of which count; with two, the deviations follow from the
-/// difference of their distances. Throws InputError for fewer points, or if all are less than half
+/// From two or more points, all of which count; with two, the deviations follow from how much the
+/// distances between them differ. Throws InputError for fewer points, or if all are less than half
 /// a metre apart.
 MapAlignment alignByPoints(const std::vector<PointPair>& pairs);
 

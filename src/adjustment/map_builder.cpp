@@ -55,8 +55,8 @@ class MapBuilder {
   }
 
  private:
-  /// The last adjustment, with covariances; repeated without the markers that are not known
-  /// well enough.
+  /// The last adjustment, with covariances; repeats it without the markers that are not known well
+  /// enough.
   void refine() {
     for (;;) {
       indexed_ = bundleOf(*recording_, std::nullopt, config_);
@@ -73,9 +73,8 @@ class MapBuilder {
     }
   }
 
-  /// Covariances are enlarged if readings are off by more than their noise, and by the errors of
-  /// a marker that are alike in all images, as in a shadow that stands still, which do not
-  /// average out.
+  /// Enlarges covariances if readings are off by more than their noise, and for errors of a marker
+  /// that are the same in all images, as in a shadow that stands still, and do not average out.
   void scaleCovariances() {
     // By the median, so that markers that moved do not matter.
     std::vector<double> squares;

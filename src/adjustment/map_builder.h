@@ -30,14 +30,14 @@ struct MapBuilderConfig {
   double corner_noise = 0.1;
   /// Standard deviation of the blur of lens and sensor, in pixels.
   double blur = 0.0;
-  /// Pixels, RMS over a marker's corners up to which a pose explains it while the map grows and
-  /// places are not exact yet.
+  /// Pixels, RMS over a marker's corners: up to this, a pose explains the marker while the map
+  /// grows and places are not exact yet.
   double max_residual = 3.0;
-  /// Whether to look for markers that were moved, have another size, or hang twice: with a camera
-  /// that is wrong all would seem to.
+  /// Whether to look for markers that were moved, have another size, or hang twice: with a wrong
+  /// camera, all would seem to.
   bool looks_for_contradictions = true;
-  /// Least number of images in which a marker is read, and least angle between the directions from
-  /// which it is seen (rad).
+  /// Least number of images in which a marker must be read, and least angle between the directions
+  /// from which it must be seen (rad).
   int min_sightings = 3;
   double min_parallax = radians(10.0);
   /// Largest standard deviations of a marker's place, in the worst direction, in m and rad.
@@ -45,7 +45,7 @@ struct MapBuilderConfig {
   double max_orientation_deviation = radians(2.0);
   /// Least distance between the farthest of the robot's places, in m.
   double min_motion = 0.5;
-  /// Least sector, as seen from the robot, that the markers span in most images, in rad.
+  /// Least sector that the markers must span, as seen from the robot, in most images, in rad.
   double min_sector = radians(60.0);
   /// How poses are found without a prediction, and the errors of odometry.
   RelocalizationConfig relocalization;
@@ -67,8 +67,8 @@ struct BuiltMarker {
   bool is_seed = false;
   bool is_exact = false;
   /// Of a MarkerIncrement, in m^2, m rad and rad^2; of the size (m^2), 0 if it is not estimated.
-  /// Relative to the markers whose place is exactly known; if there are none, within the map after
-  /// aligning it with the true one.
+  /// Relative to the markers whose places are exactly known; if there are none, within the map once
+  /// it is aligned with the true one.
   MarkerCovariance covariance = MarkerCovariance::Zero();
   double size_variance = 0.0;
   /// Number of images in which it was read and agrees, and RMS over their corners in pixels.
@@ -108,18 +108,18 @@ using PanoramaSource = std::function<cv::Mat(std::size_t)>;
 /// with odometry if the images have it.
 ///
 /// The seed's markers define the map's frame; each stays as near to its place as its deviations
-/// say. Without a seed the frame is defined by the marker that was read first (of several in one
-/// image the largest): its origin is on the floor below the marker's centre, z up, x along the
-/// heading of the marker's outward normal or, for one that lies, along the marker's own x axis.
+/// say. Without a seed, the marker that was read first (the largest, if there were several in one
+/// image) defines the frame: its origin is on the floor below the marker's centre, z up, x along
+/// the heading of the marker's outward normal or, for one that lies, along the marker's own x axis.
 ///
-/// If the robot is free (`motion.pose_model`) all six degrees of freedom of its poses are
+/// If the robot is free (`motion.pose_model`), all six degrees of freedom of its poses are
 /// estimated, and there must be a seed, which defines which way is up.
 ///
 /// Throws DegenerateRecording if the recording does not determine a map: too little motion, markers
 /// on one side only, a single marker, an id at two places, nothing new.
 ///
-/// With `panoramas`, the corners are finally located by all of their markers' pixels, which makes
-/// the map several times more exact.
+/// With `panoramas`, the corners are located in the end by all of their markers' pixels, which
+/// makes the map several times more exact.
 BuiltMap buildMap(const std::shared_ptr<const CameraModel>& camera,
                   const std::vector<FrameReadings>& frames, const MarkerMap& seed,
                   const MapBuilderConfig& config, const PanoramaSource& panoramas = nullptr);

@@ -16,7 +16,7 @@
 namespace omnitag {
 namespace {
 
-/// The names of some markers for messages, shortened if they are many.
+/// The names of some markers for messages, shortened if there are many.
 std::string namesOf(const std::vector<Marker>& markers) {
   constexpr std::size_t kMost = 8;
   std::string names;
@@ -174,7 +174,7 @@ std::string MapEditor::reload() {
   for (std::size_t i = 0; i < origins_.size(); ++i) {
     const Marker& marker = map_.markers[i];
     if (!origins_[i]) {
-      // Markers that the file has meanwhile are not added again.
+      // Markers that the file has got meanwhile are not added again.
       const auto like = entryLike(next.map_, marker);
       if (like && (!marker.name.empty() || !isElsewhere(next.map_.markers[*like], marker)))
         continue;

@@ -10,9 +10,8 @@
 
 namespace omnitag {
 
-/// A map file's markers with changes made by users, which are written to the file on save(). Every
-/// operation is done as a whole or, throwing InputError, not at all, and describes in words what
-/// it did.
+/// A map file's markers with users' changes, which save() writes to the file. Every operation is
+/// done completely or, with an InputError, not at all, and says in words what it did.
 class MapEditor {
  public:
   /// Throws what loadMarkerMap() throws.
@@ -26,19 +25,19 @@ class MapEditor {
   /// the file is dropped and named.
   std::string reload();
 
-  /// Loads another file; unsaved changes are dropped, and counted. The frame of the map must be the
-  /// same unless `may_change_frame`.
+  /// Loads another file; drops unsaved changes and says how many. The map's frame must be the same
+  /// unless `may_change_frame`.
   std::string change(const std::string& path, bool may_change_frame);
 
   /// `marker`: an empty family, a size of 0 and deviations of 0 are replaced by the map's defaults.
   std::string add(Marker marker);
 
-  /// Removes all selected markers, but at least one marker must be left.
+  /// Removes all selected markers; at least one marker must be left.
   std::string remove(const MarkerSelection& selection);
 
   std::string move(std::size_t entry, const Eigen::Isometry3d& map_from_marker);
 
-  /// Writes the changes into the file in its present state; the rest of it stays byte for byte.
+  /// Writes the changes into the file as it now is; the rest of it stays byte for byte.
   std::string save();
 
  private:

@@ -14,7 +14,7 @@
 namespace omnitag {
 namespace {
 
-/// Log-likelihood by which a marker's place must lead the next best to be accepted.
+/// Lead in log-likelihood that a marker's place must have over the next best to be accepted.
 constexpr double kMinLead = 5.0;
 
 MarkerEstimateConfig estimateConfig(const MapBuilderConfig& config) {
@@ -114,7 +114,7 @@ std::size_t localizeFrames(Recording* recording, const MapBuilderConfig& config)
 }
 
 bool isSure(const MarkerEstimate& estimate, const MapBuilderConfig& config) {
-  // While the map grows, poses and therefore places are not as exact as they will be.
+  // While the map grows, poses, and therefore places, are not yet as exact as they will be.
   constexpr double kSlack = 3.0;
   constexpr double kShare = 0.7;
   const auto agreeing =
@@ -133,8 +133,8 @@ std::vector<ReadingPlace> evenly(const std::vector<ReadingPlace>& readings, std:
   return some;
 }
 
-/// Places markers that enough frames show, and places those again that were placed as their mirror
-/// image. Returns how many were placed for the first time.
+/// Places markers that enough frames show, and places markers again that had been placed as their
+/// mirror image. Returns how many were placed for the first time.
 std::size_t placeMarkers(Recording* recording, const MapBuilderConfig& config) {
   std::size_t count = 0;
   for (std::size_t m = 0; m < recording->markers.size(); ++m) {
@@ -158,7 +158,6 @@ std::size_t placeMarkers(Recording* recording, const MapBuilderConfig& config) {
 }  // namespace
 
 std::size_t startFromOneFrame(Recording* recording, const MapBuilderConfig& config) {
-  // Large markers count more than small ones.
   const auto worth = [](const RecordedFrame& frame) {
     double sum = 0.0;
     for (const MarkerReading& reading : frame.input.readings) sum += meanEdge(reading.corners);

@@ -8,8 +8,8 @@
 
 namespace omnitag {
 
-/// Without a seed: chooses the frame that shows most, takes its pose as the origin, and places the
-/// markers in it by their corners alone. Returns the frame.
+/// Without a seed: chooses the frame that shows most, takes its pose as the origin, and places its
+/// markers by their corners alone. Returns the frame.
 std::size_t startFromOneFrame(Recording* recording, const MapBuilderConfig& config);
 
 /// Estimates poses of frames from placed markers, places the markers that they show, and adjusts

@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Chi-square with 8 degrees of freedom: 99 of 100 sightings stay below. Beyond, a sighting's
-/// squares count by Cauchy's function.
+/// Chi-square with 8 degrees of freedom: 99 of 100 sightings stay below. Beyond it, Cauchy's
+/// function weighs a sighting's squares.
 constexpr double kExpected = 20.1;
 
 double robustCost(double square) {
@@ -56,8 +56,8 @@ class Problem {
     weights_.assign(sightings.size(), Weight::Identity() / (corner_noise * corner_noise));
   }
 
-  /// Weights each sighting also by the uncertainty of its pose, as it affects a marker at
-  /// this place.
+  /// Also weights each sighting by the uncertainty of its pose, as it affects a marker at this
+  /// place.
   void weigh(const Marker& marker) {
     for (std::size_t i = 0; i < sightings_.size(); ++i) {
       const PoseEstimate& pose = sightings_[i].map_from_base;

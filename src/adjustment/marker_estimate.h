@@ -38,15 +38,15 @@ struct MarkerEstimateConfig {
 /// The estimated place of a marker.
 struct MarkerEstimate {
   Marker marker;
-  /// Of a MarkerIncrement, in m^2, m rad and rad^2; of the size (m^2), 0 if it is not estimated.
+  /// Of a MarkerIncrement, in m^2, m rad and rad^2; of the size, in m^2, 0 if it is not estimated.
   MarkerCovariance covariance = MarkerCovariance::Zero();
   double size_variance = 0.0;
-  /// For each sighting: RMS over its corners in pixels; infinity if the estimate hides one.
+  /// For each sighting: RMS over its corners in pixels; infinity if the estimate hides a corner.
   std::vector<double> residuals;
   /// For each sighting: whether it is within its noise and the pose's uncertainty (99 of 100 are).
   std::vector<bool> agrees;
-  /// Log-likelihood by which it leads the next best place: small markers look almost the same
-  /// turned to the left and to the right.
+  /// Lead in log-likelihood over the next best place: small markers look almost the same turned to
+  /// the left and to the right.
   double lead = 0.0;
 
   /// Standard deviations in the worst direction, in m and rad.
@@ -57,9 +57,9 @@ struct MarkerEstimate {
 /// The largest angle between the directions from which a marker at `center` was seen, in rad.
 double parallax(const Eigen::Vector3d& center, const std::vector<MarkerSighting>& sightings);
 
-/// The places of a marker of known size at which it would image as in one sighting, judged by its
-/// corners alone (Levenberg-Marquardt from starts all around): every local optimum with a residual
-/// of at most `max_residual` pixels (RMS), best first. Mostly two, which mirror each other.
+/// The places where a marker of known size would image as in one sighting, judged by its corners
+/// alone (Levenberg-Marquardt from starts all around): every local optimum with a residual of at
+/// most `max_residual` pixels (RMS), best first. There are mostly two, mirror images of each other.
 /// `marker` gives the family, the id and the size.
 std::vector<Marker> markersFromSighting(const Marker& marker, const CameraModels& cameras,
                                         const MarkerSighting& sighting, double max_residual);
@@ -67,8 +67,8 @@ std::vector<Marker> markersFromSighting(const Marker& marker, const CameraModels
 /// Estimates a marker's place from sightings at known poses: least squares over all corners in the
 /// panorama. Each sighting is weighted by the noise of its corners and the covariance of its pose
 /// together, and less if it is far off. Errors of poses are assumed independent. `marker` gives the
-/// family, the id and the size, or a first guess of it; `start`, a former estimate, is tried in
-/// addition to starts from single sightings. Nothing if the sightings leave the place undetermined.
+/// family, the id and the size or a first guess of it; `start`, an earlier estimate, is tried
+/// besides starts from single sightings. Nothing if the sightings leave the place undetermined.
 std::optional<MarkerEstimate> estimateMarker(const Marker& marker, const CameraModels& cameras,
                                              const std::vector<MarkerSighting>& sightings,
                                              const std::optional<Marker>& start,

@@ -13,11 +13,10 @@
 namespace omnitag {
 namespace {
 
-/// Log-likelihood by which a marker's place must lead the next best to be accepted.
+/// Lead in log-likelihood that a marker's place must have over the next best to be accepted.
 constexpr double kMinLead = 5.0;
 
-/// Number of images in which an id was read at two places at once, from which on it is not a
-/// single marker.
+/// An id that was read at two places at once in this many images is not a single marker.
 constexpr int kRepetitions = 2;
 
 double edgeOf(const MarkerSighting& sighting) { return meanEdge(sighting.corners); }
@@ -31,8 +30,8 @@ double vagueness(const MarkerSighting& sighting) {
   return positionDeviation(sighting.map_from_base) + 1.0 / edgeOf(sighting);
 }
 
-/// Removes one of the two sightings that are nearest to each other, the one nearer to the others:
-/// the rest stays as spread out as before.
+/// Of the two sightings nearest to each other, removes the one nearer to the others, so that the
+/// rest stay as spread out as before.
 void thin(std::vector<MarkerSighting>* sightings) {
   const std::vector<MarkerSighting>& all = *sightings;
   std::size_t first = 0;

@@ -18,8 +18,7 @@ namespace omnitag {
 
 /// How a map is extended while the robot drives, and when an estimate is good enough.
 struct MarkerMapperConfig {
-  /// Effort spent on unknown markers in each frame, counted in views,
-  /// as LocalizerConfig::exploring_views.
+  /// Effort spent on unknown markers in each frame, in views (LocalizerConfig::exploring_views).
   int views_per_frame = 2;
   /// Size of unknown markers in m; 0: the map's default size.
   double size = 0.0;
@@ -29,7 +28,8 @@ struct MarkerMapperConfig {
   double corner_noise = 0.1;
   /// m: sightings from a pose with a larger standard deviation are not used.
   double max_pose_deviation = 0.05;
-  /// Largest number of sightings kept of a marker, and least distance between their places, in m.
+  /// Largest number of sightings kept of a marker, and least distance between the places they were
+  /// made from, in m.
   int max_sightings = 24;
   double min_step = 0.15;
   /// When a marker is used: least number of sightings, angle between the directions from which it
@@ -57,9 +57,9 @@ struct ProvisionalMarker {
 
 /// Extends a map by markers that a localizer reads and the map does not have: keeps sightings of
 /// each, estimates its place as the robot moves, and adds it to the map once the estimate is good
-/// enough. The map's original markers are never touched.
+/// enough. Never changes the map's original markers.
 ///
-/// Poses estimated from the mapper's own markers share the errors of these: the markers'
+/// Poses estimated from the mapper's own markers share the markers' errors: these markers'
 /// uncertainty is added to the pose's in proportion to their share in it. Not thread-safe.
 class MarkerMapper {
  public:
@@ -78,8 +78,8 @@ class MarkerMapper {
   /// The estimated markers that are not good enough yet.
   std::vector<Marker> unfinished() const;
 
-  /// Replaces the map's own markers, for example after markers were saved into the map. Markers
-  /// that it has now stay as they are in it; the mapper's other markers follow.
+  /// Replaces the map's own markers, for example after markers were saved into the map. The
+  /// mapper's markers that it does not have follow after them.
   void setOwn(MarkerMap own);
 
  private:
@@ -89,7 +89,8 @@ class MarkerMapper {
     std::optional<MarkerEstimate> estimate;
     /// Its index in map().
     std::optional<std::size_t> entry;
-    /// Images in which the id was read at two places at once: it is not a single marker.
+    /// Number of images in which the id was read at two places at once, so that it is not a single
+    /// marker.
     int repetitions = 0;
   };
 

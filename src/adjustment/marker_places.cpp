@@ -27,7 +27,7 @@ std::vector<ReadingPlace> agreeing(const Recording& recording, const Marker& mar
   return result;
 }
 
-/// The place at which most readings agree, among those estimated from a few successive readings.
+/// The place at which most readings agree, among places estimated from a few successive readings.
 std::optional<MarkerHangsAt> mostAgreed(const Recording& recording, const Marker& marker,
                                         const std::vector<ReadingPlace>& readings,
                                         const MapBuilderConfig& config) {

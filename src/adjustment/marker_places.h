@@ -17,15 +17,15 @@ struct MarkerHangsAt {
   std::vector<ReadingPlace> readings;
 };
 
-/// The places at which a marker hung during the recording, in the order in which they were first
-/// seen; a single one for a marker that stayed. Readings that agree with too few others are not
-/// part of any place.
+/// The places where a marker hung during the recording, in the order in which they were first seen;
+/// a single one for a marker that stayed. Readings that agree with too few others belong to no
+/// place.
 std::vector<MarkerHangsAt> placesOf(const Recording& recording, std::size_t marker,
                                     const std::vector<ReadingPlace>& readings,
                                     const MapBuilderConfig& config);
 
 /// The place and the size at which nearly all readings of a marker agree, if its assumed size may
-/// be wrong; nothing if no other size does. For a marker that was moved, none does.
+/// be wrong; nothing if no other size makes them agree, as for a marker that was moved.
 std::optional<Marker> atAnotherSize(const Recording& recording, std::size_t marker,
                                     const std::vector<ReadingPlace>& readings,
                                     const MapBuilderConfig& config);

@@ -21,8 +21,8 @@ struct MovingFrame {
   Eigen::Vector3d motion_error = Eigen::Vector3d::Zero();
 };
 
-/// The camera as it takes this image, with its rows exposed one after the other; its pose is that
-/// at the middle row. `camera_error`: only the modes of the camera's own error are used.
+/// The camera as it takes this image, its rows exposed one after the other; the pose is that at the
+/// middle row. `camera_error`: only the modes of the camera's own error are used.
 inline MountedCamera cameraInFrame(const MountedCamera& camera, const MovingFrame& frame,
                                    const ImagingError& camera_error, double row_readout_time) {
   ShutterConfig shutter;

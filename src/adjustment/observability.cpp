@@ -62,7 +62,7 @@ Eigen::MatrixXd part(const Eigen::MatrixXd& matrix, const std::vector<Eigen::Ind
   return result;
 }
 
-/// The inverse of an information matrix; undetermined directions become very uncertain instead of
+/// The inverse of an information matrix; undetermined directions become very uncertain, but not
 /// infinitely so.
 Eigen::MatrixXd covarianceOf(const Eigen::MatrixXd& information) {
   constexpr double kNothing = 1e-12;
@@ -72,8 +72,8 @@ Eigen::MatrixXd covarianceOf(const Eigen::MatrixXd& information) {
          eigen.eigenvectors().transpose();
 }
 
-/// The index of the parameter to hold: of all that are too uncertain, or that trade off against one
-/// of these, the first of the list above; -1 if none is too uncertain.
+/// The index of the parameter to hold: of all that are too uncertain, or trade off against one that
+/// is, the first in kFirstToHold; -1 if none is too uncertain.
 std::ptrdiff_t firstToHold(const CalibrationModel& model, const ParameterUncertainty& uncertainty) {
   constexpr double kTradesOff = 0.5;
   std::ptrdiff_t first = -1;

@@ -8,7 +8,7 @@ std::optional<BaseMotion> baseMotionAt(const OdometryAt& odometry, double time,
                                        const MotionModelConfig& config) {
   // Odometry comes at 20 to 100 Hz: over a shorter time, noise would dominate.
   constexpr double kDuration = 0.04;  // s
-  // At its beginning and end, the nearest motion is used.
+  // At the beginning and the end of odometry, the nearest motion is used.
   for (const double begin : {time - 0.5 * kDuration, time - kDuration, time}) {
     const std::optional<Pose> before = odometry(begin);
     const std::optional<Pose> after = odometry(begin + kDuration);

@@ -50,7 +50,7 @@ struct Motion {
 /// The same by odometry, at an offset.
 struct Comparison {
   const Motion* motion;
-  /// Odometry's less the images', and its derivative by the offset.
+  /// Odometry's motion minus the images', and its derivative by the offset.
   FloorMotion residual;
   FloorMotion by_offset;
 };
@@ -90,9 +90,9 @@ class OffsetFitter {
   }
 
  private:
-  /// Largest offset in s: beyond, exposure and transport cannot be the reason.
+  /// Largest offset in s: exposure and transport cannot explain more.
   static constexpr double kReach = 0.5;
-  /// Lower bound of odometry's deviations over any motion, in m and rad.
+  /// Lower bound of odometry's deviations for any motion, in m and rad.
   static constexpr double kResolution = 1e-4;
 
   void addMotion(const MovingFrame& from, const MovingFrame& to) {
@@ -130,7 +130,7 @@ class OffsetFitter {
     return comparisons;
   }
 
-  /// The best offset of an even grid, as a start.
+  /// The best offset on an even grid, as a start.
   double scan() const {
     double best = 0.0;
     double least = std::numeric_limits<double>::infinity();
@@ -179,8 +179,8 @@ class OffsetFitter {
     noise_.rotation = varianceComponents(comparisons, before.rotation, {2});
   }
 
-  /// One round of weighted least squares: explains the squared residuals along some axes, less the
-  /// variances of the images' motions, by the motions' squares.
+  /// One round of weighted least squares: explains the squared residuals along some axes, minus the
+  /// variances of the images' motions, by the squares of the motions.
   Eigen::Vector2d varianceComponents(const std::vector<Comparison>& comparisons,
                                      const Eigen::Vector2d& before,
                                      const std::vector<int>& axes) const {

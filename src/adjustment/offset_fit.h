@@ -20,12 +20,12 @@ struct OffsetFit {
 };
 
 /// Least squares over the motions from each frame to the next: odometry, shifted by the offset,
-/// must move as the frames' poses do. Only changes of the velocity determine the offset: at a
-/// constant velocity, odometry at another time shows the same motion.
+/// must move as the frames' poses do. Only changes of velocity determine the offset: at constant
+/// velocity, odometry at another time shows the same motion.
 ///
 /// The errors of odometry, per rad and per metre, are learnt from the residuals, starting from
 /// `config`; motions that are far off, as with slipping wheels, count less and less (Cauchy's
-/// function). Finds offsets of up to half a second without a start.
+/// function). Finds offsets of up to half a second without an initial guess.
 OffsetFit fitOffset(const std::vector<MovingFrame>& frames, const OdometryAt& odometry,
                     const MotionModelConfig& config);
 

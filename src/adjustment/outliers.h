@@ -15,10 +15,10 @@ double lengthOf(const CornerResidual& corner);
 /// The median; 0 for an empty sample.
 double medianOf(std::vector<double> sample);
 
-/// Residual in pixels beyond which corners are assumed covered, misread or hanging elsewhere.
+/// Residual in pixels beyond which corners are assumed to be covered, misread or elsewhere.
 double farLimit(const std::vector<CornerResidual>& residuals);
 
-/// Removes frames whose pose started too far off to be found, and remarks on them.
+/// Removes frames whose pose started too far off to converge, and remarks on them.
 void leaveOutFrames(Bundle* bundle, std::vector<std::string>* remarks);
 
 /// Removes observations of markers that hang elsewhere than the map says, and remarks on them.

@@ -8,7 +8,7 @@
 namespace omnitag {
 namespace {
 
-/// In scales. It can be this small because the projection is exact to machine precision.
+/// In scales; this small because the projection is exact to machine precision.
 constexpr double kStep = 1e-4;
 
 }  // namespace

@@ -20,7 +20,7 @@ struct PixelDerivatives {
 };
 
 /// A camera and, for numeric derivatives, copies with one parameter slightly larger or smaller. All
-/// corners of an iteration share them; they are remade only for new values.
+/// corners of an iteration share them; only new values make new ones.
 class PerturbedCameras {
  public:
   /// `free`: indices of the parameters that vary; the others keep those of `start`. Keeps a
@@ -30,7 +30,7 @@ class PerturbedCameras {
 
   Eigen::Index size() const { return static_cast<Eigen::Index>(free_.size()); }
 
-  /// The values of all parameters with the free ones `offsets` scales off the start.
+  /// The values of all parameters, the free ones `offsets` scales away from the start.
   Eigen::VectorXd valuesAt(const Eigen::VectorXd& offsets) const;
 
   /// Makes what projection needs. False if these offsets are not valid for the camera.
@@ -45,7 +45,7 @@ class PerturbedCameras {
                                          PixelDerivatives* derivatives = nullptr) const;
 
  private:
-  /// A camera, null if it is the unperturbed one, and its change of tf's mounting.
+  /// A camera, null if it is the unperturbed one, and how it changes tf's mounting.
   struct Variant {
     std::shared_ptr<const CameraModel> camera;
     Eigen::Isometry3d mounting_change;

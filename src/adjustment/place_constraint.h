@@ -25,7 +25,7 @@ struct PlaceConstraint {
 };
 
 /// The constraint with its markers' indices; nothing if one of them is not among `markers`. Throws
-/// InputError if it names an id that several have.
+/// InputError if it names an id that several markers have.
 std::optional<PlaceConstraint> resolved(const MapConstraint& constraint,
                                         const std::vector<Marker>& markers);
 

@@ -15,11 +15,12 @@ namespace {
 /// Headings to start from: triangulation converges from about 45 degrees.
 constexpr int kStarts = 8;
 
-/// If a sight misses its landmark by more, it is of another marker, or the pose is wrong.
+/// A sight that misses its landmark by more is of another marker, or the pose is wrong.
 constexpr double kLargeError = radians(20.0);
 
-/// In which direction a pixel looks. Of an upright camera, only the azimuth about its axis counts,
-/// which does not depend on how the optics image elevation; a lying one images both.
+/// The direction in which a pixel looks. For an upright camera, only the azimuth about its axis
+/// counts, which does not depend on how the optics image elevation; one whose axis is horizontal
+/// images both.
 std::optional<Eigen::Vector3d> directionInBase(const MountedCamera& camera,
                                                const Eigen::Vector2d& pixel) {
   if (!isUpright(camera.baseFromCamera())) {

@@ -9,10 +9,10 @@
 
 namespace omnitag {
 
-/// The robot's pose from a frame's bearings, found without an initial heading. Of an upright
-/// camera, uses only the centre and the aspect ratio of the image: azimuth does not depend on how
-/// the optics image elevation. Good enough as a start if the centre is some pixels off or the
-/// camera leans. Nothing if no pose explains the bearings.
+/// The robot's pose from a frame's bearings, found without an initial heading. For an upright
+/// camera, it only depends on the centre and the aspect ratio of the image: azimuth does not depend
+/// on how the optics image elevation. Good enough as a start if the centre is some pixels off or
+/// the camera leans. Nothing if no pose explains the bearings.
 std::optional<Pose> poseFromBearings(const MarkerMap& map, const MountedCamera& camera,
                                      const CalibrationFrame& frame);
 

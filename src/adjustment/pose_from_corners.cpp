@@ -10,10 +10,11 @@
 namespace omnitag {
 namespace {
 
-/// Pixels: what a guessed camera displaces the corners of one marker by, relative to one another.
+/// Pixels: how far a guessed camera displaces the corners of one marker relative to one another.
 constexpr double kGuessed = 3.0;
 
-/// Mean over the markers of what their corners are off (pixels); infinity if the pose hides one.
+/// Mean over the markers of how far their corners are off (pixels); infinity if one is not visible
+/// from the pose.
 double meanResidual(const std::vector<Misfit>& misfits) {
   double sum = 0.0;
   for (const Misfit& misfit : misfits) sum += misfit.residual;
@@ -39,7 +40,7 @@ std::optional<Pose> poseFromCorners(const MarkerMap& map, const MountedCamera& c
       least = residual;
       best = of_all->map_from_base.pose;
     }
-    // Few tags of a board are needed for a start.
+    // A few tags of a board are enough for a start.
     if (least < kGuessed) break;
   }
   constexpr double kFar = 20.0;  // pixels

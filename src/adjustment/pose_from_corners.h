@@ -10,8 +10,8 @@
 namespace omnitag {
 
 /// The pose of a robot that moves freely, from the corners of a frame's markers and a camera that
-/// may be wrong by some percent: of the poses from which single markers look as observed, the one
-/// from which all of them image nearest to where they were read. Nothing if no pose is near.
+/// may be wrong by a few percent: of the poses from which single markers look as observed, the one
+/// from which all of them image nearest to where they were read. Nothing if none is near.
 std::optional<Pose> poseFromCorners(const MarkerMap& map, const MountedCamera& camera,
                                     const CalibrationFrame& frame);
 

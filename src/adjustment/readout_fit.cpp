@@ -10,8 +10,7 @@
 namespace omnitag {
 namespace {
 
-/// s s per row: the solver's unit of the readout time, and the deviation of its prior. readout time
-/// is solved in, and how large it may be (deviation).
+/// s per row: the solver's unit of the readout time, and the standard deviation of its prior.
 constexpr double kReadoutUnit = 1e-5;
 constexpr double kLargestReadout = 2e-4;
 

@@ -35,8 +35,8 @@ struct RecordedFrame {
   /// elsewhere, or while it is unknown which of several entries it belongs to.
   std::vector<std::optional<std::size_t>> markers;
   std::optional<PoseEstimate> map_from_base;
-  /// For each reading, its corners located by all of the marker's pixels, once the map is known;
-  /// empty before.
+  /// For each reading, its corners located by all of the marker's pixels; empty until the map is
+  /// known.
   std::vector<std::optional<AlignedCorners>> aligned;
 };
 
@@ -53,7 +53,7 @@ struct Recording {
   /// The seed's markers first.
   std::vector<RecordedMarker> markers;
 
-  /// Takes all markers of the seed, and one of unknown place for each other id that is read.
+  /// Takes all markers of the seed, and one at an unknown place for each other id that is read.
   Recording(std::shared_ptr<const CameraModel> camera, const std::vector<FrameReadings>& inputs,
             const MarkerMap& seed, double size);
 

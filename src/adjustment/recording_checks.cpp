@@ -21,8 +21,8 @@ template <typename Value, typename... Values>
 
 using Key = std::pair<std::string, int>;
 
-/// Throws if an id is read at more places at once than it has entries, in more than one image: a
-/// single reading may be wrong.
+/// Throws if more than one image shows an id at more places than it has entries: a single reading
+/// may be wrong.
 void checkRepeatedIds(const Recording& recording) {
   std::map<Key, std::size_t> entries;
   for (const RecordedMarker& marker : recording.markers) {

@@ -19,7 +19,7 @@ struct SeenPoint {
   Eigen::Vector3d in_base;
 };
 
-/// Points all over the field, at the distance at which markers hang.
+/// Points all over the field, at the distance of typical markers.
 std::vector<SeenPoint> pointsSeenBy(const MountedCamera& camera, double circle) {
   constexpr double kRange = 3.0;                                        // m
   constexpr std::array<double, 5> kShares{0.25, 0.4, 0.55, 0.7, 0.85};  // of the circle's radius
@@ -38,7 +38,7 @@ std::vector<SeenPoint> pointsSeenBy(const MountedCamera& camera, double circle) 
   return points;
 }
 
-/// Amplitudes of the modes, each of one pixel, whose displacements are most like those by a change
+/// Amplitudes of the modes (one pixel each) whose displacements are most like those from a change
 /// of the parameters.
 Eigen::Matrix<double, kCameraModes, 1> modesOf(const MountedCamera& larger,
                                                const MountedCamera& smaller,
@@ -69,7 +69,7 @@ CameraUncertainty remainingUncertainty(const CalibrationModel& model, const Eige
   if (left.free.empty()) return {common_error, common_error, common_error, common_error};
   const double circle = model.camera().circle();
   const std::vector<SeenPoint> points = pointsSeenBy(model.mounted(values), circle);
-  // Independent changes of the parameters that make up their covariance.
+  // Independent changes of the parameters that together make up their covariance.
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(left.correlations);
   const Eigen::MatrixXd changes = left.deviations.asDiagonal() * eigen.eigenvectors() *
                                   eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();

@@ -7,8 +7,8 @@
 namespace omnitag {
 
 /// The remaining uncertainty of the camera and its mounting after a calibration, as smooth modes
-/// over the image. `left`: of the model's parameters at `values`. `common_error`: error that all
-/// corners may have in common, in pixels; lower bound of each mode.
+/// over the image. `left`: the uncertainty of the model's parameters at `values`. `common_error`:
+/// the error that all corners may have in common, in pixels; a lower bound of each mode.
 CameraUncertainty remainingUncertainty(const CalibrationModel& model, const Eigen::VectorXd& values,
                                        const ParameterUncertainty& left, double common_error);
 

@@ -53,7 +53,8 @@ class TimeCalibrator {
     for (CalibrationFrame& seen : selectObservations(map_, readings).frames) {
       const std::optional<Pose> start = poseFromBearings(map_, camera_, seen);
       if (!start) continue;
-      // The rows' times are not known yet: displacements by them count as the camera's error.
+      // The rows' times are not known yet: the displacements they cause count as the camera's
+      // error.
       const auto pose = refineFromAfar(map_, camera_, seen.observations, *start,
                                        PosePrior::upright(), ReprojectionConfig());
       if (!pose) continue;

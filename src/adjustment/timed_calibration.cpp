@@ -24,7 +24,7 @@ TimedCalibration calibrateCameraAndTime(const CameraTemplate& guess, const Marke
                                         const CalibrationConfig& config, const OdometryAt& odometry,
                                         const MotionModelConfig& motion,
                                         const CalibrationProgress& progress) {
-  // The modes absorb the effect of the times on the camera: the second round changes little.
+  // The modes absorb the effect of the times on the camera, so the second round changes little.
   constexpr int kRounds = 2;
   CalibrationConfig without_times = config;
   without_times.max_residual = std::max(config.max_residual, kMaxRollingResidual);

@@ -15,8 +15,8 @@ struct TimedCalibration {
 };
 
 /// calibrateCamera() for a robot that moves while images are taken: the camera and the rows' times
-/// are calibrated by turns, until they agree. The residuals are of corners moved to where they
-/// would be at the middle row's time. Throws as both do.
+/// are calibrated in turn until they agree. The residuals are of corners moved to where they would
+/// be at the middle row's time. Throws as both do.
 TimedCalibration calibrateCameraAndTime(const CameraTemplate& guess, const MarkerMap& map,
                                         const std::vector<FrameReadings>& frames,
                                         const CalibrationConfig& config, const OdometryAt& odometry,

@@ -10,7 +10,7 @@ namespace omnitag {
 
 ScaledInverse::ScaledInverse(const Eigen::MatrixXd& information)
     : scales_(information.diagonal().cwiseMax(0.0).cwiseSqrt()) {
-  // Relative to an unknown's own information; rounding leaves about 1e-12 of it.
+  // Relative to an unknown's own information, of which rounding leaves about 1e-12.
   constexpr double kNothing = 1e-11;
   const bool is_told = (scales_.array() > 0.0).all() && scales_.allFinite();
   if (!is_told) scales_ = scales_.cwiseMax(1e-12);

@@ -28,8 +28,9 @@ class ScaledInverse {
   bool is_determined_ = false;
 };
 
-/// A direction of the landmarks' increments in words: of the map as a whole, or of the marker that
-/// moves most. `places`: index of each landmark's increment in the direction; negative for none.
+/// A direction of the landmarks' increments in words: that of the map as a whole, or of the marker
+/// that moves most. `places`: index of each landmark's increment in the direction; negative for
+/// none.
 std::string nameOfDirection(const Bundle& bundle, const std::vector<Eigen::Index>& places,
                             const Eigen::VectorXd& direction);
 

@@ -25,14 +25,14 @@ struct Account {
 /// What is known of a frame before its image is processed.
 FrameResult emptyResult(const Frame& frame, const LocalizerConfig& config);
 
-/// The possible histories of a robot that is not where `account` puts it but at `pose`: something
+/// The possible histories of a robot that is at `pose`, not where `account` puts it: something
 /// carried it there, or it was elsewhere all along. The account's markers then hang elsewhere.
 /// `before`: the account's hypothesis without the frame.
 std::vector<Hypothesis> childrenAt(const Pose& pose, const Frame& frame,
                                    const MountedCamera& camera, const Hypothesis& before,
                                    const Account& account, const Evidence& evidence);
 
-/// The accounts of such hypotheses, with the frame's pose and what it shows from there.
+/// The accounts of such hypotheses, with the frame's pose and what the frame shows from there.
 std::vector<Account> accountsOf(std::vector<Hypothesis> children, const PoseEstimate& pose,
                                 FrameResult result, const Frame& frame);
 
@@ -43,16 +43,16 @@ Account stayingAt(const PoseEstimate& predicted, const FrameResult& found, Accou
 RememberedSighting sightingOf(const MarkerDetection& detection, const FrameResult& result,
                               const MountedCamera& camera, const Pose& map_from_base);
 
-/// Sets the result of a frame without a marker that agrees: the prediction, unless the readings
+/// Sets the result of a frame in which no marker agrees: the prediction, unless the readings
 /// contradict it.
 void carryOn(const PoseEstimate& predicted, bool is_refuted, const MarkerMap& map,
              FrameResult* result);
 
-/// In words, that either these markers hang elsewhere than the map says, or the robot is elsewhere.
+/// Says that either these markers hang elsewhere than the map says, or the robot is elsewhere.
 std::string eitherOr(const std::vector<std::size_t>& elsewhere, const MarkerMap& map);
 
-/// Leaves a frame without a pose, since its markers that hang elsewhere may equally be in their
-/// places and the robot elsewhere.
+/// Leaves a frame without a pose, because its markers that hang elsewhere may just as well be in
+/// their places and the robot elsewhere.
 void withhold(const MarkerMap& map, FrameResult* result);
 
 /// In words, how far a pose is off the expected one.

@@ -9,8 +9,8 @@
 namespace omnitag {
 namespace {
 
-/// Limits beyond which something is wrong: mean squared residuals, relative to the expected ones,
-/// and standard deviations of a camera mode.
+/// Limits beyond which something is wrong: of mean squared residuals relative to the expected ones,
+/// and of a camera mode in standard deviations.
 constexpr double kLargeExcess = 2.5;
 constexpr double kLargeError = 2.0;
 
@@ -37,7 +37,7 @@ void Advisor::add(const FrameResult& result, const MarkerMap& map, const CameraM
   excess_.add(result.excess);
   misplacement_.add(misplacementIn(result, map));
   blur_.add(result.blur.largestDeviation());
-  // All modes except the principal point's, which is the same all over the image.
+  // All modes except the principal point's, which shifts the whole image equally.
   constexpr int kPrincipalPoint = 2;
   const auto modes = result.imaging_error.segment<kCameraModes - kPrincipalPoint>(kPrincipalPoint);
   const CameraUncertainty& uncertainty = camera.uncertainty();

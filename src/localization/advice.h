@@ -11,7 +11,7 @@
 namespace omnitag {
 
 /// Explains in words what is most likely wrong with a robot's files and settings, and what to do
-/// about it, if its images show it again and again.
+/// about it, once its images have shown it repeatedly.
 class Advisor {
  public:
   void add(const FrameResult& result, const MarkerMap& map, const CameraModel& camera);
@@ -40,9 +40,9 @@ class Advisor {
   };
 
   Mean excess_;
-  /// m, by which markers are off the estimated pose.
+  /// m: how far markers are off their places at the estimated pose.
   Mean misplacement_;
-  /// Pixels, by which the image seems off at the rim; and the same in standard deviations.
+  /// How far the image seems off at the rim, in pixels and in standard deviations.
   Mean rim_error_;
   Mean rim_deviations_;
   Mean blur_;

@@ -12,7 +12,7 @@
 namespace omnitag {
 namespace {
 
-/// Kept at most: each costs as much as tracking does.
+/// At most this many are kept: each costs as much as tracking does.
 constexpr std::size_t kMostHypotheses = 3;
 
 bool contains(const std::vector<std::size_t>& entries, std::size_t entry) {
@@ -26,7 +26,7 @@ const MarkerDetection* detectionOf(std::size_t entry, const FrameResult& result)
   return found == result.detections.end() ? nullptr : &*found;
 }
 
-/// Marks a marker that another pose has in its place as elsewhere for this pose, unless it is in
+/// Marks a marker that another account has in its place as elsewhere for this one, unless it is in
 /// its place here, too.
 void addElsewhere(const MarkerDetection& seen, FrameResult* result) {
   const std::size_t entry = *seen.map_entry;
@@ -89,7 +89,8 @@ void rememberElsewhere(const MountedCamera& camera, const Evidence& evidence,
   }
 }
 
-/// The same for a hypothesis without a pose: what others have in its place was moved.
+/// The same for a hypothesis without a pose: for it, markers that others have in their places were
+/// moved.
 void rememberOfOthers(const MountedCamera& camera, const std::vector<Account>& accounts,
                       MarkerMemory* memory) {
   for (const Account& other : accounts) {
@@ -135,8 +136,8 @@ bool haveSamePose(const Account& a, const Account& b) {
   return apart.head<3>().cwiseAbs().maxCoeff() < kNear;
 }
 
-/// Drops poses that a search found where the markers of another account are tracked: that one knows
-/// what earlier images showed from there.
+/// Drops poses that a search found where another account already tracks the markers: that account
+/// knows what earlier images showed from there.
 void dropFoundAgain(std::vector<Account>* accounts) {
   std::vector<PoseEstimate> tracked;
   for (const Account& account : *accounts) {
@@ -153,7 +154,7 @@ void dropFoundAgain(std::vector<Account>* accounts) {
                   accounts->end());
 }
 
-/// A pose, widened to cover another one that has this probability.
+/// A pose whose covariance is widened to cover another one that has this probability.
 PoseEstimate covering(const PoseEstimate& pose, const PoseEstimate& other, double probability) {
   // The markers of the other pose may be a little off, too, when two poses contend.
   constexpr double kAside = 0.15;
@@ -180,7 +181,7 @@ std::vector<WeightedPose> weighted(const std::vector<Account>& accounts) {
   return poses;
 }
 
-/// How many times likelier than the other a hypothesis must be for the other to be given up.
+/// How many times likelier one hypothesis must be for the other to be dropped.
 double oddsBetween(const Hypothesis& a, const Hypothesis& b, const EvidenceConfig& config) {
   const auto isOfStart = [](const Hypothesis& hypothesis) {
     return hypothesis.isWithinStart() && hypothesis.log_of_carried == 0.0;

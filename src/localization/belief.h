@@ -10,8 +10,8 @@
 
 namespace omnitag {
 
-/// Judges the accounts of a frame by what all of them saw: lets each remember it, and keeps those
-/// that are nearly as likely as the likeliest, which comes first. Of accounts with the same pose,
+/// Judges the accounts of a frame by what all of them saw. Each remembers it, and those that are
+/// nearly as likely as the likeliest, which comes first, are kept. Of accounts with the same pose,
 /// only the likeliest is kept.
 std::vector<Account> judged(std::vector<Account> accounts, const MountedCamera& camera,
                             const Evidence& evidence);

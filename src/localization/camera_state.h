@@ -22,7 +22,7 @@ namespace omnitag {
 struct ImageKnowledge {
   BlurFilter blur;
   LastingDisagreement disagreement;
-  /// s, of the last image.
+  /// s: stamp of the last image.
   std::optional<double> last_stamp;
   /// Whether markers gave the pose of the last image, and the number of images since they did.
   bool was_tracked = false;

@@ -13,8 +13,8 @@ std::optional<DisplacedMarker> displacement(const MarkerMap& map, const MountedC
   for (const std::size_t entry : entriesOf(map, family, id)) {
     const MarkerObservation as_entry{entry, observation.corners, observation.center};
     for (const ReprojectionFit& fit : posesFromMarker(map, camera, as_entry, standing, config)) {
-      // From the pose at which the marker would be right to the actual one: the inverse motion of
-      // the robot is the marker's.
+      // From the pose at which the marker would be in its place to the actual one: the marker moved
+      // by the inverse of the robot's apparent motion.
       const Eigen::Isometry3d moved =
           map_from_base.toIsometry() * fit.map_from_base.pose.toIsometry().inverse();
       const Eigen::Vector3d center = map.markers[entry].center();
@@ -31,7 +31,7 @@ std::optional<GroupDisplacement> displacement(const MarkerMap& map, const Displa
   for (const std::size_t entry : group.entries) {
     middle += map.markers[entry].center() / static_cast<double>(group.entries.size());
   }
-  // The motion takes the poses to where the markers would be right; the markers moved the
+  // The motion moves the poses to where the markers would be in their places; the markers moved the
   // other way.
   const Eigen::Isometry3d moved = group.motion->inverse();
   return GroupDisplacement{group.entries, moved * middle - middle, Pose::fromIsometry(moved).yaw};

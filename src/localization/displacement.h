@@ -15,20 +15,20 @@
 
 namespace omnitag {
 
-/// How far a marker that was observed from a known pose of the robot hangs from its place in the
-/// map, assuming the height and the tilt that the map gives it. If several entries have its id, the
-/// nearest counts. `standing`: how the robot stands. `observation.map_entry` is ignored. Nothing if
-/// the map has no such marker, or if none at this height looks as observed.
+/// How far a marker, observed from a known pose of the robot, hangs from its place in the map,
+/// assuming the map's height and tilt for it. If several entries have its id, the nearest counts.
+/// `standing`: how the robot stands. `observation.map_entry` is ignored. Nothing if the map has no
+/// such marker, or if no marker at that height would look as observed.
 std::optional<DisplacedMarker> displacement(const MarkerMap& map, const MountedCamera& camera,
                                             const std::string& family, int id,
                                             const MarkerObservation& observation,
                                             const Pose& map_from_base, const PosePrior& standing,
                                             const EstimatorConfig& config);
 
-/// By how much a group of two or more markers was moved as one; nothing if that is not known.
+/// How far a group of two or more markers was moved as one; nothing if that is not known.
 std::optional<GroupDisplacement> displacement(const MarkerMap& map, const DisplacedGroup& group);
 
-/// Which markers the map has in a wrong place, according to frame after frame.
+/// Collects over many frames which markers the map has in a wrong place.
 class DisplacementLog {
  public:
   void add(const FrameResult& result);

@@ -69,7 +69,7 @@ double Evidence::logOfMoved(const DisplacedGroup& group, const MarkerMemory& mem
     places.push_back(map_.markers[entry].center());
     // A misread marker may have been in its place a moment ago, and still be there.
     const RememberedSighting* const in_place = memory.inPlace(entry);
-    // Seen once or twice, it may have seemed to be in its place by chance.
+    // A marker seen once or twice may have seemed to be in its place by chance.
     constexpr int kSurely = 3;
     if (!in_place || memory.timesInPlace(entry) < kSurely) continue;
     if (!group.motion || group.entries.size() == 1) continue;

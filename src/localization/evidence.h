@@ -12,8 +12,7 @@
 
 namespace omnitag {
 
-/// By how many standard deviations a pose from outside was off, if it was off by this motion in
-/// the map.
+/// How many standard deviations a pose from outside was off, if this motion in the map corrects it.
 double deviationsOfStart(const PosePrior& start, const Eigen::Isometry3d& motion);
 
 /// Weighs hypotheses by the probability of everything that each has to assume.
@@ -36,16 +35,16 @@ class Evidence {
   double logOfMissed(const std::vector<std::size_t>& entries, const MarkerMemory& memory) const;
 
   /// The same for a pose from outside being off by a motion in the map. `is_met`: whether markers
-  /// are seen where that pose puts them, which is chance if it was off.
+  /// are seen where that pose puts them, which is a coincidence if it was off.
   double logOfStart(const PosePrior& start, const Eigen::Isometry3d& motion, bool is_met) const;
 
   /// The same for the robot having been carried since the last image.
   double logOfCarried(bool has_odometry) const;
 
-  /// Whether the marker was not in its place in a sighting whose pose is moved in the map
-  /// by `motion`.
+  /// Whether the marker is out of its place in a sighting once the sighting's pose is moved in the
+  /// map by `motion`.
   bool contradicts(const RememberedSighting& sighting, const Eigen::Isometry3d& motion) const;
-  /// The same as a function; valid during the lifetime of the evidence.
+  /// The same as a function, valid as long as this object lives.
   MarkerMemory::Contradicts contradiction() const;
 
  private:

@@ -66,7 +66,7 @@ std::vector<View> Exploration::views(const std::vector<View>& all, const Mounted
     left -= pixelsOf(view);
     ++next_view_;
   }
-  // Savings are for the next frame, and must not pile up.
+  // Pixels saved are for the next frame only, and must not pile up.
   saved_pixels_ = std::min(left, view_pixels);
   return views;
 }

@@ -14,8 +14,8 @@ namespace {
 /// m and rad: nobody pushes a robot farther between two images.
 constexpr double kFarthestPush = 0.3;
 
-/// How many of a PoseVector's numbers change if something moves the robot: on a floor it stays on
-/// the floor.
+/// How many of a PoseVector's numbers change if something moves the robot: a robot on a floor stays
+/// on it.
 int numbersOfPush(PoseModel model) { return model == PoseModel::kFloor ? 3 : 6; }
 
 /// A push by this much (m and rad) along and about each of the axes.
@@ -47,12 +47,12 @@ PosePrior FrameTracker::afterPush(const PoseEstimate& alone) const {
 }
 
 void FrameTracker::align() {
-  // Markers whose corners or pixels are off are left out, and the rest is aligned again.
+  // Markers whose corners or pixels are off are left out, and the rest are aligned again.
   constexpr int kRounds = 3;
   const std::size_t all = usedEntries().size();
   for (int round = 0; round < kRounds && solution_; ++round) {
     const std::vector<std::size_t> entries = usedEntries();
-    // If many are off, the rest is no more likely to hang in its place than they are.
+    // If many are off, the rest are no likelier to hang in their places than those.
     const bool is_rest_small = !has_prior_ && !isLargeMajority(entries.size(), all);
     if (entries.empty() || is_rest_small) break;
     const PosePrior before = prior_;
@@ -84,7 +84,7 @@ std::optional<PhotometricFit> FrameTracker::alignedWith(const std::vector<std::s
   };
   auto aligned = from(solution_->map_from_base.pose, prior_);
   if (!aligned || !has_prior_ || entries.size() < 2 || aligned->surprise <= 1.0) return aligned;
-  // Pixels show what corners are too coarse for.
+  // Pixels show motions that corners are too coarse for.
   const auto alone = from(aligned->map_from_base.pose, farthestPushed());
   if (!alone) return aligned;
   prior_ = afterPush(alone->map_from_base);
@@ -103,7 +103,7 @@ bool FrameTracker::leaveOutDisagreeing(const PhotometricFit& fit, const PosePrio
   if (const auto other = poseOf(fit.markers, others, pushed, pose, fit.imaging_error)) {
     alternatives_.push_back(*other);
   }
-  // The prior was pushed because they disagree.
+  // The prior was only widened because the markers disagree.
   prior_ = prior;
   std::vector<std::size_t> disagreeing;
   for (std::size_t k = 0, i = 0; k < observed_.size(); ++k) {
@@ -114,7 +114,7 @@ bool FrameTracker::leaveOutDisagreeing(const PhotometricFit& fit, const PosePrio
 }
 
 bool FrameTracker::leaveOutFar(const PhotometricFit& fit, const std::vector<Misfit>& misfits) {
-  // Pixels hardly pull if they show something else; corners then decide.
+  // Pixels that show something else hardly pull; then the corners decide.
   if (!has_prior_ || sharplyAgreeing(misfits) == 0) return false;
   std::vector<std::size_t> far;
   std::vector<MarkerObservation> rest;

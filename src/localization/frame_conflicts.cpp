@@ -10,7 +10,7 @@
 namespace omnitag {
 namespace {
 
-/// What a prior says of the pose from which a moved group would hang in its place.
+/// A prior, moved to the pose from which a moved group would seem to be in its place.
 PosePrior movedBy(const Eigen::Isometry3d& motion, PosePrior prior) {
   prior.pose = Pose::fromIsometry(motion * prior.pose.toIsometry());
   return prior;
@@ -40,7 +40,7 @@ void FrameTracker::settleWithPrediction() {
       were_all_seen = were_all_seen && sighting.is_likely;
     }
   }
-  // If the motion is too small to distinguish markers, or shifts all that the last image showed, it
+  // If the motion is too small to tell markers apart, or shifts all that the last image showed, it
   // is the robot's.
   if (for_found.empty() || (!are_any_expected && were_all_seen)) return;
   alternatives_.push_back(solution_->map_from_base);
@@ -129,7 +129,7 @@ bool FrameTracker::mayBeInPlace(const MarkerObservation& observation,
 }
 
 void FrameTracker::findOthersBesideMoved() {
-  // From the pose of one marker, the motion of others is not known well enough.
+  // The pose from a single marker does not tell the motion of others well enough.
   if (tools_.memory.countInPlace() < 2) return;
   for (const DisplacedGroup& group : tools_.memory.displacedGroups()) {
     if (!group.motion) continue;
@@ -145,7 +145,7 @@ void FrameTracker::findOthersBesideMoved() {
     const auto solution = estimatePose(tools_.map, camera_, seen, movedBy(*group.motion, prior_),
                                        tools_.config.estimation);
     if (!solution) continue;
-    // The motion is known no better than that pose.
+    // The group's motion is known no better than that pose.
     PoseEstimate belief = solution->map_from_base;
     belief.pose = Pose::fromIsometry(group.motion->inverse() * belief.pose.toIsometry());
     belief.covariance *= 2.0;

@@ -18,7 +18,7 @@ std::vector<MarkerObservation> recognizeUndecoded(const TrackingTools& tools, co
                                                   const PoseEstimate& found,
                                                   const std::vector<std::size_t>& decoded,
                                                   const FrameResult& result) {
-  // A marker that was read beside its place must not be recognized in it after all.
+  // A marker that was read beside its place must not then be recognized in it.
   const auto wasRejected = [&result](const Marker& marker) {
     return std::any_of(result.detections.begin(), result.detections.end(),
                        [&marker](const MarkerDetection& detection) {
@@ -39,8 +39,8 @@ std::vector<MarkerObservation> recognizeUndecoded(const TrackingTools& tools, co
   return recognized;
 }
 
-/// A pose aligned with the pixels of all; nothing if it disagrees with that of the decoded ones, or
-/// a recognized one is off it.
+/// A pose aligned with the pixels of all markers; nothing if it disagrees with the pose of the
+/// decoded ones, or if a recognized one is off it.
 std::optional<PhotometricFit> alignWithAll(const TrackingTools& tools, const Frame& frame,
                                            const MountedCamera& camera, const PoseEstimate& found,
                                            const std::vector<std::size_t>& decoded,

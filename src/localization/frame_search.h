@@ -18,15 +18,15 @@ std::vector<View> viewsToSearch(const TrackingTools& tools, const MountedCamera&
 std::vector<MarkerReading> lookAround(const TrackingTools& tools, const MountedCamera& camera,
                                       FrameResult* result);
 
-/// Adds the readings of a search as detections; gives the entries that its pose is based on.
+/// Adds the readings of a search as detections; returns the entries that its pose is based on.
 std::vector<std::size_t> addDetections(const TrackingTools& tools,
                                        const std::vector<MarkerReading>& readings,
                                        const Relocalization& found, FrameResult* result);
 
-/// Why a marker without an entry is not accepted. While exploring, it is going to have one.
+/// Why a marker without an entry is not accepted. While exploring, it will get one.
 const char* whyUnknown(const LocalizerConfig& config);
 
-/// Whether a marker of the map is read at its projection from a pose, to about a module.
+/// Whether a marker of the map was read at its projection from a pose, to within about a module.
 bool isInPlace(const MarkerReading& reading, const TrackingTools& tools,
                const MountedCamera& camera, const Pose& map_from_base);
 
@@ -39,15 +39,15 @@ std::vector<MarkerObservation> acceptedObservations(const FrameResult& result);
 /// Rejects all accepted detections.
 void rejectAccepted(const char* reason, FrameResult* result);
 
-/// How many detections are of the map's markers but not accepted, without being known to
-/// hang elsewhere.
+/// How many detections of the map's markers are not accepted although they are not known to hang
+/// elsewhere.
 int contradictions(const FrameResult& result, const MarkerMap& map);
 
 /// Sets how far the markers are from their projections by the frame's pose; NaN without one.
 void setResiduals(const TrackingTools& tools, const MountedCamera& camera, FrameResult* result);
 
-/// Refines a pose that a search found from the markers at the entries `decoded`, by recognizing at
-/// their projections others that no view around was suited to decode.
+/// Refines a pose that a search found from the markers at the entries `decoded`: recognizes, at
+/// their projections, other markers that no view was suited to decode.
 PoseEstimate withUndecoded(const TrackingTools& tools, const Frame& frame,
                            const MountedCamera& camera, const PoseEstimate& found,
                            const std::vector<std::size_t>& decoded, const PosePrior& prior,

@@ -41,8 +41,7 @@ struct TrackingTools {
   ReadableImage& readable;
 };
 
-/// Whether an observation is where a prior allows it to be: by its corners, and by the pose that
-/// they lead to.
+/// Whether an observation agrees with a prior: by its corners, and by the pose that they lead to.
 bool agreesWithPrior(const TrackingTools& tools, const MountedCamera& camera,
                      const MarkerObservation& observation, const PosePrior& prior);
 
@@ -59,7 +58,7 @@ std::vector<MarkerReading> readViews(const TrackingTools& tools, std::vector<Vie
 bool isPlaceKnown(const TrackingTools& tools, const MountedCamera& camera,
                   const PredictedMarker& predicted);
 
-/// The marker at a map entry, if its pattern is found near its projection by `belief`.
+/// The marker at a map entry, if its pattern is found near its projection from `belief`.
 std::optional<MarkerObservation> recognizeMarker(const TrackingTools& tools,
                                                  const cv::Mat& panorama,
                                                  const MountedCamera& camera, std::size_t entry,
@@ -83,9 +82,9 @@ std::optional<PhotometricFit> alignWithPixels(const TrackingTools& tools, const 
                                               const std::vector<std::size_t>& entries,
                                               const Pose& initial, const PosePrior& prior);
 
-/// A pose that is based on the corners of this many markers although it was to be aligned with
-/// pixels, widened: the corners of a marker or two alone may be much farther off than where
-/// many agree.
+/// A pose that is based on the corners of this many markers although it was meant to be aligned
+/// with pixels, with a wider covariance: the corners of only one or two markers may be much farther
+/// off than those of many that agree.
 PoseEstimate standingOnCorners(const PoseEstimate& pose, std::size_t markers,
                                const LocalizerConfig& config);
 

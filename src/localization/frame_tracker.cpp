@@ -15,13 +15,13 @@
 namespace omnitag {
 namespace {
 
-/// Markers that make a prediction sharp enough to find all others easily.
+/// This many markers make a prediction sharp enough to find all others easily.
 constexpr std::size_t kFirst = 2;
 
-/// How many markers are decoded at most if the prediction is too vague to recognize them.
+/// At most this many markers are decoded if the prediction is too vague to recognize them.
 constexpr std::size_t kAnchors = 4;
 
-/// Pixels of the largest view that is decoded.
+/// Pixels: size of the largest view that is decoded.
 constexpr double kAnySize = std::numeric_limits<double>::infinity();
 
 /// The same if the prediction is in doubt: decoding must not cost more than a glance.
@@ -38,7 +38,7 @@ PosePrior vague(const Pose& pose, const PosePrior& standing) {
   return prior;
 }
 
-/// Whether a marker is looked for in the same place as before, and not much farther around: the
+/// Whether a marker is looked for in the same place as before, not much less far around: the
 /// farther around, the better the pattern must match.
 bool isSameLook(const PredictedMarker& before, const PredictedMarker& now) {
   constexpr double kSamePlace = 0.5;  // pixels
@@ -48,13 +48,13 @@ bool isSameLook(const PredictedMarker& before, const PredictedMarker& now) {
          now.radial_margin > kNearly * before.radial_margin;
 }
 
-/// Whether other places than the likeliest come into question for markers.
+/// Whether markers may well be elsewhere than at their likeliest places.
 bool isHardlyKnown(const PoseEstimate& predicted) {
   constexpr double kHardly = 0.05;  // m
   return positionDeviation(predicted) > kHardly;
 }
 
-/// m, deviation of a pose from which markers may be farther off in the image than they are
+/// m: with this deviation of the pose, markers may be farther off in the image than where they are
 /// looked for.
 constexpr double kVague = 0.01;
 
@@ -75,20 +75,21 @@ FrameTracker::FrameTracker(const TrackingTools& tools, const Frame& frame,
 std::optional<PoseEstimate> FrameTracker::track() {
   if (has_prior_) remember();
   if (recognizes()) {
-    // The first ones make it easy to find the others.
+    // With the first ones, the others are easy to find.
     recognize(predicted_, kFirst);
     solve();
     findOthers();
     decodeAnchors();
     if (has_prior_ && !solution_) findOthersBesideMoved();
-    // What a vague prediction leads to first may be markers that were moved as one, from whose pose
-    // those in their places are not found.
+    // A vague prediction may first lead to markers that were moved as one; from their pose, those
+    // in their places are not found.
     const bool is_first = solution_ && tools_.memory.countInPlace() == 0;
     if (has_prior_ && is_first && isHardlyKnown(predicted_)) {
       lookAgain(predicted_.pose, false);
     }
     if (isSurprising()) lookWherePredicted();
-    // The markers found first may have been moved as one, and have drawn those found later.
+    // The markers found first may have been moved as one, and may have drawn those found later with
+    // them.
     if (has_prior_ && isDoubtful()) lookAgain(predicted_.pose, true);
     if (isDoubtful()) lookAgain(solution_->map_from_base.pose, true);
   }
@@ -164,7 +165,7 @@ void FrameTracker::decodeAnchors() {
 
 void FrameTracker::findOthers() {
   if (!solution_) return;
-  // Looking for an absent marker takes longer the less its place is known.
+  // The less well a marker's place is known, the longer it takes to look for it in vain.
   if (recognizeAll(solution_->map_from_base, true)) solve();
   constexpr int kRounds = 2;
   for (int round = 0; round < kRounds && solution_; ++round) {
@@ -268,7 +269,7 @@ bool FrameTracker::isDoubtful() const {
   const std::size_t agreeing = sharplyAgreeing(solution_->misfits);
   if (isLargeMajority(agreeing, observed_.size())) {
     // Markers that were not found may be hidden. But if the pose is a surprise, or the prediction
-    // too vague for that, they may just as well be where another pose has them.
+    // too vague to tell, they may just as well be where another pose puts them.
     const bool may_be_elsewhere =
         has_prior_ && (isHardlyKnown(predicted_) || !agree(solution_->map_from_base, predicted_));
     return may_be_elsewhere && !isLargeMajority(agreeing, expected());
@@ -291,7 +292,7 @@ void FrameTracker::lookAgain(const Pose& pose, bool are_all) {
   const std::vector<Sighting> before = sightings_;
   const std::size_t found_before = found();
   const PoseEstimate belief{pose};
-  // Of the largest margin: looking farther around takes too long.
+  // Share of the largest margin: looking farther around takes too long.
   constexpr double kShareAround = 0.5;
   constexpr std::size_t kWorthAThread = 2;
   forEachIndex(sightings_.size(), tools_.config.threads, kWorthAThread, [&](std::size_t i) {

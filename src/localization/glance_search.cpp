@@ -14,7 +14,7 @@
 namespace omnitag {
 namespace {
 
-/// How many of the largest markers are read in all sectors: more hardly improve where to look for
+/// At most this many of the largest markers are read over all sectors: more hardly help in finding
 /// the others.
 constexpr std::size_t kAtMost = 16;
 

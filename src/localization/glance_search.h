@@ -8,9 +8,9 @@
 namespace omnitag {
 
 /// A pose from a glance at the panorama, one sector after another, and what was seen from there:
-/// the first marker gives one or two poses from which to look for the others. Nothing, and a
-/// result that only holds the time taken, if fewer than three agree, unless no more than two
-/// should be seen.
+/// the first marker gives one or two poses from which to look for the others. If fewer than three
+/// agree, nothing, and the result only holds the time taken; two are enough if no more should be
+/// seen.
 std::optional<PoseEstimate> glance(const TrackingTools& tools, const Frame& frame,
                                    const MountedCamera& camera, FrameResult* result);
 

@@ -16,15 +16,15 @@ struct Hypothesis {
   MotionModel motion;
   MarkerMemory memory;
   /// The pose from outside that its poses derive from, none if markers gave the first one; and the
-  /// motion in the map by which that pose was off.
+  /// motion in the map that corrects that pose.
   std::optional<PosePrior> start = std::nullopt;
   Eigen::Isometry3d start_error = Eigen::Isometry3d::Identity();
   /// Whether its pose became too uncertain to be carried on; the hypothesis may still be right.
   bool is_lost = false;
   /// Natural logarithm of the probability that something moved the robot unnoticed.
   double log_of_carried = 0.0;
-  /// The same of what it had to assume about markers that are in their places again: the least
-  /// likely return of some in one image.
+  /// The same for what it had to assume about markers that are back in their places: the least
+  /// likely return that a single image showed.
   double log_of_returned = 0.0;
   /// Stamp (s) of the last image whose markers gave its pose.
   double seen_stamp = std::numeric_limits<double>::infinity();
@@ -32,7 +32,7 @@ struct Hypothesis {
   /// From now on its poses derive from `pose`, or from markers if there is none.
   void restart(const std::optional<PosePrior>& pose);
 
-  /// Whether its poses derive from one from outside, and are where that leaves open.
+  /// Whether its poses derive from a pose from outside, and lie within that pose's uncertainty.
   bool isWithinStart() const;
 
   /// Natural logarithm of its probability, up to a constant that all hypotheses share.

@@ -29,7 +29,7 @@ ImageExposure exposureOf(const cv::Mat& image) {
       ++counts[pixels[column]];
     }
   }
-  // The grey level below which this share of the pixels is.
+  // The grey level below which this share of the pixels lies.
   const auto quantile = [&](double share) {
     int below = 0;
     int level = 0;
@@ -44,7 +44,7 @@ ImageExposure exposureOf(const cv::Mat& image) {
   const int bright = quantile(0.99);
   if (bright < kDark) return ImageExposure::kTooDark;
   if (quantile(0.75) >= kSaturated) return ImageExposure::kTooBright;
-  // Only the brighter half counts: the darker one may show no world.
+  // Only the brighter half counts: the darker half may show nothing of the world.
   if (bright - quantile(0.5) < kPale && bright - quantile(0.05) < kPale) {
     return ImageExposure::kWashedOut;
   }

@@ -31,7 +31,7 @@ std::optional<double> ImageLag::lag() const {
 
 PoseMatrix covarianceOfLag(double lag, const PoseVector& velocity) {
   // m: nearer markers are displaced less. When rows see a turn at different times, the robot seems
-  // displaced by as much as the markers do.
+  // displaced as much as the markers do.
   constexpr double kRange = 3.0;
   const double turn = lag * velocity[2];
   PoseMatrix covariance = PoseMatrix::Zero();

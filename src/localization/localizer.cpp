@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// s until a rejected marker is measured again, which takes a millisecond or two.
+/// s: time until a rejected marker is measured again, which takes a millisecond or two.
 constexpr double kMeasuringPeriod = 1.0;
 
 std::string describe(const cv::Mat& image) {
@@ -176,7 +176,7 @@ std::vector<PoseEstimate> Localizer::Impl::predict(const Frame& frame) {
     if (is_unmet) hypothesis.start = PosePrior::about(predicted.back());
     hypothesis.is_lost = hypothesis.is_lost || !hypothesis.motion.isTrustworthy();
   }
-  // For a lost robot, keep what was last known of the world.
+  // For a lost robot, keep what was last known of the markers.
   if (isLost()) hypotheses_.resize(1, hypotheses_.front());
   return predicted;
 }
@@ -217,7 +217,7 @@ void Localizer::Impl::learnFrom(const Frame& frame, const MountedCamera& camera,
   if (!result->map_from_base || result->is_open) return;
   if (was_tracked_ && result->disagreement.freedom > 0.0)
     knowledge.disagreement.add(result->disagreement);
-  // Mapping takes what images show whose own markers give the pose.
+  // Mapping only uses images whose own markers give the pose.
   const bool is_settled = was_tracked_ || (config_.exploring_views == 0 && isSeenByAnother(frame));
   if (was_searched || !is_settled) return;
   state.patrol.look(trackingTools(frame, hypotheses_.front()), frame, camera,
@@ -246,7 +246,8 @@ void Localizer::Impl::learnBlur(const Frame& frame, const MountedCamera& camera,
 double Localizer::Impl::blurToRead(CameraState* state) {
   ImageKnowledge& knowledge = state->knowledge;
   knowledge.lost_images = knowledge.was_tracked ? 0 : knowledge.lost_images + 1;
-  // While lost, nothing shows how blurred the images are.
+  // While lost, nothing shows how blurred the images are; every second image is tried with this
+  // blur.
   constexpr double kSupposed = 1.6;  // pixels
   const double known = knowledge.blur.blur().largestDeviation();
   const bool is_tried = knowledge.lost_images > 0 && knowledge.lost_images % 2 == 0;

@@ -43,12 +43,13 @@ class Localizer::Impl {
 
  private:
   void check(const Frame& frame) const;
-  /// Carries all hypotheses on to the frame; gives their poses, of use unless they are then lost.
+  /// Carries all hypotheses on to the frame and returns their poses, which are of no use for
+  /// hypotheses that are then lost.
   std::vector<PoseEstimate> predict(const Frame& frame);
   CameraState& stateOf(const Frame& frame) { return *cameras_[frame.camera]; }
   /// Whether an image of another camera has just given the pose.
   bool isSeenByAnother(const Frame& frame) const;
-  /// The camera while it takes the frame's image. After predict().
+  /// The camera while it takes the frame's image. To be called after predict().
   MountedCamera cameraOf(const Frame& frame);
   /// Whether no hypothesis has a pose.
   bool isLost() const;
@@ -59,8 +60,8 @@ class Localizer::Impl {
   std::vector<Account> track(const Frame& frame, const MountedCamera& camera,
                              const Hypothesis& before, const PoseEstimate& predicted,
                              bool is_likeliest, std::vector<MarkerObservation>* seen);
-  /// The pose from the markers that are found near their predictions, the blur with which they are
-  /// found best, and other poses that they may indicate.
+  /// The pose from the markers that are found near their predictions, the blur that finds them
+  /// best, and other poses that they may indicate.
   std::optional<PoseEstimate> followMarkers(const TrackingTools& tools, const Frame& frame,
                                             const MountedCamera& camera,
                                             const PoseEstimate& predicted, bool learns,
@@ -72,24 +73,24 @@ class Localizer::Impl {
                                       const MountedCamera& camera, const Hypothesis& before,
                                       const Account& account,
                                       const std::vector<MarkerObservation>& seen);
-  /// A pose, less certain by the effect of the images' lag on the robot's motion, if they seem
-  /// to lag.
+  /// A pose, its covariance widened for the robot's motion if the images seem to lag.
   PoseEstimate withLag(const Frame& frame, const PoseEstimate& predicted, const PoseEstimate& pose,
                        bool learns);
   /// Whether the accepted markers alone, without the prediction, lead to the predicted place. An
-  /// overconfident prediction may hold a pose against all of them.
+  /// overconfident prediction may hold the pose there against all of them.
   bool markersAgree(const MountedCamera& camera, const PoseEstimate& predicted,
                     const Pose& solution, const FrameResult& result) const;
-  /// Whether a look all around finds the robot elsewhere. It is done now and then, if only a marker
-  /// or two are found and one is missed that the last frame showed. Exploring keeps what it reads.
+  /// Whether a look all around finds the robot elsewhere. It is only done now and then, if at most
+  /// two markers are found and one that the last frame showed is missing. Exploring keeps what it
+  /// reads.
   bool isElsewhere(const TrackingTools& tools, const Frame& frame, const MountedCamera& camera,
                    const Hypothesis& hypothesis, const PoseEstimate& tracked, FrameResult* result);
 
-  /// Searches for a robot that is lost, or seems not to be where its account puts it: the resulting
-  /// accounts, for that account and for the place where the robot is found.
+  /// Searches for a robot that is lost, or seems not to be where its account puts it; returns that
+  /// account and those for the place where the robot is found.
   std::vector<Account> lookFor(const Frame& frame, const MountedCamera& camera, Account account,
                                const std::optional<PoseEstimate>& predicted, bool is_refuted);
-  /// Looks all around; nothing if that gives no pose that the prediction must yield to.
+  /// Looks all around; nothing if that gives no pose that overrules the prediction.
   std::optional<PoseEstimate> search(const TrackingTools& tools, const Frame& frame,
                                      const MountedCamera& camera,
                                      const std::optional<PoseEstimate>& predicted,
@@ -101,10 +102,11 @@ class Localizer::Impl {
   void learnFrom(const Frame& frame, const MountedCamera& camera, bool was_searched,
                  FrameResult* result);
   void learnBlur(const Frame& frame, const MountedCamera& camera, FrameResult* result);
-  /// Pixels, standard deviation of the blur that is to be removed for decoders.
+  /// Pixels: standard deviation of the blur to remove for decoders.
   static double blurToRead(CameraState* state);
   TrackingTools trackingTools(const Frame& frame, const Hypothesis& hypothesis);
-  /// Whether it is time to measure how far a marker hangs from its place; if so, counts it as done.
+  /// Whether it is time to measure how far a marker hangs from its place; if so, notes it as
+  /// measured.
   bool isDue(const MarkerDetection& rejected, double stamp);
 
   MarkerMap map_;
@@ -114,7 +116,7 @@ class Localizer::Impl {
   TagPatterns patterns_;
   Evidence evidence_;
   /// The likeliest first. There is always one: for a lost robot, it holds what was last known of
-  /// the world and of how the robot stands.
+  /// the markers and of how the robot stands.
   std::vector<Hypothesis> hypotheses_;
   ImageLag image_lag_;
   /// How the robot stands, as far as is known without a prediction.
@@ -126,7 +128,7 @@ class Localizer::Impl {
   };
   std::optional<GivenPose> given_pose_;
   std::optional<double> last_stamp_;
-  /// Stamp from which a pose that is based on few markers is next doubted.
+  /// Stamp from which a pose based on few markers may next be doubted.
   double next_doubt_ = -std::numeric_limits<double>::infinity();
   /// By family and id: when it was last measured how far a marker hangs from its place.
   std::map<std::pair<std::string, int>, double> measured_;

@@ -13,8 +13,8 @@
 namespace omnitag {
 namespace {
 
-/// If something shades or covers one of two markers, no third contradicts them without a
-/// prediction: the pose to start from should not look too certain.
+/// Without a prediction, nothing but a third marker would reveal that one of two is shaded or
+/// partly covered: a pose to start from should not look too certain.
 PoseEstimate modest(const PoseEstimate& pose, const FrameResult& result) {
   constexpr int kFew = 2;
   constexpr double kDoubt = 2.0;
@@ -22,7 +22,7 @@ PoseEstimate modest(const PoseEstimate& pose, const FrameResult& result) {
   return {pose.pose, rise * rise * pose.covariance, rise * rise * pose.shared};
 }
 
-/// The entries of map markers that were read, but only where the predicted pose projects them.
+/// The entries of map markers that were read where the predicted pose projects them.
 std::vector<std::size_t> entriesWherePredicted(const TrackingTools& tools,
                                                const MountedCamera& camera,
                                                const PoseEstimate& predicted,
@@ -39,7 +39,7 @@ std::vector<std::size_t> entriesWherePredicted(const TrackingTools& tools,
   return entries;
 }
 
-/// A pose that no reading of a look around gives by itself, but only with others that are
+/// A pose that the readings of a look all around give only together with markers that are
 /// recognized from there; these are then in the result.
 std::optional<PoseEstimate> confirmAround(const TrackingTools& tools,
                                           const std::vector<MarkerReading>& readings,
@@ -146,7 +146,7 @@ std::optional<PoseEstimate> Localizer::Impl::search(const TrackingTools& tools, 
   }
   const bool is_expected = predicted && agree(*predicted, *found.map_from_base);
   const bool is_sure = is_expected || explaining.size() >= 2;
-  // A single marker may hang elsewhere than the map says, which its pixels cannot show.
+  // A single marker may hang elsewhere than the map says, and its pixels cannot show that.
   if (!is_sure) return found.map_from_base;
   step.lap();
   PoseEstimate pose = *found.map_from_base;

@@ -13,7 +13,7 @@ bool hangsAlike(const Marker& a, const Marker& b) {
   return a.size == b.size && a.map_from_marker.isApprox(b.map_from_marker, 0.0);
 }
 
-/// For each marker of a map, the entry of another map that is the same marker in the same place.
+/// For each marker of a map, the same marker in the same place of another map.
 std::vector<std::optional<std::size_t>> sameEntries(const MarkerMap& map, const MarkerMap& other) {
   std::vector<std::optional<std::size_t>> entries;
   entries.reserve(map.markers.size());

@@ -15,26 +15,25 @@
 namespace omnitag {
 namespace {
 
-/// Standard deviations by which the pose from the markers alone may be off the prediction: robots
+/// Standard deviations: how far the pose from the markers alone may be off the prediction. Robots
 /// accelerate and slip more than the motion model says, but not that much.
 constexpr double kMaxDeviations = 6.0;
 
-/// This many markers may be nearly where they were even though the robot was carried toward them
-/// or away.
+/// This few markers may be nearly where they were although the robot was carried toward them or
+/// away.
 constexpr int kFew = 2;
 
-/// m and rad, standard deviation of the apparent motion of a swaying robot, whatever its
-/// odometry says.
+/// m and rad: standard deviation of a swaying robot's apparent motion, whatever its odometry says.
 constexpr double kSway = 2e-3;
 
-/// s until a pose that is based on few markers is doubted again, which costs a look all around.
+/// s: time until a pose based on few markers is doubted again, which costs a look all around.
 constexpr double kDoubtPeriod = 0.25;
 
-/// Other poses that a frame's markers may indicate, at most.
+/// At most this many other poses that a frame's markers indicate are followed.
 constexpr std::size_t kMostAlternatives = 2;
 
-/// The pose from markers as a prediction by which the same markers are found: it must not count as
-/// much as they do.
+/// The pose from markers as a prediction for finding the same markers: it must count less than they
+/// do.
 PoseEstimate predictionFrom(const PoseEstimate& alternative) {
   constexpr double kDoubt = 3.0;
   constexpr double kLeast = 1e-3;  // m and rad
@@ -44,7 +43,7 @@ PoseEstimate predictionFrom(const PoseEstimate& alternative) {
   return prediction;
 }
 
-/// Whether markers lead so far from a given pose that they may rather hang elsewhere.
+/// Whether markers lead so far from a given pose that they more likely hang elsewhere.
 bool isFarFromStart(const Account& account, const Hypothesis& before) {
   const Hypothesis& hypothesis = account.hypothesis;
   return hypothesis.start && before.memory.countInPlace() == 0 && !hypothesis.isWithinStart();
@@ -85,7 +84,7 @@ std::vector<Account> Localizer::Impl::track(const Frame& frame, const MountedCam
   std::vector<PoseEstimate> others;
   const std::optional<PoseEstimate> pose =
       followMarkers(tools, frame, camera, predicted, is_likeliest, &result, seen, &others);
-  // A camera that looks at a bare wall, or is covered, leaves the search to one that is not.
+  // A camera that looks at a bare wall, or is covered, leaves the search to another.
   const bool is_blind = !pose && contradictions(result, map_) == 0 && isSeenByAnother(frame);
   const auto lookForIt = [&](bool is_refuted) -> std::vector<Account> {
     if (is_likeliest && !is_blind)
@@ -169,7 +168,7 @@ std::optional<PoseEstimate> Localizer::Impl::followMarkers(
     result->timings = timings;
     blurred = camera.withBlur(blur);
   }
-  // If markers contend for the pose, their blur is not reliable.
+  // If markers disagree about the pose, their blur is not reliable.
   const bool is_certain = alternatives->empty() && hypotheses_.size() == 1;
   if (result->blur_equations && learns && is_certain)
     filter.take(*result->blur_equations, blurred.blur());
@@ -182,7 +181,7 @@ PoseEstimate Localizer::Impl::withLag(const Frame& frame, const PoseEstimate& pr
   PoseEstimate lagging = pose;
   if (!frame.velocity || !frame.odom_from_base) return lagging;
   const double innovation = difference(pose.pose, predicted.pose)[2];
-  // Of several cameras, each may lag by a time of its own, and all would lead the pose.
+  // Several cameras may each lag by a different time, and all of them would influence the pose.
   if (learns && cameras_.size() == 1) image_lag_.add(innovation, *frame.velocity, was_tracked_);
   if (const std::optional<double> lag = image_lag_.lag()) {
     const PoseMatrix covariance = covarianceOfLag(*lag, *frame.velocity);
@@ -194,7 +193,7 @@ PoseEstimate Localizer::Impl::withLag(const Frame& frame, const PoseEstimate& pr
 
 bool Localizer::Impl::markersAgree(const MountedCamera& camera, const PoseEstimate& predicted,
                                    const Pose& solution, const FrameResult& result) const {
-  // If the robot was carried toward one or two markers, or away from them, they are nearly where
+  // If the robot was carried toward one or two markers, or away from them, they appear nearly where
   // they were.
   const auto isFarOff = [this](const MarkerDetection& detection) {
     return detection.accepted && detection.deviations > config_.relocalization.max_misfit_of_one;

@@ -25,7 +25,7 @@ double nearestRadius(const CameraModel& camera, double distance, double height) 
 }
 
 /// Adds the radii of the ideal image plane at which something at a height above the camera can
-/// image, from `min_range` to `max_range` metres away.
+/// image if it is `min_range` to `max_range` metres away.
 void includeRadii(double above_camera, double min_range, double max_range,
                   const MountedCamera& camera, Bounds* radii) {
   constexpr int kSteps = 64;
@@ -44,8 +44,8 @@ void includeRadii(double above_camera, double min_range, double max_range,
   }
 }
 
-/// m, where the smallest upright marker is a third wider than `overlap`: in five of six directions
-/// it is still whole in a view there.
+/// m: the range at which the smallest upright marker is a third wider than `overlap`. In five of
+/// six directions it is still whole in a view there.
 double nearestRange(const MarkerHeights& heights, double overlap) {
   constexpr double kNarrowest = radians(1.0);
   constexpr double kWider = 4.0 / 3.0;
@@ -75,12 +75,12 @@ Bounds radiiOf(const MarkerHeights& heights, const MountedCamera& camera, double
   return radii;
 }
 
-/// m, from where on it hardly matters that a mirror has no single viewpoint.
+/// m: from here on, it hardly matters that a mirror has no single viewpoint.
 constexpr double kFar = 10.0;
 
 /// Whether the camera sees what is near the upper or the lower end of its axis. The camera's own
-/// housing may hide what is right on it; at the rim of a mirror, what is near the other end is
-/// squeezed too much to be read.
+/// housing may hide what is exactly on it; what is near the other end is squeezed at a mirror's
+/// rim, too much to be read.
 bool seesEnd(bool up, const MountedCamera& camera) {
   const CameraModel& model = camera.model();
   const double along_axis = camera.axisUp() == up ? kFar : -kFar;
@@ -97,7 +97,7 @@ bool canBeAtEnd(bool up, const MarkerHeights& heights, const MountedCamera& came
   return up ? heights.lying.high > camera_height : heights.lying.low < camera_height;
 }
 
-/// The radii at which the camera sees what is not near the axis.
+/// The radii at which the camera sees things that are not near the axis.
 Bounds radiiOffAxis(const CameraModel& camera) {
   Bounds radii;
   for (const double side : {-1.0, 1.0}) {
@@ -197,7 +197,7 @@ std::vector<View> viewsAllAround(const MarkerHeights& heights, const MountedCame
                                  const LookAroundConfig& config) {
   Planner planner(camera, table, config);
   Bounds radii = radiiOf(heights, camera, max_range, config.overlap);
-  // A lens that looks ahead has markers on walls near its axis.
+  // A lens that looks ahead sees markers on walls near its axis.
   const Bounds off_axis = radiiOffAxis(camera.model());
   const bool is_lens = camera.model().imageFromPoint(0.0, kFar).has_value();
   const bool are_near_axis = is_lens && radii.low < off_axis.low;

@@ -15,9 +15,9 @@
 
 namespace omnitag {
 
-/// Where markers can image, whole, that are at these heights, up to `max_range` metres away and not
-/// much wider than `config.overlap`; and those on the floor and under the ceiling, however near.
-/// Nothing if the camera sees none of these.
+/// Where markers can image as a whole if they are at these heights, up to `max_range` metres away
+/// and not much wider than `config.overlap`; and those on the floor and under the ceiling, however
+/// near. Nothing if the camera sees none of these.
 std::optional<Annulus> annulusOfMarkers(const MarkerHeights& heights, const MountedCamera& camera,
                                         double max_range, const LookAroundConfig& config);
 

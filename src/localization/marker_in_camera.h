@@ -12,9 +12,9 @@ namespace omnitag {
 
 /// camera_from_marker of a marker of this size (m) from its four corners alone, between the
 /// camera's optical frame and the marker's (Marker), with the covariance due to the corners' noise
-/// and the camera's uncertainty. `expected`: where the map and the frame's pose have the marker,
-/// which decides if two poses remain possible; without it, the better one. None if no pose explains
-/// the corners.
+/// and the camera's uncertainty. `expected`: where the map and the frame's pose put the marker,
+/// which decides between two possible poses; without it, the better fit does. None if no pose
+/// explains the corners.
 std::optional<PoseEstimate> markerInCamera(std::shared_ptr<const CameraModel> camera,
                                            const MarkerDetection& detection, double size,
                                            const std::optional<Eigen::Isometry3d>& expected,

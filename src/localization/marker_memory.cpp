@@ -84,7 +84,7 @@ void MarkerMemory::addGroup(const std::vector<RememberedSighting>& sightings,
   for (const RememberedSighting& sighting : sightings) {
     const std::size_t entry = sighting.observation.map_entry;
     if (!isElsewhere(entry)) continue;
-    // A group with a motion is more than a single marker.
+    // A group with a known motion takes precedence over a single marker.
     const std::size_t before = records_[entry].group;
     if (!group || (groups_[before] && !groups_[*group])) group = before;
   }

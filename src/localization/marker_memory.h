@@ -27,19 +27,18 @@ struct RememberedSighting {
 /// Markers that hang elsewhere than the map says, all by the same motion.
 struct DisplacedGroup {
   std::vector<std::size_t> entries;
-  /// Takes the poses to those from which the markers would hang in their places; none if it is
-  /// not known.
+  /// Moves the poses to where the markers would be seen in their places; none if not known.
   std::optional<Eigen::Isometry3d> motion;
 };
 
-/// Which markers of the map earlier images showed, in their places or elsewhere, and which they did
-/// not show although in view, according to one hypothesis of the robot's poses. What a camera shows
-/// or misses is remembered for each camera; where markers hang, for all.
+/// Which markers of the map earlier images showed, in their places or elsewhere, and which they
+/// failed to show although in view, according to one hypothesis of the robot's poses. Seen or
+/// missed is remembered for each camera; where markers hang, for all cameras together.
 class MarkerMemory {
  public:
   explicit MarkerMemory(const AttentionConfig& config) : config_(config) {}
 
-  /// The camera whose images the following is about, until another is told.
+  /// Sets the camera whose images the following calls are about.
   void lookThrough(std::size_t camera) { camera_ = camera; }
 
   /// Adds a marker in its place, seen from the pose of its frame.
@@ -52,14 +51,14 @@ class MarkerMemory {
   /// Whether a marker is most likely hidden, so that it need not be looked for.
   bool isHidden(std::size_t entry, const Eigen::Vector3d& viewpoint, double stamp) const;
 
-  /// Whether it was seen, or missed, when last looked for.
+  /// Whether the marker was seen, or missed, when last looked for.
   bool wasSeen(std::size_t entry) const;
   bool wasMissed(std::size_t entry) const;
 
   /// The share of markers that were seen when first looked for; between 0.1 and 0.9.
   double seenAtFirst() const;
 
-  /// Whether the image at a stamp, or a later one, showed it.
+  /// Whether an image at this stamp or later showed it.
   bool wasSeenSince(std::size_t entry, double stamp) const;
 
   /// The last sighting of a marker in its place; and the last one elsewhere, if it was seen there
@@ -76,16 +75,16 @@ class MarkerMemory {
   /// How many were seen in their places and not elsewhere since.
   std::size_t countInPlace() const;
 
-  /// Whether the marker was not in its place in a sighting whose pose is moved in the map by
-  /// a motion.
+  /// Whether the marker is out of its place in a sighting once the sighting's pose is moved in the
+  /// map by a motion.
   using Contradicts = std::function<bool(const RememberedSighting&, const Eigen::Isometry3d&)>;
 
-  /// Adds markers that were seen elsewhere in one image and would all hang in their places if the
-  /// hypothesis' pose were moved in the map: as one group, the earlier one if there is one.
-  /// `motion`: none if it is not known.
+  /// Adds markers that one image showed elsewhere, and that would all be in their places if the
+  /// hypothesis' pose were moved in the map. They form one group, the earlier one if there is one.
+  /// `motion`: none if not known.
   void addGroup(const std::vector<RememberedSighting>& sightings,
                 const std::optional<Eigen::Isometry3d>& motion);
-  /// Adds a marker of which only that is known: to a group whose motion may explain it, or alone.
+  /// Adds a marker only known to be elsewhere: to a group whose motion may explain it, or alone.
   void addElsewhere(const RememberedSighting& sighting, const Contradicts& contradicts);
   std::vector<DisplacedGroup> displacedGroups() const;
   /// Treats all poses so far as wrong by a motion in the map: what was seen in its place may have
@@ -93,11 +92,11 @@ class MarkerMemory {
   void moveBy(const Eigen::Isometry3d& motion, const Contradicts& contradicts);
 
   /// Takes over another memory. `entries`: for each marker of this map, the same marker in the
-  /// other map; none if there is none or it hangs elsewhere.
+  /// other map; none if the other map lacks it or has it elsewhere.
   void takeFrom(const MarkerMemory& before, const std::vector<std::optional<std::size_t>>& entries);
 
   void clear();
-  /// Forgets where markers were seen according to a wrong pose, but not which are hidden.
+  /// Forgets where markers were seen, because the pose was wrong, but not which are hidden.
   void forgetPlaces();
 
  private:
@@ -111,17 +110,17 @@ class MarkerMemory {
     int misses = 0;
   };
   struct Record {
-    /// By camera; only as far as cameras looked for it.
+    /// By camera; only up to the last camera that looked for it.
     std::vector<Looks> looks;
     std::optional<RememberedSighting> in_place;
     std::optional<RememberedSighting> elsewhere;
     int times_in_place = 0;
-    /// Since when it is elsewhere, and in which group.
+    /// s: the stamp since when it has been elsewhere; and its group.
     double elsewhere_since = 0.0;
     std::size_t group = 0;
   };
   Record& of(std::size_t entry);
-  /// What this camera looked for.
+  /// The looks of the current camera.
   Looks& looksOf(std::size_t entry);
   const Looks& looksAt(std::size_t entry) const;
   void addElsewhere(const RememberedSighting& sighting, std::size_t group);
@@ -132,9 +131,9 @@ class MarkerMemory {
   std::size_t camera_ = 0;
   double first_looks_ = 0.0;
   double first_seen_ = 0.0;
-  /// By map entry; only as far as entries were looked for.
+  /// By map entry; only up to the last one that was looked for.
   std::vector<Record> records_;
-  /// For each group: takes the poses to those from which its markers hang in their places.
+  /// For each group: moves the poses to where its markers would be seen in their places.
   std::vector<std::optional<Eigen::Isometry3d>> groups_;
 };
 

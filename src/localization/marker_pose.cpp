@@ -18,7 +18,7 @@ namespace {
 struct Start {
   Pose map_from_base;
   double cost = std::numeric_limits<double>::infinity();
-  /// m, horizontally from the camera to the marker.
+  /// m: horizontal distance from the camera to the marker.
   double distance = 0.0;
 };
 
@@ -33,8 +33,8 @@ std::optional<Corners<Eigen::Vector2d>> project(const Corners<Eigen::Vector3d>& 
   return pixels;
 }
 
-/// The pose from which a marker has the observed bearing and size, if the camera is in the
-/// direction `azimuth` from it. `guess`: m, the distance to try first.
+/// The pose from which a marker has the observed bearing and size, if the camera is in direction
+/// `azimuth` from the marker. `guess`: m, the distance to try first.
 Start startFrom(double azimuth, const Marker& marker, const MountedCamera& camera,
                 const MarkerObservation& observation, double bearing, double guess) {
   constexpr int kRounds = 5;
@@ -75,7 +75,7 @@ Start startFrom(double azimuth, const Marker& marker, const MountedCamera& camer
   return {};
 }
 
-/// Whether a marker may face a camera in the direction `azimuth` from it, however far.
+/// Whether a marker may face a camera that is in direction `azimuth` from it, at any distance.
 bool mayFace(const Marker& marker, const MountedCamera& camera, double azimuth) {
   const Eigen::Vector3d normal = marker.normal();
   const double above = camera.baseFromCamera().translation().z() - marker.center().z();
@@ -158,8 +158,8 @@ void refineFromAllAround(const Marker& marker, const MountedCamera& camera,
     if (!is_lowest) continue;
     refineFrom(starts[i]);
     // Two optima, hardly ever more, may lie between the same two directions, or one may hide behind
-    // the other: look where the view from the other side of the marker's normal would be, or from
-    // both sides.
+    // the other. So also start from the direction mirrored at the marker's normal and, if there are
+    // not two optima yet, from both neighbouring directions.
     const double mirrored = 2.0 * normal_azimuth - 2.0 * kPi * static_cast<double>(i) / kDirections;
     refineFrom(startFrom(mirrored, marker, camera, observation, bearing, starts[i].distance));
     constexpr std::size_t kMostOptima = 2;

@@ -8,7 +8,7 @@
 namespace omnitag {
 namespace {
 
-/// How the robot may stand, and next to nothing else.
+/// A prior that says how the robot may stand, and next to nothing else.
 PosePrior weakPrior(const Pose& about, const Frame& frame, const LocalizerConfig& config) {
   constexpr double kOpen = 100.0;  // m and rad
   const Eigen::Matrix3d nothing = Eigen::Matrix3d::Zero();
@@ -21,7 +21,8 @@ PosePrior weakPrior(const Pose& about, const Frame& frame, const LocalizerConfig
   return prior;
 }
 
-/// Whether a pose from a single marker is the other one from which it looks almost the same.
+/// Whether a pose from a single marker is the wrong one of the two from which it looks almost the
+/// same.
 bool isMirrored(const TrackingTools& tools, const MountedCamera& camera,
                 const std::vector<std::size_t>& entries, const Pose& start, const Pose& measured) {
   if (entries.size() > 1) return false;

@@ -11,8 +11,8 @@
 namespace omnitag {
 namespace {
 
-/// How an error of the pose propagates when the base then moves: from PoseVector errors before to
-/// those after. An error of rotation carries the motion along with it.
+/// How an error of the pose propagates when the base then moves: from the PoseVector of errors
+/// before to the one after. A rotation error also rotates the motion.
 PoseMatrix byPose(const Eigen::Isometry3d& pose, const Eigen::Isometry3d& motion) {
   PoseMatrix transition;
   for (int i = 0; i < 6; ++i) {
@@ -84,8 +84,8 @@ void MotionModel::resetToGiven(const PoseEstimate& map_from_base, double stamp,
                                const std::optional<Pose>& odom_from_base) {
   PoseEstimate given = map_from_base;
   if (!isOnFloor()) {
-    // A person who points at a place on the floor does not say how high the robot is, nor how
-    // it leans.
+    // A person who points at a place on the floor says neither how high the robot is nor how it
+    // leans.
     const Eigen::Vector3d unknown(config_.initial_height_deviation,
                                   config_.initial_heading_deviation,
                                   config_.initial_heading_deviation);
@@ -244,7 +244,7 @@ void MotionModel::moveByOdometry(const Pose& motion) {
     noise.diagonal().segment<3>(3) << translation_variance, rotation_variance, rotation_variance;
   }
   move(motion, Covariance::Identity(), noise);
-  // Odometry gives the motion whatever the velocity; should it fail, the velocity starts unknown.
+  // With odometry, the velocity does not matter; if odometry fails, the velocity starts unknown.
   const Eigen::Matrix<double, 6, 3> pose_and_slow = covariance_.topRightCorner<6, 3>();
   restart(estimate());
   if (!isOnFloor()) return;

@@ -12,11 +12,11 @@ namespace omnitag {
 
 /// Carries the robot's pose from image to image, by odometry if both images have it, otherwise at
 /// constant velocity. A Kalman filter over the pose, the velocity in base_link and, on a floor, the
-/// slow part of height, roll and pitch; the images contribute a finished pose.
+/// slow part of height, roll and pitch; each image contributes a finished pose.
 ///
-/// On a floor the pose is carried within the plane, and height, roll and pitch are predicted for
-/// each image independently: odometry's roll and pitch plus the slow part, with the deviation of
-/// the fast one.
+/// On a floor, the pose is carried on within the plane, and height, roll and pitch are predicted
+/// for each image independently: odometry's roll and pitch plus the slow part, with the deviation
+/// of the fast part.
 class MotionModel {
  public:
   explicit MotionModel(const MotionModelConfig& config) : config_(config) {}
@@ -28,27 +28,27 @@ class MotionModel {
   void reset(const PoseEstimate& map_from_base, double stamp,
              const std::optional<Pose>& odom_from_base);
 
-  /// The same with a pose from outside: a hypothesis until it is corrected.
+  /// The same with a pose from outside, which is a hypothesis until it is corrected.
   void resetToGiven(const PoseEstimate& map_from_base, double stamp,
                     const std::optional<Pose>& odom_from_base);
 
-  /// Carries the pose on to a stamp: that of the next image, which a slower camera may have taken a
-  /// little before the last one, or at the same time.
+  /// Carries the pose on to the stamp of the next image, which a slower camera may have taken at
+  /// the same time as the last one or a little before.
   PoseEstimate predict(double stamp, const std::optional<Pose>& odom_from_base);
 
-  /// Takes the pose from the image at the last stamp, which includes the prediction.
+  /// Takes over the pose estimated from the image at the last stamp, which includes the prediction.
   void correct(const PoseEstimate& map_from_base);
 
   /// s from the last correction or start to the last stamp.
   double uncorrectedTime() const { return stamp_ - corrected_stamp_; }
 
-  /// The base's motion by odometry or, at the last stamp, by the images.
+  /// The base's motion by odometry; and at the last stamp, by the images.
   BaseMotion motionBy(const PoseVector& odometry) const;
   BaseMotion motion() const;
-  /// The same if nothing is known of it.
+  /// The same if nothing is known about the motion.
   BaseMotion unknownMotion() const;
 
-  /// What is known of an image's pose without a prediction: on a floor how the robot stands,
+  /// What is known of an image's pose without a prediction: on a floor, how the robot stands;
   /// otherwise nothing. `odom_from_base`: odometry at the image's stamp.
   PosePrior standing(const std::optional<Pose>& odom_from_base) const;
 
@@ -62,9 +62,9 @@ class MotionModel {
 
   bool isOnFloor() const { return config_.isOnFloor(); }
   void restart(const PoseEstimate& map_from_base);
-  /// Whether the deviations of the pose, as far as it is estimated, are within these (m and rad).
+  /// Whether the deviations of the pose's estimated components are within these limits (m and rad).
   bool isCertain(double max_position, double max_heading) const;
-  /// m and rad, standard deviations of odometry over a distance (m) and a turn (rad).
+  /// m and rad: standard deviations of odometry over a distance (m) and a turn (rad).
   double translationDeviation(double way, double turn) const;
   double rotationDeviation(double way, double turn) const;
   void moveByOdometry(const Pose& motion);
@@ -73,7 +73,7 @@ class MotionModel {
   void move(const Pose& motion, const Covariance& transition, const Covariance& noise);
   /// On a floor: predicts height, roll and pitch after an interval (s).
   void standAnew(double interval, const std::optional<Pose>& odom_from_base);
-  /// Covariance of the slow part: the configured one until something is known.
+  /// Covariance of the slow part: the configured one until there is an estimate.
   Eigen::Matrix3d slowCovariance() const;
   Pose leanAt(const std::optional<Pose>& odom_from_base) const;
   PoseEstimate estimate() const;
@@ -89,7 +89,7 @@ class MotionModel {
   PoseMatrix shared_ = PoseMatrix::Zero();
   double stamp_ = 0.0;
   double corrected_stamp_ = 0.0;
-  /// When a correction, a start or odometry last showed where the robot is.
+  /// Stamp at which a correction, a start or odometry last showed where the robot is.
   double known_stamp_ = 0.0;
   /// Of the last prediction since the start.
   std::optional<double> predicted_stamp_;

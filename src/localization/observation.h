@@ -13,9 +13,9 @@ struct MarkerObservation {
   std::size_t map_entry = 0;
   Corners<Eigen::Vector2d> corners;
   Eigen::Vector2d center;
-  /// Pixels, standard deviation of each corner's place along each axis relative to the marker's
-  /// middle, in addition to a corner's noise: a marker that is only found as a whole has the shape
-  /// of its prediction.
+  /// Pixels: standard deviation of each corner along each axis relative to the marker's middle, in
+  /// addition to the corner's noise. A marker that is only found as a whole takes its shape from
+  /// the prediction.
   double shape_deviation = 0.0;
   /// As in MarkerDetection.
   int hamming = -1;

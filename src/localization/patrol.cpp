@@ -10,7 +10,7 @@
 namespace omnitag {
 namespace {
 
-/// s for which a view that showed a marker elsewhere takes every second turn: until that has been
+/// s: how long a view that showed a marker elsewhere takes every second turn, until that has been
 /// measured repeatedly.
 constexpr double kOddViewTime = 3.0;
 
@@ -54,7 +54,7 @@ void Patrol::look(const TrackingTools& tools, const Frame& frame, const MountedC
   }
   bool is_odd = false;
   for (const MarkerReading& reading : readings) {
-    // A marker that was not expected because it is far or seen from the side may well be in
+    // A marker that was not expected because it is far away or seen from the side may well be in
     // its place.
     if (isAmong(result->detections, reading) || isInPlace(reading, tools, camera, map_from_base)) {
       continue;

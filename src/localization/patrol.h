@@ -13,19 +13,19 @@ namespace omnitag {
 
 /// Looks for what a pose does not predict: markers that hang elsewhere than the map says, and
 /// markers that the map does not have. It reads a view now and then, so that everything is seen
-/// within AttentionConfig::period, at a cost in pixels that keeps the time per frame even; more
-/// while exploring (Exploration).
+/// within AttentionConfig::period while the time per frame stays even; more while exploring
+/// (Exploration).
 class Patrol {
  public:
   void seek(std::vector<Marker> markers) { exploration_.seek(std::move(markers)); }
 
-  /// Adds what is read elsewhere than the frame's pose projects it. Reads nothing more if
+  /// Adds what is read away from its projection from the frame's pose. Reads nothing more if
   /// `result->explored` already holds what was read all around.
   void look(const TrackingTools& tools, const Frame& frame, const MountedCamera& camera,
             const Pose& map_from_base, FrameResult* result);
 
  private:
-  /// A view that showed a marker of the map elsewhere, and until when (s) it takes every
+  /// A view that showed a marker of the map elsewhere, and the stamp (s) until which it takes every
   /// second turn.
   struct OddView {
     std::size_t index;
@@ -40,11 +40,11 @@ class Patrol {
   std::size_t nextOf(std::size_t count, double stamp);
 
   Exploration exploration_;
-  /// Stamp of the last frame, and the share of a period's pixels that may be read since then or was
-  /// saved before.
+  /// Stamp of the last frame, and the share of a period's pixels that may now be read: accrued
+  /// since then or saved before.
   std::optional<double> last_stamp_;
   double credit_ = 0.0;
-  /// The view whose turn is next, and how many turns there were.
+  /// The view whose turn is next, and how many turns there have been.
   std::size_t next_view_ = 0;
   std::size_t looks_ = 0;
   std::vector<OddView> odd_views_;

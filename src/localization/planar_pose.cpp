@@ -48,7 +48,7 @@ Eigen::Matrix3d homography(double size, const Corners<Eigen::Vector3d>& directio
   return least.col(2).dot(ahead) < 0.0 ? -least : least;
 }
 
-/// The one or two orientations, and the place, of a marker that is seen in these directions.
+/// The one or two orientations, each with the place, of a marker that is seen in these directions.
 std::vector<Eigen::Isometry3d> orientationsSeen(double size,
                                                 const Corners<Eigen::Vector3d>& directions) {
   const Eigen::Matrix3d plane = homography(size, directions);
@@ -120,7 +120,7 @@ Pose flippedPose(const Marker& marker, const MountedCamera& camera, const Pose& 
   const Eigen::Vector3d viewpoint = camera.baseFromCamera().translation();
   const Eigen::Vector3d sight = (base_from_marker.translation() - viewpoint).normalized();
   const Eigen::Matrix3d rotation = base_from_marker.linear();
-  // The components of the marker's edges along the line of sight are reversed.
+  // Reverse the components of the marker's edges along the line of sight.
   base_from_marker.linear() = (rotation - 2.0 * sight * (sight.transpose() * rotation)) *
                               Eigen::Vector3d(1.0, 1.0, -1.0).asDiagonal();
   return Pose::fromIsometry(marker.map_from_marker * base_from_marker.inverse());

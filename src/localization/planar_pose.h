@@ -9,8 +9,8 @@
 
 namespace omnitag {
 
-/// The poses, with all six numbers, from which a marker images about as observed, however the robot
-/// stands: in closed form, to start an iteration from. There are two, with the marker turned about
+/// The poses (all six numbers, however the robot then stands) from which a marker images about as
+/// observed: in closed form, as starts of an iteration. There are two, with the marker turned about
 /// its middle to either side of the line of sight; one if these coincide; none if the camera has no
 /// line of sight for a corner.
 ///
@@ -19,13 +19,14 @@ namespace omnitag {
 /// orientation seen along the line of sight. Its larger singular value is 1 / distance, and A's
 /// deviation from a rotation gives the slant except for its sign (Collins and Bartoli,
 /// Infinitesimal Plane-based Pose Estimation, 2014). A mirror's lines of sight do not meet in one
-/// point: they are shifted to the marker's distance, as seen from their mean origin.
+/// point; they are replaced by lines from their mean origin to their points at the marker's
+/// distance.
 std::vector<Pose> planarPoses(const Marker& marker, const MountedCamera& camera,
                               const MarkerObservation& observation);
 
-/// The pose, however the robot then stands, from which a marker images almost as it does from
-/// `map_from_base`: slanted the other way about the line of sight. Small or far markers do not
-/// distinguish the two.
+/// The other pose, however the robot then stands, from which a marker looks almost as it does from
+/// `map_from_base`: slanted the other way about the line of sight. With small or far markers, the
+/// two cannot be told apart.
 Pose flippedPose(const Marker& marker, const MountedCamera& camera, const Pose& map_from_base);
 
 }  // namespace omnitag

@@ -29,8 +29,8 @@ std::vector<Relocalization> startsFrom(const std::vector<MarkerReading>& reading
   return {std::move(found)};
 }
 
-/// The pose from which to look for all markers. The corners of a single one hardly determine from
-/// where it is seen; its pixels do.
+/// The pose from which to look for all markers. The corners of a single marker hardly determine
+/// where it is seen from; its pixels do.
 PoseEstimate sharpened(PoseEstimate pose, const std::vector<std::size_t>& explaining,
                        const TrackingTools& tools, const cv::Mat& panorama,
                        const MountedCamera& camera) {
@@ -52,7 +52,7 @@ bool isAccepted(std::size_t entry, const FrameResult& seen) {
                      });
 }
 
-/// Whether another pose could have associated the same markers with other entries.
+/// Whether another pose could associate the same markers with other entries.
 bool standsOnReusedIds(const FrameResult& seen, const MarkerMap& map) {
   return std::any_of(
       seen.detections.begin(), seen.detections.end(), [&map](const MarkerDetection& detection) {
@@ -60,7 +60,7 @@ bool standsOnReusedIds(const FrameResult& seen, const MarkerMap& map) {
       });
 }
 
-/// What is seen from a pose that explains readings; nothing if it does not include these. Adds the
+/// What is seen from a pose that explains readings; nothing if not all of these are found. Adds the
 /// time taken to `timings`.
 std::optional<FrameResult> lookFrom(const Relocalization& found, const Glance& seen,
                                     const TrackingTools& tools, const Frame& frame,

@@ -8,11 +8,11 @@
 namespace omnitag {
 
 /// Whether nothing still unseen could contradict what was seen from a pose: more than half of what
-/// should be seen agrees with it sharply, so that what was moved as one is fewer.
+/// should be seen agrees with it sharply, so markers that were moved as one must be fewer.
 bool isBeyondDoubt(const FrameResult& seen);
 
-/// The pose that a few readings lead to, however uncertain or ambiguous by themselves, with what is
-/// seen from there as in tracking, if that is enough to be sure. Nothing if it is not, if a reading
+/// The pose that a few readings lead to, even if uncertain or ambiguous by themselves, and what is
+/// seen from there as in tracking. Nothing if that is not enough to be sure, if a reading
 /// contradicts, if a marker that is found from there contradicts (unless the pose is beyond doubt),
 /// or if more than one pose is confirmed. `seen`: the readings and where they were read. Adds the
 /// time taken to `timings`.

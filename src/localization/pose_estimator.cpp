@@ -14,7 +14,7 @@
 namespace omnitag {
 namespace {
 
-/// Standard deviations (Misfit) by which a marker in its place is nearly always off at most.
+/// Standard deviations (Misfit): a marker in its place is hardly ever off by more.
 constexpr double kSharp = 1.2;
 
 std::vector<MarkerObservation> chosen(const std::vector<MarkerObservation>& observations,
@@ -43,12 +43,12 @@ std::optional<LandmarkSight> sightOf(const MarkerObservation& observation, const
   sight.landmark_deviation = marker.deviation;
   sight.viewpoint = origin.head<2>();
   sight.bearing = std::atan2(direction.y(), direction.x());
-  // The bearing's noise is that of a pixel at this radius. The centre is where the diagonals meet,
-  // each of which errs by as much as its corners.
+  // The bearing's noise is the corner noise as seen at this radius. The centre is where the
+  // diagonals meet, and each of them errs as much as its corners.
   const ImagePlane& plane = camera.model().imagePlane();
   const double radius = (observation.center - plane.principalPoint()).norm();
   sight.bearing_deviation = corner_noise / std::max(radius, 1.0);
-  // The lean moves what is above or below the camera sideways.
+  // The lean moves markers above or below the camera sideways.
   const double lean_information = prior.information(4, 4);
   const double slope = direction.z() / direction.head<2>().norm();
   if (lean_information > 0.0) {
@@ -68,8 +68,8 @@ PoseEstimate withLean(const PoseEstimate& on_floor, const PosePrior& prior) {
   return estimate;
 }
 
-/// Triangulates, first with equal confidence, then with less weight for sights whose corners are
-/// off. While one is beyond the limit and more than three are left, the worst is left out.
+/// Triangulates first with equal confidence, then with less weight for sights whose corners are
+/// off. While one is beyond the limit and more than three are left, leaves out the worst.
 std::optional<PoseSolution> triangulateRobustly(const MarkerMap& map, const MountedCamera& camera,
                                                 const std::vector<MarkerObservation>& observations,
                                                 const PosePrior& prior,
@@ -117,7 +117,7 @@ std::optional<PoseSolution> triangulateRobustly(const MarkerMap& map, const Moun
 }
 
 /// How badly observations fit a pose. One that agrees well counts much more than one that hardly
-/// does: otherwise a pose between two that fit well would win with the markers of both.
+/// does: otherwise a pose between two good ones would win with the markers of both.
 double misfitOf(const std::vector<Misfit>& misfits) {
   constexpr double kHalf = 0.5;  // standard deviations
   double sum = 0.0;
@@ -136,7 +136,7 @@ std::vector<bool> agreeing(const std::vector<Misfit>& misfits, const EstimatorCo
   return agree;
 }
 
-/// Pairs of this many observations: all, or an even selection if there are too many.
+/// Pairs out of this many observations: all, or an even selection if there are too many.
 std::vector<std::array<std::size_t, 2>> pairsOf(std::size_t count) {
   constexpr std::size_t kMost = 30;
   const std::size_t all = count * (count - 1) / 2;
@@ -151,9 +151,9 @@ std::vector<std::array<std::size_t, 2>> pairsOf(std::size_t count) {
   return pairs;
 }
 
-/// The pose from the pair of observations that the others agree with best, and from those that do.
-/// A pose between markers in their places and moved ones may fit all of them a little, but two in
-/// their places give the right one. The residuals are those of all observations.
+/// The pose from the pair of observations that the others agree with best, and from those others. A
+/// pose between markers in their places and moved ones may fit all of them a little, but two in
+/// their places give the right pose. The residuals are those of all observations.
 std::optional<ReprojectionFit> refineFromPairs(const MarkerMap& map, const MountedCamera& camera,
                                                const std::vector<MarkerObservation>& observations,
                                                const PosePrior& prior,
@@ -225,7 +225,7 @@ std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera&
     }
   }
   // A pose between markers that were moved as one and the others fits all of them a little, but
-  // none as well as corners are known.
+  // none to within the corners' noise.
   constexpr double kConflicting = 4.0;  // times the squared residuals of corners
   const bool is_sure =
       best && best->excess < kConflicting &&
@@ -258,7 +258,7 @@ std::optional<PoseSolution> reproject(const MarkerMap& map, const MountedCamera&
   std::transform(used.begin(), used.end(), more.begin(), more.begin(), std::logical_or<>());
   if (more == used) return solution;
   auto fuller = standingOn(more, solution->map_from_base.pose);
-  // That is no agreement if it pulls the pose off the others.
+  // One that pulls the pose off the others does not agree.
   const bool is_better = fuller && misfitOf(fuller->misfits) <= misfitOf(solution->misfits);
   return is_better ? fuller : solution;
 }

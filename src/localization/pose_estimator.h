@@ -31,16 +31,15 @@ bool agreesSharply(const Misfit& misfit);
 std::size_t sharplyAgreeing(const std::vector<Misfit>& misfits);
 
 /// Whether enough of the expected markers, two thirds, agree to leave no doubt about the pose. Some
-/// may have been moved as one, and one or the other that was not may then seem to be in its place
-/// by chance.
+/// may have been moved as one, and a few others may then seem to be in their places by chance.
 bool isLargeMajority(std::size_t agreeing, std::size_t expected);
 
 /// Estimates the robot's pose from the observations and the prior. Outliers are left out.
 ///
 /// Triangulation uses only the prior's heading. With fewer than the three markers that it needs,
 /// and with the other kinds, the pose follows from all corners and the prior with its covariance:
-/// two bearings, which leave a line of poses, or a single one determine what they can, and the
-/// prior the rest. Nothing if the pose stays undetermined or nothing agrees.
+/// one or two bearings determine what they can, and the prior the rest. Nothing if the pose stays
+/// undetermined or nothing agrees.
 ///
 /// The additional step of kPhotometric needs the image: refinePhotometrically().
 std::optional<PoseSolution> estimatePose(const MarkerMap& map, const MountedCamera& camera,

@@ -33,7 +33,7 @@ struct Candidate {
   std::size_t company;
 };
 
-/// A start for a hypothesis: the pose of one marker's corners, and how many readings may agree.
+/// A start for a hypothesis: the pose from one marker's corners, and how many readings may agree.
 struct Seed {
   PoseEstimate map_from_base;
   Assignment entries;
@@ -45,10 +45,10 @@ std::size_t countOf(const Assignment& entries) {
       std::count_if(entries.begin(), entries.end(), [](const auto& entry) { return !!entry; }));
 }
 
-/// m, how far away a marker is at most, per metre of its edge: if seen from the front, its
-/// diagonals look no smaller than in the reading.
+/// m per metre of its edge: the farthest that a marker can be. Seen from its front, its diagonals
+/// look no smaller than in the reading.
 double farthestPerSize(const MarkerReading& reading, const MountedCamera& camera) {
-  // The corners of a small one may be a fifth of its edge off.
+  // The corners of a small marker may be off by a fifth of its edge.
   constexpr double kMargin = 1.5;
   double widest = 0.0;
   for (std::size_t k = 0; k < 2; ++k) {
@@ -71,8 +71,8 @@ class Search {
   std::vector<PoseHypothesis> hypotheses() {
     const std::vector<std::size_t> sources = readingsToStartFrom();
     for (std::size_t k = 0; k < sources.size(); ++k) {
-      // All poses that explain a reading are found from it: those not found yet leave all earlier
-      // readings unexplained.
+      // Starting from a reading finds all poses that explain it: poses not found yet leave all
+      // earlier readings unexplained.
       if (!isWorthLooking(problem_.readings.size() - sources.size() + k)) break;
       growFrom(sources[k]);
     }
@@ -119,12 +119,12 @@ class Search {
                        [](const Seed& a, const Seed& b) { return a.promised > b.promised; });
       for (const Seed& seed : seeds) {
         if (!isWorthLooking(problem_.readings.size() - seed.promised)) break;
-        // From afar all pull at once, and one that hangs a little beside its place drags the others
+        // From afar, all pull at once, and a marker a little beside its place drags the others
         // along; near the seed, those that agree outvote it.
         for (const auto refine : {&refineFromAfar, &refineByReprojection}) {
           auto hypothesis = grow(seed, refine, problem_.estimation.max_misfit);
-          // If some pull the pose off the others, it is worth comparing all of them with the
-          // others alone.
+          // If some pull the pose off the others, compare the pose of all with that of the others
+          // alone.
           if (hypothesis && isWithPoorOnes(*hypothesis)) add(growWithoutPoorOnes(*hypothesis));
           add(std::move(hypothesis));
         }
@@ -153,7 +153,7 @@ class Search {
     return candidates;
   }
 
-  /// Whether both can be right, given how close the markers would then be.
+  /// Whether both matches can be right, given how far apart their markers are.
   bool areSeenTogether(const Match& a, const Match& b) const {
     const Marker& marker_a = problem_.map.markers[a.entry];
     const Marker& marker_b = problem_.map.markers[b.entry];
@@ -176,7 +176,7 @@ class Search {
     }
   }
 
-  /// The candidate that an uncertain pose, based on a match, puts nearest to the reading, if
+  /// The candidate that an uncertain pose, based on a match, puts nearest to the reading, if it is
   /// near enough.
   std::optional<std::size_t> nearbyEntry(std::size_t reading, const Match& seed,
                                          const PoseEstimate& pose) const {

@@ -13,7 +13,7 @@
 
 namespace omnitag {
 
-/// The input of relocalize(); `candidates` as from candidatesOf().
+/// The input of relocalize(), with `candidates` from candidatesOf().
 struct RelocalizationProblem {
   const MarkerMap& map;
   const MountedCamera& camera;
@@ -21,7 +21,7 @@ struct RelocalizationProblem {
   const PosePrior& standing;
   const EstimatorConfig& estimation;
   const RelocalizationConfig& config;
-  /// For each reading the entries that it may be.
+  /// For each reading, the entries that it may be.
   std::vector<std::vector<std::size_t>> candidates;
 
   MarkerObservation observation(std::size_t reading, std::size_t entry) const;
@@ -33,21 +33,21 @@ std::vector<std::vector<std::size_t>> candidatesOf(const std::vector<MarkerReadi
 /// A pose and the readings that it explains.
 struct PoseHypothesis {
   ReprojectionFit fit;
-  /// For each reading the associated entry, and its misfit (NaN without one).
+  /// For each reading, the associated entry and its misfit (NaN without one).
   std::vector<std::optional<std::size_t>> entries;
   std::vector<Misfit> misfits;
   std::size_t explained = 0;
   /// Negative logarithm of the likelihood of the explained readings, up to a constant.
   double cost = 0.0;
-  /// The same over all readings, none counting for more than an unexplained one. This ranks
-  /// hypotheses, since a pose between two that fit well explains more readings, but each badly.
+  /// The same over all readings, none counting more than an unexplained one. This ranks hypotheses,
+  /// because a pose between two good ones explains more readings, but each badly.
   double saturated_cost = 0.0;
 };
 
 /// What a reading that is this far off adds to a hypothesis' cost.
 double costOf(const Misfit& misfit);
 
-/// All poses worth comparing, the best first: those that it does not clearly surpass.
+/// All poses worth comparing, the best first: it does not clearly surpass the others.
 std::vector<PoseHypothesis> poseHypotheses(const RelocalizationProblem& problem);
 
 }  // namespace omnitag

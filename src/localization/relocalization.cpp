@@ -11,7 +11,7 @@
 namespace omnitag {
 namespace {
 
-/// Whether the better of two leaves the other one possible.
+/// Whether the other hypothesis remains possible besides the best one.
 bool isRival(const PoseHypothesis& best, const PoseHypothesis& other, double min_lead) {
   for (std::size_t i = 0; i < best.entries.size(); ++i) {
     if (best.entries[i].has_value() != other.entries[i].has_value()) {
@@ -45,8 +45,8 @@ std::optional<PoseHypothesis> likeliest(const RelocalizationProblem& problem, st
   return std::move(all.front());
 }
 
-/// The corners of a few markers hardly show how good they are: they are assumed to be poor, or
-/// several times poorer.
+/// A few markers hardly show how good their corners are: they are assumed to be poor, or several
+/// times poorer.
 ReprojectionConfig poorCorners(const RelocalizationProblem& problem, double times) {
   ReprojectionConfig config = problem.estimation.reprojection;
   config.corner_noise = std::max(config.corner_noise, times * config.poor_corner_noise);
@@ -54,8 +54,8 @@ ReprojectionConfig poorCorners(const RelocalizationProblem& problem, double time
 }
 
 /// How many times poorer than poor the corners of a single marker may be without being noticed. On
-/// a floor their misfit shows it. All six numbers of a pose absorb nearly all errors of the eight
-/// coordinates: the corners may then be as poor as the largest accepted misfit allows.
+/// a floor, their misfit shows it. A free pose, with six numbers, absorbs nearly all errors of the
+/// eight coordinates: the corners may then be as poor as the largest accepted misfit allows.
 double unnoticed(const RelocalizationProblem& problem) {
   return problem.standing.knowsStanding() ? 1.0 : std::max(1.0, problem.config.max_misfit_of_one);
 }
@@ -75,9 +75,9 @@ PoseEstimate poseOf(const PoseHypothesis& hypothesis, const RelocalizationProble
              : found;
 }
 
-/// The pose from one marker. Along the way around a marker that is seen from its front, the corners
-/// hardly change, and the way is far from a straight line: going there shows how far the robot may
-/// be off along the least certain direction on the floor.
+/// The pose from one marker. As the robot moves around a marker that it sees from the front, the
+/// corners hardly change, and the path is far from straight: following it shows how far the robot
+/// may be off along the least certain direction on the floor.
 PoseEstimate spread(const PoseHypothesis& hypothesis, const RelocalizationProblem& problem) {
   constexpr double kDeviations = 3.0;
   constexpr double kFirstStep = 0.5;  // deviations
@@ -152,7 +152,7 @@ std::vector<Relocalization> roughPoses(const MarkerMap& map, const MountedCamera
                                        const std::vector<MarkerReading>& readings,
                                        const PosePrior& standing, const EstimatorConfig& estimation,
                                        const RelocalizationConfig& config) {
-  // A pose that others are to confirm need not be believable alone.
+  // A pose that other markers have to confirm need not be believable by itself.
   RelocalizationConfig trusting = config;
   trusting.max_misfit_of_one = estimation.max_misfit;
   trusting.max_hamming_of_one = std::numeric_limits<int>::max();

@@ -30,9 +30,9 @@ struct Projection {
   CornerJacobian by_frame;
 };
 
-/// Transforms corners' coordinates to independent ones of standard deviation 1. The place of
-/// a marker as a whole is measured to a corner's noise, its shape only as well as it was
-/// known before.
+/// Transforms the corners' coordinates to independent ones of standard deviation 1. A marker's
+/// place as a whole is measured to within a corner's noise, its shape only as well as it was known
+/// before.
 template <typename Rows>
 Rows whitened(const Rows& rows, double noise, double shape_deviation) {
   const auto mean = 0.25 * (rows.template middleRows<2>(0) + rows.template middleRows<2>(2) +
@@ -89,8 +89,8 @@ class Problem {
           const std::vector<MarkerObservation>& observations, const PosePrior& prior,
           const ReprojectionConfig& config)
       : map_(map), camera_(camera), observations_(observations), prior_(prior), config_(config) {
-    // If edges are blurred by more than a sharp lens does, corners err by a share of the
-    // additional blur.
+    // If edges are more blurred than by a sharp lens, corners err by a share of the additional
+    // blur.
     constexpr double kShareOfBlur = 0.2;
     constexpr double kSharp = 0.5;  // pixels
     const double blur = std::max(0.0, camera.blur().largestDeviation() - kSharp);
@@ -115,8 +115,8 @@ class Problem {
     return linear;
   }
 
-  /// The equations of each marker, with the noise of poor corners; nothing for one that the
-  /// pose hides.
+  /// The equations of each marker, with the noise of poor corners; nothing for one that is not
+  /// visible from the pose.
   std::vector<std::optional<FrameEquations>> equations(const State& state) const {
     const MountedCamera camera = camera_.withError(state.error);
     const Eigen::Isometry3d isometry = state.pose.toIsometry();
@@ -181,8 +181,8 @@ class Problem {
     return projection;
   }
 
-  /// Nothing if the marker hangs exactly in its place and the camera is exact. `by_frame`: of
-  /// the corners.
+  /// Nothing if the marker hangs exactly in its place and the camera is exact. `by_frame`:
+  /// derivatives of the corners.
   std::optional<PoseMatrix> misplacement(std::size_t index, const Pose& pose,
                                          const CornerJacobian& by_frame) const {
     const Marker& marker = map_.markers[observations_[index].map_entry];
@@ -207,7 +207,7 @@ class Problem {
                              marker.information.topLeftCorner<6, 6>(), *misplaced);
       marker = withMisplacement(marker, *misplaced);
     }
-    // The derivative of Cauchy's function by half of the square.
+    // The derivative of Cauchy's function by half the square.
     const double weight = 1.0 / (1.0 + chi_square / width);
     linear->markers.add(marker, weight);
     linear->cost += 0.5 * width * std::log1p(chi_square / width);
@@ -215,7 +215,8 @@ class Problem {
     ++linear->seen;
   }
 
-  /// A marker that the pose hides costs as much as one whose corners are this far off.
+  /// A marker that is not visible from the pose costs as much as one whose corners are this far
+  /// off.
   static constexpr double kHiddenChiSquare = 1e9;
 
   const MarkerMap& map_;
@@ -232,7 +233,7 @@ State moved(const State& state, const FrameVector& change) {
 }
 
 /// Levenberg-Marquardt until a step is shorter than the tolerance (m and rad); that step is still
-/// taken. Nothing if the pose is not determined.
+/// taken. Nothing if the pose is undetermined.
 std::optional<State> descend(const Problem& problem, const State& initial, double tolerance) {
   constexpr int kMaxIterations = 100;
   State state = initial;

@@ -15,9 +15,9 @@ namespace omnitag {
 
 /// How far the corners of an observation are off their projections from a pose.
 struct Misfit {
-  /// Pixels, RMS over the corners; infinity if the pose hides one.
+  /// Pixels, RMS over the corners; infinity if a corner is not visible from the pose.
   double residual = 0.0;
-  /// Standard deviations, RMS over the corners' coordinates, by the covariance of poor corners and
+  /// Standard deviations, RMS over the corners' coordinates, by the covariances of poor corners and
   /// of the marker's place in the map. About 1 if all is well.
   double deviations = 0.0;
 };
@@ -29,17 +29,17 @@ struct ReprojectionFit {
   ImagingError imaging_error = ImagingError::Zero();
   std::vector<Misfit> misfits;
   /// How many times larger than expected the squared residuals are, at least 1: a map or a camera
-  /// that is less exact than it says must not make the pose look more certain than it is.
+  /// that is less exact than its file says must not make the pose look more certain than it is.
   double excess = 1.0;
 };
 
 /// Refines a pose so that the mapped corners image where they were measured: least squares over all
-/// corners in the panoramic image (Levenberg-Marquardt). Markers may hang beside their places as
-/// their deviations say, the camera may err as its uncertainty says, and a marker that is farther
-/// off counts less and less. The covariance includes all these, times the excess.
+/// corners in the panoramic image (Levenberg-Marquardt). Markers may be out of place within their
+/// deviations, the camera may err within its uncertainty, and the farther off a marker is beyond
+/// that, the less it counts. The covariance includes all these, times the excess.
 ///
-/// Two markers, one or none use the same code; nothing if the pose stays undetermined, or hides all
-/// that was observed.
+/// The same code serves for two markers, one or none. Nothing if the pose stays undetermined, or if
+/// none of the observed markers is visible from it.
 std::optional<ReprojectionFit> refineByReprojection(
     const MarkerMap& map, const MountedCamera& camera,
     const std::vector<MarkerObservation>& observations, const Pose& initial, const PosePrior& prior,
@@ -59,7 +59,8 @@ std::vector<Misfit> misfitsAt(const MarkerMap& map, const MountedCamera& camera,
                               const ReprojectionConfig& config);
 
 /// What the corners of each observation say about the frame's unknowns, linearised at a pose and an
-/// imaging error, with the noise of poor corners; nothing for a marker that the pose hides.
+/// imaging error, with the noise of poor corners; nothing for a marker that is not visible from the
+/// pose.
 std::vector<std::optional<FrameEquations>> equationsAt(
     const MarkerMap& map, const MountedCamera& camera,
     const std::vector<MarkerObservation>& observations, const Pose& map_from_base,

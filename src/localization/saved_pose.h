@@ -18,12 +18,12 @@ struct SavedPose {
 std::string textOf(const SavedPose& saved);
 
 /// Reads such a file. Throws InputError with one line that names the file, the line and the key if
-/// something is missing, unknown or not finite, or if the covariance is not a valid one.
+/// something is missing, unknown or not finite, or if the covariance is invalid.
 SavedPose parseSavedPose(const std::string& text, const std::string& origin);
 SavedPose loadSavedPose(const std::string& path);
 
-/// What is known of a robot that nobody watched meanwhile: the saved covariance plus that of a pose
-/// that a person gives (standard deviations in m and rad).
+/// The pose of a robot that nobody watched in the meantime: the saved covariance plus that of a
+/// pose that a person gives (standard deviations in m and rad).
 PoseEstimate afterAPause(const PoseEstimate& saved, double position_deviation,
                          double heading_deviation);
 

@@ -32,7 +32,7 @@ Lines linesAt(const std::vector<LandmarkSight>& sights, double yaw) {
     const Eigen::Vector2d normal = scale * Eigen::Vector2d(std::sin(phi), -std::cos(phi));
     const Eigen::Vector2d normal_by_yaw = scale * Eigen::Vector2d(std::cos(phi), std::sin(phi));
     // The line passes through the landmark; the robot is at the viewpoint minus the mounting. Both
-    // the normal and the mounting turn with the heading, so their product stays.
+    // the normal and the mounting turn with the heading, so their product is constant.
     lines.normals.row(i) = normal;
     lines.normals_by_yaw.row(i) = normal_by_yaw;
     const double mounting = normal.dot(rotation(yaw) * sight.viewpoint);
@@ -90,7 +90,8 @@ std::optional<PoseEstimate> triangulate(const std::vector<LandmarkSight>& sights
   }
 
   // Each distance errs by its bearing's error times its range, and by its landmark's error; the
-  // pose is linear in the distances. If these are larger than that, so is the covariance.
+  // pose is linear in the distances. If the distances are larger than that explains, so is the
+  // covariance.
   const auto count = static_cast<Eigen::Index>(sights.size());
   Eigen::MatrixX3d jacobian(count, 3);
   jacobian << lines.normals, lines.normals_by_yaw * position + lines.offsets_by_yaw;

@@ -15,7 +15,7 @@ struct LandmarkSight {
   Eigen::Vector2d landmark;
   /// m, standard deviation of its place along either axis.
   double landmark_deviation = 0.0;
-  /// m, a point of the line of sight, in base_link: where the camera is.
+  /// m, in base_link: a point of the line of sight, where the camera is.
   Eigen::Vector2d viewpoint;
   /// rad, direction of the line of sight in base_link (the paper's theta_l).
   double bearing = 0.0;
@@ -35,8 +35,8 @@ struct LandmarkSight {
 /// sights, if they leave the pose undetermined, or if a solution has landmarks behind the robot,
 /// which a line cannot distinguish from landmarks ahead.
 ///
-/// The covariance is that of independent errors of the bearings and the landmarks, scaled up if the
-/// sights miss their landmarks by more than that.
+/// The covariance assumes independent errors of the bearings and the landmarks, and is scaled up if
+/// the sights miss their landmarks by more than these explain.
 std::optional<PoseEstimate> triangulate(const std::vector<LandmarkSight>& sights,
                                         double initial_yaw);
 

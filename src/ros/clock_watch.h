@@ -40,10 +40,10 @@ ClockReading readClocks(const Clock& clock) {
   return best;
 }
 
-/// Notices when a clock is set, e.g. by NTP, against one that is never set.
+/// Notices when a clock is set, e.g. by NTP, by comparing it with one that is never set.
 class ClockWatch {
  public:
-  /// s by which the clock was set since the previous call, negative if set back; 0 if it was not
+  /// s: how far the clock was set since the previous call, negative if set back; 0 if it was not
   /// set. Takes readings of both clocks at the same moment, in s.
   double step(double clock, double steady) {
     const double offset = clock - steady;
@@ -53,7 +53,7 @@ class ClockWatch {
   }
 
  private:
-  /// s: less than makes an image late, more than two readings may be apart.
+  /// s: less than what makes an image late, more than the time between the two clocks' readings.
   static constexpr double kLeastStep = 0.01;
 
   std::optional<double> last_offset_;

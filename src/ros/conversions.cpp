@@ -85,7 +85,7 @@ geometry_msgs::Transform toMessage(const Eigen::Isometry3d& target_from_source) 
 geometry_msgs::PoseWithCovariance toMessage(const PoseEstimate& estimate) {
   geometry_msgs::PoseWithCovariance message;
   message.pose = toMessage(estimate.pose);
-  // PoseEstimate has rotations about the base's own axes, ROS about those of the target frame.
+  // PoseEstimate's rotations are about the base's own axes, ROS's about those of the target frame.
   const Eigen::Matrix3d map_from_base = estimate.pose.toIsometry().linear();
   Eigen::Matrix<double, 6, 6> turned;
   for (int i = 0; i < 6; ++i) {

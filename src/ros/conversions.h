@@ -20,7 +20,7 @@
 
 namespace omnitag {
 
-/// s, the end of the stamps of ros::Time, which throws beyond it.
+/// s: the last stamp of ros::Time, which throws beyond it.
 constexpr double kTimesEnd = 4294967295.0;
 
 /// A frame's name as tf2 compares it.
@@ -36,7 +36,7 @@ geometry_msgs::Transform toMessage(const Eigen::Isometry3d& target_from_source);
 /// The covariance is of (x, y, z) and of rotations about the x, y and z axes of the target frame.
 geometry_msgs::PoseWithCovariance toMessage(const PoseEstimate& estimate);
 
-/// The part of (x, y, yaw) in a 6 x 6 covariance; nothing if that is not finite or not positive
+/// The part for (x, y, yaw) of a 6 x 6 covariance; nothing if it is not finite or not positive
 /// definite, i.e. was not filled in.
 std::optional<Eigen::Matrix3d> planarCovariance(const geometry_msgs::PoseWithCovariance& pose);
 
@@ -47,8 +47,8 @@ std::optional<Eigen::Isometry3d> findTransform(const tf2::BufferCore& transforms
                                                const std::string& target, const std::string& source,
                                                const ros::Time& time);
 
-/// Throws InputError for coordinates that are not finite or a quaternion whose length is not 1
-/// within 1 %.
+/// Throws InputError for coordinates that are not finite, or a quaternion whose length is not
+/// within 1 % of 1.
 Eigen::Isometry3d fromMessage(const geometry_msgs::Pose& pose);
 
 /// An unknown pose: NaN, and -1 as the first variance.
@@ -59,8 +59,8 @@ MarkerDetectionArray toMessage(const std_msgs::Header& header,
                                const std::vector<MarkerDetection>& detections,
                                const MarkerMap& map);
 
-/// `header`: with the map's frame. Without the image's age and the counts of images, which the
-/// result does not know.
+/// `header`: with the map's frame. Leaves out the image's age and the counts of images, which are
+/// not in the result.
 LocalizationStatus toMessage(const std_msgs::Header& header, const FrameResult& result);
 
 }  // namespace omnitag

@@ -167,7 +167,7 @@ void DebugImagePainter::paintView(const FrameResult& result, std::size_t view_in
   }
   for (const MarkerDetection* detection : rejected) drawCorners(detection->corners, kOrange);
 
-  // The words are on the side that the line from the panorama does not come from.
+  // The words are on the side away from the line to the panorama.
   const bool is_below = cell.y > debug_layout::middle().y + debug_layout::middle().height / 2;
   const int words_height = 2 * kTextLine;
   const cv::Point corner(
@@ -178,7 +178,7 @@ void DebugImagePainter::paintView(const FrameResult& result, std::size_t view_in
   cv::rectangle(*canvas, cv::Rect(corner, size), frame_color, 1);
 
   constexpr double kTextSize = 0.5;
-  // A narrow view's words must not leave the canvas.
+  // The words of a narrow view must stay on the canvas.
   const auto startOf = [&](int width) { return std::min(corner.x, cell.x + kCell - width); };
   int ids_width = 0;
   for (const Sighting& sighting : sightings) {

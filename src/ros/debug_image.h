@@ -18,15 +18,16 @@ std::string debugImageTopic(const std::string& camera_name);
 
 /// Paints what the localizer saw in an image (the paper's Fig. 11): the panorama in the middle with
 /// lines to the predicted markers, and around it the views in their directions, each with the ids
-/// that were looked for and whether they were read. Green was read and used, orange was rejected,
-/// yellow was predicted, grey was not read.
+/// that were looked for and whether they were read. Green: read and used; orange: rejected; yellow:
+/// predicted; grey: not read.
 class DebugImagePainter {
  public:
   DebugImagePainter(std::shared_ptr<const CameraModel> camera, MarkerMap map);
 
   void setMap(const MarkerMap& map) { map_ = map; }
 
-  /// `panorama`: CV_8UC1, the image of `result`. The painting is CV_8UC3 (BGR), always of one size.
+  /// `panorama`: CV_8UC1, the image of `result`. The painting is CV_8UC3 (BGR), always of the same
+  /// size.
   cv::Mat paint(const cv::Mat& panorama, const FrameResult& result) const;
 
  private:

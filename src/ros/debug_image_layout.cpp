@@ -44,8 +44,8 @@ std::vector<cv::Rect> cellsFor(const std::vector<double>& directions) {
     return normalizeAngle(directions[a]) < normalizeAngle(directions[b]);
   });
 
-  // The nearest slot for each. Those that share one are then pushed apart, first onward, then back
-  // from where the last one meets the first.
+  // The nearest slot for each. Those that share a slot are then pushed apart, first onward, then
+  // back from where the last one meets the first.
   std::vector<int> slot;
   for (const std::size_t i : order) {
     const auto distance = [&](const cv::Rect& cell) {

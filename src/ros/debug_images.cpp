@@ -18,8 +18,8 @@ void publishTo(image_transport::Publisher* publisher, const std_msgs::Header& he
       cv_bridge::CvImage(header, sensor_msgs::image_encodings::BGR8, painting).toImageMsg());
 }
 
-/// All paintings in one, in about as many rows as columns; black for those that are empty. All have
-/// the size of `last`.
+/// All paintings in one, in about as many rows as columns, with black for empty ones. All have the
+/// size of `last`.
 cv::Mat inRows(const std::vector<cv::Mat>& paintings, const cv::Mat& last) {
   const auto count = static_cast<int>(paintings.size());
   const int columns = cvCeil(std::sqrt(count));

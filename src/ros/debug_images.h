@@ -14,9 +14,9 @@
 
 namespace omnitag {
 
-/// Publishes what the localizer saw in the image of each camera: on `debug_image`. Cameras that
-/// have names do so on topics of their own (debugImageTopic), and `debug_image` shows the last
-/// image of each, in rows. What nobody looks at is not painted.
+/// Publishes, on `debug_image`, what the localizer saw in the image of each camera. Cameras with
+/// names have topics of their own (debugImageTopic), and `debug_image` shows the last image of
+/// each, in rows. Paints only what somebody looks at.
 class DebugImages {
  public:
   DebugImages(const std::vector<CameraParameters>& cameras, const ImageLocalizer& localizer,
@@ -26,7 +26,7 @@ class DebugImages {
 
   bool areWanted(std::size_t camera) const;
 
-  /// To those who look at the camera's images.
+  /// Publishes to those who look at the camera's images.
   void publish(const LocalizedImage& localized, std::size_t camera);
 
  private:
@@ -35,7 +35,7 @@ class DebugImages {
     image_transport::Publisher publisher;
   };
   std::vector<Camera> cameras_;
-  /// Of all cameras that have names; and the last painting of each, empty if there was none.
+  /// For all cameras with names; and the last painting of each, empty if there was none.
   std::optional<image_transport::Publisher> joint_publisher_;
   std::vector<cv::Mat> paintings_;
 };

@@ -24,7 +24,7 @@ Eigen::Isometry3d lookUp(const tf2::BufferCore& transforms, const std::string& t
   }
 }
 
-/// Nothing if ROS has no such time.
+/// Nothing if ros::Time cannot hold it.
 std::optional<ros::Time> later(const ros::Time& stamp, double seconds) {
   const double time = stamp.toSec() + seconds;
   if (!(time > 0.0 && time < kTimesEnd)) return std::nullopt;
@@ -64,7 +64,7 @@ bool FrameAssembler::hasTransforms(const std_msgs::Header& header,
 }
 
 FrameAssembler::Interval FrameAssembler::exposedInterval() const {
-  // Odometry comes at 20 to 100 Hz: over a shorter time it would show only its noise.
+  // Odometry comes at 20 to 100 Hz: over a shorter time, it would only show its noise.
   constexpr double kShortest = 0.02;
   const double begin = shutter_.begin(image_size_.height);
   const double end = shutter_.end(image_size_.height);

@@ -14,7 +14,7 @@
 
 namespace omnitag {
 
-/// tf has no transform at the stamp of an image, or not yet.
+/// tf has no transform at the stamp of an image, perhaps not yet.
 class TransformError : public InputError {
  public:
   using InputError::InputError;
@@ -36,7 +36,7 @@ struct AssembledFrame {
 /// tools that read bags.
 class FrameAssembler {
  public:
-  /// Images must be of `image_size`. `camera_origin`: names the camera in errors.
+  /// Images must have `image_size`. `camera_origin` names the camera in errors.
   FrameAssembler(std::string camera_origin, const ImageSize& image_size, FrameNames frames,
                  const ShutterConfig& shutter = {});
 
@@ -49,9 +49,9 @@ class FrameAssembler {
   /// row is exposed.
   bool hasTransforms(const std_msgs::Header& header, const tf2::BufferCore& transforms) const;
 
-  /// Throws what check() throws, and TransformError if the mounting is not known at the stamp. A
-  /// frame without its odometry is still a frame. If odometry ends before the last row is exposed,
-  /// the base is assumed to move on as before.
+  /// Throws what check() throws, and TransformError if the mounting is not known at the stamp.
+  /// Missing odometry is not an error. If odometry ends before the last row is exposed, the base is
+  /// assumed to move on as before.
   AssembledFrame assemble(const cv_bridge::CvImageConstPtr& image,
                           const tf2::BufferCore& transforms) const;
 
@@ -61,7 +61,7 @@ class FrameAssembler {
     double begin;
     double end;
   };
-  /// When the rows are exposed, long enough to determine a velocity from odometry.
+  /// When the rows are exposed, extended if needed to determine a velocity from odometry.
   Interval exposedInterval() const;
   std::optional<PoseVector> velocity(const ros::Time& stamp,
                                      const tf2::BufferCore& transforms) const;

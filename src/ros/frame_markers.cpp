@@ -15,7 +15,7 @@ namespace {
 using RvizMarker = visualization_msgs::Marker;
 using RvizMarkers = std::vector<RvizMarker>;
 
-/// m, length of the line to a rejected marker of unknown range.
+/// m: length of the line to a rejected marker of unknown range.
 constexpr double kUnknownRange = 2.0;
 constexpr double kTextHeight = 0.2;
 
@@ -143,7 +143,7 @@ void addCovariance(const std::string& frame, const PoseEstimate& estimate, doubl
   markers->push_back(label);
 }
 
-/// An arrow at each pose that the robot may have, the fainter the less probable; none if only one
+/// An arrow at each pose that the robot may have, fainter the less probable it is; none if only one
 /// is left.
 void addHypotheses(const std::string& frame, const std::vector<WeightedPose>& hypotheses,
                    double robot_radius, RvizMarkers* markers) {
@@ -167,7 +167,7 @@ void addHypotheses(const std::string& frame, const std::vector<WeightedPose>& hy
   }
 }
 
-/// Above the middle of the map, why no robot is shown.
+/// Writes above the middle of the map why no robot is shown.
 RvizMarker whyLost(const std::string& frame, const std::string& remark, const MarkerMap& map) {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const Marker& marker : map.markers) {
@@ -178,10 +178,11 @@ RvizMarker whyLost(const std::string& frame, const std::string& remark, const Ma
   return label;
 }
 
-/// The kinds of which each camera has its own.
+/// The kinds that each camera has for itself.
 const std::set<std::string> kOfCamera = {"predicted", "accepted", "rejected", "reasons"};
 
-/// Whether a namespace is another camera's than the one whose namespaces end so.
+/// Whether a namespace belongs to another camera than the one whose namespaces end with
+/// `of_camera`.
 bool isOfAnother(const std::string& name_space, const std::string& of_camera) {
   const std::size_t space = name_space.find(' ');
   return space != std::string::npos && name_space.substr(space) != of_camera;

@@ -11,13 +11,14 @@
 
 namespace omnitag {
 
-/// What RViz shows of each image: the robot, where markers were expected and seen, and how far to
-/// trust the pose. Each kind has its own namespace, so that RViz can hide it: `robot`;
+/// What RViz shows of each image: the robot, where markers were expected and seen, and how
+/// uncertain the pose is. Each kind has its own namespace, so that RViz can hide it: `robot`;
 /// `predicted`, `accepted` and `rejected`, lines from the camera to the markers; `reasons` of the
 /// rejections; `covariance`, the true 3-sigma ellipse of the position with its size in words;
 /// `covariance_enlarged`, the same ellipse if the true one is too small to be seen; `hypotheses`,
-/// arrows with their probabilities if the robot may be at several poses; `remark`, why there is
-/// no pose. What one of several cameras sees has the camera's name behind: `accepted front`.
+/// arrows with their probabilities if the robot may be at several poses; `remark`, why there is no
+/// pose. If there are several cameras, namespaces of what a camera sees end with its name:
+/// `accepted front`.
 class FrameMarkers {
  public:
   /// `robot_radius`: m, of the cylinder that represents the robot.

@@ -16,11 +16,11 @@ namespace omnitag {
 namespace {
 
 constexpr double kReportPeriod = 1.0;
-/// s without an image until the camera counts as gone.
+/// s: a camera without an image for this long counts as gone.
 constexpr double kImageTimeout = 3.0;
-/// s after the start in which images need not have come.
+/// s after the start during which images need not have come.
 constexpr double kStart = 0.9 * kReportPeriod;
-/// s for which a pose counts as that of markers, whichever camera showed them.
+/// s: for this long after markers gave a pose, whichever camera showed them, it counts as tracked.
 constexpr double kTracked = 1.0;
 /// s between two log lines about the same lasting problem.
 constexpr double kLinePeriod = 10.0;
@@ -29,7 +29,7 @@ double seconds(std::chrono::steady_clock::duration duration) {
   return std::chrono::duration<double>(duration).count();
 }
 
-/// What each camera's images have, as far as they have any.
+/// The texts of all cameras that have one, joined.
 std::string joined(const std::map<std::string, std::string>& by_camera) {
   std::vector<std::string> parts;
   for (const auto& [camera, text] : by_camera) {
@@ -110,7 +110,7 @@ void HealthMonitor::noteArrivals() {
   }
 }
 
-// Also true of a bag that plays so slowly that no image is due.
+// Also true for a bag that plays so slowly that no image is due.
 bool HealthMonitor::isPaused(const Arrival& arrival) {
   return ros::Time::isSimTime() &&
          std::abs((ros::Time::now() - arrival.last_time).toSec()) < kImageTimeout;
@@ -162,7 +162,7 @@ void HealthMonitor::noteStatus(const LocalizationStatus& status) {
   const bool is_tracked = has_pose && status.markers_used > 0;
   const bool is_recent = last_tracked_ && seconds(Clock::now() - *last_tracked_) < kTracked;
   if (is_tracked) last_tracked_ = Clock::now();
-  // A camera that sees no marker is no trouble while another does.
+  // A camera that sees no marker is no problem while another does.
   const bool is_left_to_another = has_pose && !is_tracked && !status.camera.empty() && is_recent;
   if (!is_left_to_another) last_status_ = status;
 }
@@ -219,7 +219,7 @@ std::string HealthMonitor::problemOfImages() const {
     const std::string topic =
         input_.topic(source) + " (" + std::to_string(input_.publishers(source)) + " publishers)";
     if (!arrival.last) {
-      // Of several, one is always the first.
+      // Of several sources, one is always the first.
       if (seconds(now - start_) < kStart) continue;
       problems.push_back("waiting for the first image on " + topic);
     } else if (seconds(now - *arrival.last) > kImageTimeout && !isPaused(arrival)) {

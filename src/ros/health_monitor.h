@@ -22,7 +22,7 @@
 namespace omnitag {
 
 /// Reports what the localizer is waiting for and how well it works: once a second in /diagnostics,
-/// and in the log, where a lasting problem gets a line from time to time instead of silence.
+/// and in the log, which repeats a lasting problem from time to time.
 ///
 /// Uses the wall clock, so that it also reports before the first /clock. Safe to use from
 /// several threads.
@@ -32,14 +32,15 @@ class HealthMonitor {
   HealthMonitor(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
                 const ImageInput& input, MarkerMap map);
 
-  /// The map is another one, or mapping has added markers at its end or moved such markers.
+  /// The map was replaced, or mapping has added markers at its end or moved markers that it had
+  /// added.
   void mapChanged(const MarkerMap& map, const std::vector<ProvisionalMarker>& provisional);
 
   /// The localizer has started afresh or has another map: forgets what earlier images showed of
   /// displaced markers.
   void startedAnew();
 
-  /// A message came from this source of the input; what became of it follows.
+  /// A message came from this source of the input; a later call says what became of it.
   void imageCame(std::size_t source);
   /// The message was not an image of this camera.
   void imageRefused(const std::string& why);
@@ -47,7 +48,7 @@ class HealthMonitor {
   void imageLate();
   /// The camera's image was lost because its mounting was not known.
   void transformMissing(const std::string& why, const std::string& camera);
-  /// tf was read and sent. `failure`: why that was not possible; empty if it was.
+  /// tf was read and sent. `failure`: why it could not be; empty if it could.
   void transformsServed(const std::string& failure);
   /// `conflict`: why no transform is sent, from ParentWatch; empty if all is well.
   void parentChecked(const std::string& conflict);
@@ -75,14 +76,14 @@ class HealthMonitor {
     /// Why the last one was refused; empty if it was not.
     std::string refusal;
   };
-  /// Notes when an image came from the last source, and when it was done with: a simulated clock
-  /// may reach its stamp only in between.
+  /// Notes when an image of the last source came and when it was processed: a simulated clock may
+  /// reach its stamp only in between.
   void imageIsHere(const std::string& refusal = "");
-  /// Also counts images that gave way to newer ones before they were looked at.
+  /// Also counts images that gave way to newer ones before they were processed.
   void noteArrivals();
-  /// What is wrong with images or missed of them, for all sources; empty if nothing is.
+  /// What is wrong with or missing from the images of all sources; empty if nothing is.
   std::string problemOfImages() const;
-  /// Whether ROS's clock has hardly moved since a source's last image, as while a bag is paused.
+  /// Whether ROS's clock has hardly moved since a source's last image, as when a bag is paused.
   static bool isPaused(const Arrival& arrival);
   /// Whether all sources have been silent for some time.
   bool areAllSilent() const;
@@ -94,7 +95,7 @@ class HealthMonitor {
   /// Which markers hang elsewhere, in words: as groups that were moved as one, or alone.
   std::string describe(const std::vector<GroupDisplacement>& groups,
                        const std::vector<DisplacedMarker>& displaced) const;
-  /// Complains about a problem; an empty one settles the subject.
+  /// Complains about a problem; an empty `problem` settles the subject.
   void update(Subject* subject, const std::string& problem, const std::string& all_is_well,
               ros::console::Level level = ros::console::levels::Warn);
   void complain(Subject* subject, const std::string& problem,
@@ -107,7 +108,7 @@ class HealthMonitor {
 
   std::mutex mutex_;
   MarkerMap map_;
-  /// Markers that mapping has found: used, and not used yet.
+  /// Markers that mapping has found: used ones, and those not used yet.
   std::size_t mapped_ = 0;
   std::size_t waiting_ = 0;
   Subject images_;
@@ -124,7 +125,7 @@ class HealthMonitor {
   /// By source.
   std::vector<Arrival> arrivals_;
   std::size_t last_source_ = 0;
-  /// By camera: what its images lack of transforms, and advice.
+  /// By camera: which transforms its images lack, and advice.
   std::map<std::string, std::string> missing_transforms_;
   std::map<std::string, std::string> advice_of_;
   std::uint64_t refused_images_ = 0;

@@ -7,8 +7,8 @@
 namespace omnitag {
 
 /// The image in 8 bit grey (CV_8UC1), with its header. Accepts 8 and 16 bit grey, colour, Bayer and
-/// YUV 4:2:2 in the encodings of sensor_msgs/image_encodings.h; of 16 bits the upper 8 are kept. An
-/// image in 8 bit grey is not copied but kept alive, including any padding at the end of its rows.
+/// YUV 4:2:2 in the encodings of sensor_msgs/image_encodings.h, and keeps the upper 8 of 16 bits.
+/// An image in 8 bit grey is not copied; the message is kept alive, and its rows keep any padding.
 /// Throws InputError if the message's sizes contradict each other or the encoding cannot be shown
 /// in grey.
 cv_bridge::CvImageConstPtr grayImage(const sensor_msgs::ImageConstPtr& message);

@@ -42,8 +42,8 @@ ImageInput::ImageInput(const ros::NodeHandle& node, const ros::NodeHandle& priva
 }
 
 void ImageInput::subscribe(const ros::NodeHandle& private_node, const ImageSource& source) {
-  // Which images wait is decided here, not in ROS's own queue, which drops silently. That one has
-  // room for a second's images.
+  // Which images wait is decided here, because ROS's own queue drops silently; it has room for a
+  // second's images.
   constexpr std::size_t kMessagesInRosQueue = 30;
   const auto ros_queue_size = static_cast<uint32_t>(queue_size_ + kMessagesInRosQueue);
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();

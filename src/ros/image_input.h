@@ -17,7 +17,7 @@
 
 namespace omnitag {
 
-/// Where images come from: a topic, and the transport in which they come.
+/// Where images come from: a topic and its transport.
 struct ImageSource {
   std::string topic = "image";
   std::string transport = "raw";
@@ -32,19 +32,19 @@ struct ReceivedImage {
   std::function<cv_bridge::CvImageConstPtr()> decode;
 };
 
-/// Subscribes to images and hands them on one by one, to one thread: of the sources that have
-/// some, the one that has waited since the oldest stamp. While images of a source wait, the
-/// oldest give way to newer ones and are counted. How many images this process received and dropped
-/// is known exactly, unless the thread stays away for more than a second. How many the network or
-/// the sender dropped is not, since neither stamps nor sequence numbers show it.
+/// Subscribes to images and hands them on one by one, to one thread: next comes the source that has
+/// waited since the oldest stamp. While images of a source wait, the oldest give way to newer ones
+/// and are counted. How many images this process received and dropped is known exactly, unless the
+/// thread stays away for more than a second. How many the network or the sender dropped is not:
+/// neither stamps nor sequence numbers show it.
 ///
-/// Messages arrive on a queue of its own, which that thread serves itself: a nodelet manager would
-/// wake two of its threads for each message first.
+/// Messages arrive on a separate queue, which that thread serves itself: a nodelet manager would
+/// first wake two of its threads for each message.
 class ImageInput {
  public:
-  /// Subscribes to the sources through image_transport. `compressed` is decoded here, so that it
-  /// needs no plugin. `queue_size`: of each source. Throws InputError for a transport that cannot
-  /// be loaded.
+  /// Subscribes to the sources through image_transport. `compressed` is decoded here, so it needs
+  /// no plugin. `queue_size`: for each source. Throws InputError for a transport that cannot be
+  /// loaded.
   ImageInput(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
              const std::vector<ImageSource>& sources, int queue_size);
   ~ImageInput() { close(); }
@@ -56,11 +56,11 @@ class ImageInput {
   /// Takes what has arrived on the queue. If nothing has, waits for at most `duration` (s), or
   /// until close().
   void serve(double duration);
-  /// Nothing arrives afterwards.
+  /// Afterwards, nothing more arrives.
   void close();
   bool isClosed() const { return is_closed_; }
 
-  /// The following are safe to call from any thread, also while the input is being closed.
+  /// These are safe to call from any thread, even while the input is being closed.
   const std::string& topic(std::size_t source) const { return topics_[source]; }
   std::size_t sources() const { return topics_.size(); }
   std::uint32_t publishers(std::size_t source) const;
@@ -86,8 +86,8 @@ class ImageInput {
   std::vector<Subscription> subscriptions_;
   std::vector<std::string> topics_;
 
-  /// What waits of a source, and the stamp of the first image that came since its last turn: a
-  /// source whose images always give way to newer ones still gets its turn.
+  /// The waiting images of a source, and the stamp of the first image that came since its last
+  /// turn: a source whose images always give way to newer ones still gets its turn.
   struct Waiting {
     std::deque<ReceivedImage> images;
     ros::Time since;

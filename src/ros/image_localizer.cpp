@@ -123,7 +123,7 @@ std::optional<LocalizedImage> ImageLocalizer::localize(const cv_bridge::CvImageC
 std::optional<StampPlace> ImageLocalizer::placeOf(const ros::Time& stamp,
                                                   std::size_t camera) const {
   if (cameras_.size() > 1) {
-    // Another camera's image may have overtaken it, or be of the same moment.
+    // Another camera's image may have overtaken it, or have the same stamp.
     const std::optional<double> behind = timeline_.behind(stamp);
     const bool is_overtaken = behind && *behind >= 0.0 && *behind < Localizer::kMaxOvertaken;
     const double time = is_overtaken ? timeline_.lastTime() - *behind : 0.0;

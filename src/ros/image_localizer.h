@@ -33,20 +33,20 @@ struct LocalizedImage {
   std::string camera_name;
   AssembledFrame input;
   FrameResult result;
-  /// s by which stamps went back before this image, so that the localizer started afresh; 0 if they
+  /// s: how far stamps went back before this image, so that the localizer started afresh; 0 if they
   /// did not.
   double went_back = 0.0;
-  /// s by which the clock was set before this image, negative if set back; the pose was kept.
+  /// s: how far the clock was set before this image, negative if set back; the pose was kept.
   double clock_step = 0.0;
-  /// Whether the image is newer than all before; with several cameras, one may be overtaken by
-  /// another's or be of the same stamp.
+  /// Whether the image is newer than all before; with several cameras, another's may have overtaken
+  /// it or have the same stamp.
   bool is_newest = true;
   /// Whether this image changed the map: markers were added, or are known better.
   bool map_changed = false;
 };
 
-/// Localizes in a stream of images from a topic or a bag: the same images and transforms give the
-/// same poses. Not safe to use from two threads at once.
+/// Localizes the robot in a stream of images from a topic or a bag: the same images and transforms
+/// give the same poses. Not safe to use from two threads at once.
 class ImageLocalizer {
  public:
   /// Loads the map. `cameras`: those of the parameters, in their order. Throws InputError if the
@@ -54,31 +54,29 @@ class ImageLocalizer {
   ImageLocalizer(const LocalizerParameters& parameters,
                  const std::vector<DescribedCamera>& cameras);
 
-  /// Before the camera is known: throws what the constructor throws about the map file. Does not
-  /// check `ignore_markers`.
+  /// To be used before the camera is known: throws what the constructor throws about the map file.
+  /// Does not check `ignore_markers`.
   static void checkMap(const LocalizerParameters& parameters);
 
   /// Nothing for an image that is not newer than the camera's previous one, or more than
-  /// Localizer::kMaxOvertaken older than another's; it is counted as late. `camera`: its index. If
-  /// FrameAssembler throws, its exception passes through and the state is kept.
+  /// Localizer::kMaxOvertaken older than another camera's; it is counted as late. `camera`: its
+  /// index. If FrameAssembler throws, its exception passes through and the state is kept.
   ///
   /// If stamps alone step back by more than `restart_time_jump`, as when a bag loops, the localizer
-  /// starts afresh: with the initial pose of the parameters, or searching. Markers that it has
-  /// mapped stay.
+  /// starts afresh: at the initial pose of the parameters, or searching. Mapped markers stay.
   std::optional<LocalizedImage> localize(const cv_bridge::CvImageConstPtr& image,
                                          const tf2::BufferCore& transforms,
                                          const WantedExtras& wanted = {}, std::size_t camera = 0);
 
-  /// The clock that, as far as is known, stamps the images was set by this many s. The pose is kept
-  /// if the stamps follow.
+  /// The clock that presumably stamps the images was set by this many s. The pose is kept if the
+  /// stamps follow.
   void clockStepped(double seconds) { timeline_.clockStepped(seconds); }
 
-  /// Sets a request to the localizer, e.g. to set or forget its pose, in place of an earlier
-  /// request that has not run. It runs before the next image is localized, but after a fresh start
-  /// that this image may cause.
+  /// Stores a request, e.g. to set or forget the pose, in place of an earlier one that has not run.
+  /// It runs before the next image is localized, but after a fresh start that this image may cause.
   void beforeNextImage(std::function<void(Localizer*)> request) { request_ = std::move(request); }
 
-  /// Continues with another localizer, made of another map or other settings. Not to be called
+  /// Continues with another localizer, made from another map or other settings. Not to be called
   /// while an image is processed.
   void exchange(Successor successor);
 
@@ -94,7 +92,7 @@ class ImageLocalizer {
   std::vector<RefinedMarker> refined() const;
   const CameraModels& cameras() const { return cameras_; }
   const FrameAssembler& assembler(std::size_t camera) const { return assemblers_[camera]; }
-  /// With the map's frame filled in.
+  /// The frames, with the map's filled in.
   const FrameNames& frames() const { return parameters_.frames; }
   std::uint64_t lateImages() const { return late_images_; }
 
@@ -114,7 +112,7 @@ class ImageLocalizer {
   MarkerMap map_;
   std::vector<MarkerSelection> ignored_;
   std::vector<Marker> ignored_markers_;
-  /// By camera, as is what follows of each.
+  /// These are by camera.
   std::vector<FrameAssembler> assemblers_;
   std::vector<Advisor> advisors_;
   std::vector<double> last_times_;

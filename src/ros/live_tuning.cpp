@@ -46,7 +46,8 @@ Knob estimatorKnob() {
   return knob;
 }
 
-/// The choices that an editor offers for a str, as dynamic_reconfigure's Python clients read them.
+/// The choices that an editor offers for a str, in the form that dynamic_reconfigure's Python
+/// clients read.
 std::string editMethod(const Knob& knob) {
   if (knob.values.empty()) return "";
   std::string choices;

@@ -15,13 +15,13 @@
 
 namespace omnitag {
 
-/// What may be tuned while driving: the settings, and whether images are processed.
+/// What can be tuned while driving: the settings, and whether images are processed.
 struct Tunables {
   bool enabled = true;
   LocalizerConfig config;
 };
 
-/// One tunable, with what people and the protocol of dynamic_reconfigure need to know of it.
+/// One tunable, with what people and the protocol of dynamic_reconfigure need to know about it.
 struct Knob {
   std::string name;
   /// bool, int, double or str.
@@ -41,20 +41,20 @@ std::vector<Knob> knobs();
 
 dynamic_reconfigure::ConfigDescription describe(const std::vector<Knob>& knobs);
 dynamic_reconfigure::Config toMessage(const std::vector<Knob>& knobs, const Tunables& tunables);
-/// The tunables as a message changes them, within their limits. Throws InputError for an unknown
+/// The tunables with a message's changes, within their limits. Throws InputError for an unknown
 /// name or value.
 Tunables withChanges(const std::vector<Knob>& knobs, const Tunables& tunables,
                      const dynamic_reconfigure::Config& message);
 
-/// Speaks dynamic_reconfigure's protocol (rqt_reconfigure, dynparam) under `~reconfigure`. It does
-/// without the generated code, which would define the settings and their defaults a second time.
+/// Speaks dynamic_reconfigure's protocol (rqt_reconfigure, dynparam) under `~reconfigure`, without
+/// the generated code, which would define the settings and their defaults a second time.
 class LiveTuning {
  public:
   /// `settings` must outlive it. `enable`: switches the processing of images on or off.
   LiveTuning(const ros::NodeHandle& private_node, std::string name, const LocalizerConfig& config,
              LocalizerSettings* settings, std::function<void(bool)> enable);
 
-  /// Waits for a running callback; none starts afterwards.
+  /// Waits for a running callback; afterwards, none starts.
   void shutdown();
 
  private:

@@ -4,7 +4,7 @@
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "localizer");
-  // ROS's log ends with the last handle, so the handles outlive the error.
+  // ROS's log ends with the last handle, so the handles must outlive the error.
   const ros::NodeHandle node;
   const ros::NodeHandle private_node("~");
   try {

@@ -1,4 +1,4 @@
-// What people may request of a running localizer: to take a pose from outside, or to save maps.
+// What people can request of a running localizer: to take a pose from outside, or to save maps.
 
 #include <tf2/exceptions.h>
 

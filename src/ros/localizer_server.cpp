@@ -19,7 +19,7 @@
 namespace omnitag {
 namespace {
 
-/// s, the longest that transforms wait while no image comes.
+/// s: the longest that transforms wait while no image comes.
 constexpr double kTransformsWait = 0.1;
 
 /// Publishes through a pointer: subscribers in the same nodelet manager get the message without a
@@ -77,8 +77,8 @@ LocalizerServer::LocalizerServer(const ros::NodeHandle& node, const ros::NodeHan
       settings_(parameters_, localizer_.cameras(),
                 [this](std::shared_ptr<Successor> successor) {
                   const std::lock_guard<std::mutex> lock(request_mutex_);
-                  // A successor that was not used yet may have changed the map; this one then
-                  // does too.
+                  // If a successor that has not been used yet changed the map, this one changes it,
+                  // too.
                   if (successor_) successor->has_other_map |= successor_->has_other_map;
                   successor_ = std::move(successor);
                 }),
@@ -145,7 +145,7 @@ void LocalizerServer::advertise() {
 }
 
 LocalizerServer::~LocalizerServer() {
-  // Each waits for a running callback; afterwards no callback touches what is destroyed.
+  // Each waits for a running callback; afterwards, no callback uses what is being destroyed.
   initial_pose_subscriber_.shutdown();
   global_localization_server_.shutdown();
   save_map_server_.shutdown();
@@ -186,7 +186,7 @@ void LocalizerServer::keepUp() {
 void LocalizerServer::watchClock() {
   const ClockReading reading = readClocks([] { return ros::Time::now().toSec(); });
   const double step = clock_watch_.step(reading.clock, reading.steady);
-  // Whoever plays the images sets simulated time: when it steps, they start again.
+  // Whatever plays the images sets simulated time, too: when it steps, the images start again.
   if (!ros::Time::isSimTime() && step != 0.0) localizer_.clockStepped(step);
 }
 
@@ -244,7 +244,7 @@ void LocalizerServer::localize(const cv_bridge::CvImageConstPtr& image, std::siz
   }
 }
 
-// In wall time, since a stopped clock must not stop the localizer.
+// In wall time, because a stopped clock must not stop the localizer.
 void LocalizerServer::waitForTransforms(const std_msgs::Header& header, std::size_t camera) {
   using Clock = std::chrono::steady_clock;
   using Seconds = std::chrono::duration<double>;
@@ -253,7 +253,7 @@ void LocalizerServer::waitForTransforms(const std_msgs::Header& header, std::siz
   while (!localizer_.assembler(camera).hasTransforms(header, transforms_.buffer()) &&
          remaining() > 0.0 && !input_.isClosed()) {
     transforms_.serve(std::min(remaining(), parameters_.transform_period));
-    // Only the newest of the images that come meanwhile should wait.
+    // Of the images that come meanwhile, only the newest should wait.
     input_.serve(0.0);
     keepUp();
   }
@@ -311,12 +311,12 @@ void LocalizerServer::publish(const LocalizedImage& localized) {
   health_.localized(messages.status, localized.result, localized.input.odometry_problem);
 }
 
-// Without odometry a transform holds only for the image's stamp. With it, map -> odom is a
-// correction that holds until a better one comes or the pose is lost.
+// Without odometry, a transform is valid only at the image's stamp. With it, map -> odom is a
+// correction that is valid until a better one comes or the pose is lost.
 void LocalizerServer::sendTransform(const std::optional<geometry_msgs::TransformStamped>& transform,
                                     bool has_pose) {
   if (!has_pose) correction_.reset();
-  // What came while the frame was processed may show that another parent is still there.
+  // Transforms that came while the frame was processed may show that another parent is still there.
   transforms_.serve(0.0);
   if (!checkParent() || !transform) return;
   broadcast(*transform);
@@ -326,9 +326,9 @@ void LocalizerServer::sendTransform(const std::optional<geometry_msgs::Transform
 
 void LocalizerServer::repeatTransform() {
   if (!correction_) return;
-  // The clock of the images may differ from this machine's, as when a bag is played without
-  // /clock: only the time that has passed is taken from the latter. Before the first /clock it
-  // stands at zero.
+  // The images' clock may differ from this machine's, as when a bag is played without /clock: only
+  // the time that has passed is taken from this machine's clock. Before the first /clock, it stands
+  // at zero.
   const ros::Time now = ros::Time::now();
   if (correction_->made.isZero()) correction_->made = correction_->sent = now;
   const bool is_set_back = now < correction_->sent;
@@ -336,7 +336,7 @@ void LocalizerServer::repeatTransform() {
   correction_->sent = now;
   geometry_msgs::TransformStamped transform = correction_->transform;
   const double stamp = transform.header.stamp.toSec() + (now - correction_->made).toSec();
-  // A bag that is played again brings other images, and no stamp may be negative.
+  // A bag that starts again brings other images, and no stamp may be negative.
   if ((is_set_back && ros::Time::isSimTime()) || stamp < 0.0 || stamp >= kTimesEnd) {
     correction_.reset();
     return;
@@ -371,7 +371,7 @@ void LocalizerServer::showMap() {
     map_drawing_.replace(localizer_.map(), provisional_);
     markers_publisher_.publish(map_drawing_.markers());
   }
-  // Without the lock, since its callbacks save the map.
+  // Without the lock, because its callbacks save the map.
   if (marker_dragging_) marker_dragging_->show();
 }
 

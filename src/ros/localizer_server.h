@@ -35,15 +35,15 @@
 
 namespace omnitag {
 
-/// The localizer on topics, tf and services. Nodelet and node are both this class, started
-/// by LocalizerStarter.
+/// The localizer on topics, tf and services. Nodelet and node both run this class, started by
+/// LocalizerStarter.
 ///
-/// Callbacks only store what they bring or prepare a Successor. One thread takes the images and
+/// Callbacks only store what they receive, or prepare a Successor. One thread takes the images and
 /// does all the work, so that the newest image waits for nothing else.
 class LocalizerServer {
  public:
-  /// `parameters`: those of `private_node`. `cameras`: theirs, in their order. Throws InputError
-  /// with one line if one of them or the map is wrong.
+  /// `parameters`: those of `private_node`. `cameras`: those of the parameters, in their order.
+  /// Throws InputError with one line if one of them or the map is wrong.
   LocalizerServer(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
                   const LocalizerParameters& parameters,
                   const std::vector<DescribedCamera>& cameras);
@@ -52,24 +52,24 @@ class LocalizerServer {
   LocalizerServer& operator=(const LocalizerServer&) = delete;
 
  private:
-  /// The topics and services of its own.
+  /// Its own topics and services.
   void advertise();
-  /// In the log, what it starts with.
+  /// Logs what it starts with.
   void announce(const std::vector<DescribedCamera>& cameras) const;
   void run();
-  /// What must be done whether images come or not: the clock, tf, repeating map -> odom.
+  /// Does what is needed whether images come or not: the clock, tf, repeating map -> odom.
   void keepUp();
   void watchClock();
-  /// Whether a transform may be sent. If its frame has another parent in tf, reports that and
-  /// stops repeating.
+  /// Whether a transform may be sent. If its frame has another parent in tf, reports that and stops
+  /// repeating.
   bool checkParent();
-  /// Lets a localizer with another map or other settings take over, if there is one.
+  /// Switches to a localizer with another map or other settings, if there is one.
   void takeSuccessor();
   void onImage(const ReceivedImage& received);
   void localize(const cv_bridge::CvImageConstPtr& image, std::size_t camera);
   void waitForTransforms(const std_msgs::Header& header, std::size_t camera);
   void logClockStep(double step) const;
-  /// Forgets what was shown and reported before stamps went back by this (s).
+  /// Forgets what was shown and reported before stamps went back by this many s.
   void startAnew(double went_back);
   void publish(const LocalizedImage& localized);
   void sendTransform(const std::optional<geometry_msgs::TransformStamped>& transform,
@@ -82,20 +82,19 @@ class LocalizerServer {
   void takePose(const geometry_msgs::PoseWithCovarianceStamped& message);
   /// map_from_frame, the latest in tf. Throws InputError.
   Eigen::Isometry3d mapFrom(const std::string& frame) const;
-  /// Odometry at a message's stamp; the newest if tf does not reach that, none if tf has none.
+  /// Odometry at a message's stamp; the newest if tf ends before it, none if tf has none.
   std::optional<Pose> odometryAt(const ros::Time& stamp) const;
   void forgetPose();
   void onSaveMap(std_srvs::Trigger::Response* response);
-  /// What was done, in words. Throws InputError.
+  /// Saves the map; returns in words what was done. Throws InputError.
   std::string saveMap();
   /// Adds the markers that mapping has found to a map file.
   std::string saveLearnt(const std::string& path);
-  /// Starts with the pose at which the robot was last seen, unless another was given.
+  /// Starts at the saved pose, unless another was given.
   void takeSavedPose();
   /// Shows a map that replaces the previous one.
   void showMap();
-  /// Shows what mapping has found. `is_changed`: whether markers that the localizer uses
-  /// have changed.
+  /// Shows what mapping has found. `is_changed`: whether markers that the localizer uses changed.
   void publishMap(bool is_changed);
   void keepPose(const LocalizedImage& localized);
   using Request = std::function<void(ImageLocalizer*)>;
@@ -105,7 +104,7 @@ class LocalizerServer {
   std::string name_;
   LocalizerParameters parameters_;
   ImageLocalizer localizer_;
-  /// Those of the cameras, each once.
+  /// The cameras' sources, each once.
   std::vector<ImageSource> sources_;
   ImageInput input_;
   TransformInput transforms_;
@@ -133,8 +132,8 @@ class LocalizerServer {
   ros::ServiceServer global_localization_server_;
   ros::ServiceServer save_map_server_;
 
-  /// map -> odom of the last image while it holds; when it was made and when it was last sent, by
-  /// this machine's clock.
+  /// map -> odom of the last image, while it is valid; when it was made and when it was last sent,
+  /// by this machine's clock.
   struct Correction {
     geometry_msgs::TransformStamped transform;
     ros::Time made;

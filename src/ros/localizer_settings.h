@@ -13,7 +13,7 @@
 
 namespace omnitag {
 
-/// A localizer that is to take over between two images, and what it was made from.
+/// A localizer that will take over between two images, and what it was made from.
 struct Successor {
   std::unique_ptr<Localizer> localizer;
   /// Without the ignored markers.
@@ -25,11 +25,12 @@ struct Successor {
 };
 
 /// The localizer's map and settings, which may change while it runs. A change makes a new localizer
-/// beside the running one and hands it over; if that fails, InputError is thrown and nothing
-/// changes. Changes of the map return in words what they did. Safe to use from several threads.
+/// beside the running one and hands it over; if that fails, it throws InputError and nothing
+/// changes. Changes to the map return in words what they did. Safe to use from several threads.
 class LocalizerSettings {
  public:
-  /// `take`: gets each successor; of several that have not been used yet, only the last is needed.
+  /// `take`: receives each successor; of several that have not been used yet, only the last is
+  /// needed.
   using Take = std::function<void(std::shared_ptr<Successor>)>;
   LocalizerSettings(const LocalizerParameters& parameters, const CameraModels& cameras, Take take);
 
@@ -37,7 +38,7 @@ class LocalizerSettings {
   using Edit = std::function<std::string(MapEditor*)>;
   std::string editMap(const Edit& edit);
 
-  /// Sets what is ignored from now on; names must be in the map.
+  /// Sets what to ignore from now on; names must be in the map.
   std::string ignore(const std::vector<std::string>& markers);
 
   void tune(const std::function<void(LocalizerConfig*)>& change);

@@ -10,7 +10,7 @@ namespace omnitag {
 
 namespace {
 
-/// Of the only camera.
+/// The source of the only camera.
 std::vector<ImageSource> sourceOf(const LocalizerParameters& parameters) {
   const CameraParameters& camera = parameters.cameras.front();
   return {{camera.image, camera.image_transport}};
@@ -46,7 +46,7 @@ LocalizerStarter::LocalizerStarter(const ros::NodeHandle& node, const ros::NodeH
   const std::string& camera_file = parameters_.cameras.front().camera_file;
   if (camera_file.empty()) {
     // Errors in these should be reported now, not when the camera_info comes. Whether a transport
-    // can be loaded shows only when it is.
+    // can be loaded only shows when it is.
     ImageLocalizer::checkMap(parameters_);
     ImageInput(node_, private_node_, sourceOf(parameters_), parameters_.queue_size).close();
     waitForInfo();
@@ -131,7 +131,7 @@ void LocalizerStarter::onImageTimer() {
 }
 
 void LocalizerStarter::start(const DescribedCamera& camera) {
-  // The next message would not mend what is wrong apart from the camera.
+  // If something else than the camera is wrong, the next message would not mend it.
   is_waiting_ = false;
   try {
     server_ = std::make_unique<LocalizerServer>(node_, private_node_, parameters_,
@@ -144,8 +144,9 @@ void LocalizerStarter::start(const DescribedCamera& camera) {
   }
 }
 
-// More messages would only wake a thread. Not shut down in their own callback, since the destructor
-// could then not wait for it, nor while the mutex is held, for which a callback may be waiting.
+// Stops the subscriptions, because more messages would only wake a thread: not in their own
+// callback, which the destructor could then not wait for, nor with the mutex locked, which a
+// callback may be waiting for.
 void LocalizerStarter::onTimer() {
   updater_->force_update();
   if (isWaiting()) return;

@@ -16,11 +16,11 @@
 
 namespace omnitag {
 
-/// Starts the localizer as soon as its camera is known: at once with a camera file, or with the
+/// Starts the localizer as soon as its camera is known: with a camera file, at once, or with the
 /// first image if the camera is scaled to its images; without a file, when `camera_info` beside the
-/// images describes a camera. While it waits it says so, in the log and in /diagnostics. A wrong
-/// parameter or map is refused at once in all cases, but a wrong `ignore_markers` only once the
-/// camera is known.
+/// images describes a camera. While waiting, it says so in the log and in /diagnostics. A wrong
+/// parameter or map is always refused at once, but a wrong `ignore_markers` only once the camera is
+/// known.
 class LocalizerStarter {
  public:
   /// Throws InputError with one line if a parameter or a file is wrong.
@@ -46,18 +46,18 @@ class LocalizerStarter {
   ros::NodeHandle private_node_;
   std::string name_;
   LocalizerParameters parameters_;
-  /// Of camera_info, or of the images.
+  /// The topic of camera_info, or of the images.
   std::string topic_;
   /// How the camera became known, in words.
   std::string described_;
 
-  /// For a camera_info that describes a camera, or for an image.
+  /// Whether it waits for a camera_info that describes a camera, or for an image.
   bool is_waiting_ = true;
   /// Why there is no localizer yet; empty once there is.
   std::string problem_;
   ros::WallTime last_line_;
   std::mutex mutex_;
-  /// The camera to be scaled, and the images that determine its size.
+  /// The camera to scale, and the images that determine its size.
   std::optional<DescribedCamera> camera_;
   std::unique_ptr<ImageInput> images_;
   std::unique_ptr<LocalizerServer> server_;

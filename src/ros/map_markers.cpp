@@ -62,7 +62,7 @@ std_msgs::ColorRGBA greyOf(double white) {
   return color(level, level, level);
 }
 
-/// The modules row by row, neighbours of about one colour together.
+/// The modules row by row, neighbours of about the same colour together.
 void addPattern(const TagPattern& pattern, Sheet* sheet) {
   const double module = 2.0 / pattern.widthBetweenCorners();
   const double edge = 0.5 * module * pattern.width();
@@ -99,7 +99,8 @@ void addTag(const Marker& marker, bool with_pattern, visualization_msgs::Marker*
   sheet.addRectangle({-kMargin, -kMargin, kMargin, kMargin}, -kThickness, color(0.45, 0.45, 0.5));
 }
 
-/// Lies across the face, flat if the marker is on a wall, so that it can be seen from above.
+/// Perpendicular to the face, and flat if the marker is on a wall, so that it can be seen from
+/// above.
 void addNormal(const Marker& marker, visualization_msgs::Marker* triangles) {
   const double half_width = marker.size / 10.0;
   const double length = marker.size / 2.0;
@@ -181,7 +182,7 @@ MapDrawing::MapDrawing(const MarkerMap& map, const std::string& map_frame)
 void MapDrawing::replace(const MarkerMap& map, const std::vector<ProvisionalMarker>& provisional) {
   const std::size_t before = markers_.markers.size();
   visualization_msgs::MarkerArray array = mapMarkers(map, provisional, map_frame_);
-  // Deletes names beyond the new count, since RViz knows each by its number.
+  // Deletes names beyond the new count: RViz knows each by its number.
   constexpr std::size_t kOthers = 2;
   for (std::size_t id = array.markers.size() - kOthers; id + kOthers < before; ++id) {
     visualization_msgs::Marker gone;
@@ -195,7 +196,7 @@ void MapDrawing::replace(const MarkerMap& map, const std::vector<ProvisionalMark
   drawn_ = provisional;
 }
 
-// Compares with what was drawn, not with the previous frame, since small moves add up.
+// Compares with what was drawn, not with the previous frame, because small moves add up.
 bool MapDrawing::update(const MarkerMap& map, const std::vector<ProvisionalMarker>& provisional) {
   if (!looksDifferent(provisional, drawn_)) return false;
   markers_ = mapMarkers(map, provisional, map_frame_);

@@ -10,9 +10,9 @@
 
 namespace omnitag {
 
-/// The marker map for RViz: `tags`, as they are printed (in a map of more than 200 only their
-/// border) and grey on their back; `normals`, an arrowhead out of each face; `names`, the entry's
-/// id and name. Markers that mapping has found are framed and named in green if they are used, in
+/// The marker map for RViz: `tags`, as they are printed (only their border if there are more than
+/// 200) and grey on the back; `normals`, an arrowhead out of each face; `names`, the entry's id and
+/// name. Markers that mapping has found have a frame and a name in green if they are used, in
 /// orange if they are not known well enough yet. Throws InputError for a tag that the AprilTag
 /// library does not have.
 visualization_msgs::MarkerArray mapMarkers(const MarkerMap& map,
@@ -24,8 +24,8 @@ class MapDrawing {
  public:
   MapDrawing(const MarkerMap& map, const std::string& map_frame);
 
-  /// Whether it was redrawn: if markers came or went, are used now, or are at least 1 cm from where
-  /// they were last drawn.
+  /// Redraws if markers came or went, are used now, or are at least 1 cm from where they were last
+  /// drawn. Returns whether it did.
   bool update(const MarkerMap& map, const std::vector<ProvisionalMarker>& provisional);
 
   /// Draws another map and deletes what is left of the previous one.
@@ -36,7 +36,7 @@ class MapDrawing {
  private:
   std::string map_frame_;
   visualization_msgs::MarkerArray markers_;
-  /// The results of mapping that `markers_` shows.
+  /// What mapping had found when `markers_` was drawn.
   std::vector<ProvisionalMarker> drawn_;
 };
 

@@ -17,7 +17,7 @@ MapMarkerArray toMessage(const MarkerMap& map, const std::vector<Marker>& ignore
 
 /// The markers' frames in the map's frame: `marker_NAME` if the marker has a name, else
 /// `marker_FAMILY_ID`, with `_` for blanks and the like. If another marker has the same frame, `_2`
-/// and so on is appended.
+/// and so on are appended.
 tf2_msgs::TFMessage markerTransforms(const MarkerMap& map, const std::string& map_frame,
                                      const ros::Time& stamp);
 

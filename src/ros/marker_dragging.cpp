@@ -14,7 +14,7 @@
 namespace omnitag {
 namespace {
 
-/// A handle along or about one of the marker's axes, to which it turns the control's x axis.
+/// A handle along or about one of the marker's axes; it turns the control's x axis to that axis.
 visualization_msgs::InteractiveMarkerControl control(const Eigen::Vector3d& axis,
                                                      const std::string& name,
                                                      std::uint8_t interaction_mode) {
@@ -86,7 +86,7 @@ void MarkerDragging::onFeedback(std::size_t entry, const Marker& marker, const F
   attempt("move", [&] {
     const Eigen::Isometry3d map_from_marker = fromMessage(feedback->pose);
     return settings_->editMap([&](MapEditor* map) {
-      // The map may have changed under the mouse.
+      // The map may have changed while the marker was dragged.
       const bool is_there = entry < map->map().markers.size() &&
                             displayName(map->map().markers[entry]) == displayName(marker);
       if (!is_there) throw InputError("the map has changed meanwhile");

@@ -16,8 +16,8 @@ namespace omnitag {
 /// the mouse is released; its menu saves the map.
 class MarkerDragging {
  public:
-  /// `topic`: of RViz's display, without `/update`. `settings` must outlive it. `save`: saves the
-  /// map and says what it did; may throw InputError.
+  /// `topic`: that of RViz's display, without `/update`. `settings` must outlive it. `save`: saves
+  /// the map and says what it did; may throw InputError.
   MarkerDragging(const std::string& topic, std::string name, std::string map_frame,
                  LocalizerSettings* settings, std::function<std::string()> save);
 

@@ -26,14 +26,14 @@ std::optional<Pose> readInitialPose(const YamlReader& reader) {
   return Pose{pose[0], pose[1], pose[2]};
 }
 
-/// A list that is given on a command line (`_initial_pose:=[1,2,0]`) arrives as text. Other texts
-/// stay as they are and are refused as such.
+/// A list on a command line (`_initial_pose:=[1,2,0]`) arrives as text. Other texts stay as they
+/// are, and are refused as texts.
 void parseList(YAML::Node node) {
   if (!node.IsDefined() || !node.IsScalar()) return;
   try {
     const YAML::Node parsed = YAML::Load(node.Scalar());
     if (!parsed.IsSequence()) return;
-    // Without the positions in the text, which is not a file.
+    // Without the positions in the text, which are not those of a file.
     YAML::Node list(YAML::NodeType::Sequence);
     for (const YAML::Node& item : parsed) list.push_back(item.as<std::string>());
     node = list;
@@ -41,7 +41,7 @@ void parseList(YAML::Node node) {
   }
 }
 
-/// A name of ROS: for topics and namespaces.
+/// Whether it can be a name in ROS, for topics and namespaces.
 bool isRosName(const std::string& name) {
   const auto isLetter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
   return !name.empty() && isLetter(name.front()) &&
@@ -50,7 +50,7 @@ bool isRosName(const std::string& name) {
          });
 }
 
-/// One of several cameras. `usual`: what it has unless it says otherwise.
+/// One of several cameras. `usual`: the values of keys that it does not have.
 CameraParameters readCamera(const YamlReader& reader, const CameraParameters& usual,
                             const ShutterConfig& shutter) {
   reader.allowOnly({"name", "camera_file", "image", "image_transport", "frame", "image_time_offset",
@@ -73,7 +73,7 @@ CameraParameters readCamera(const YamlReader& reader, const CameraParameters& us
   return camera;
 }
 
-/// The list `cameras`, or the only camera where that is empty.
+/// The list `cameras`, or the only camera if the list is empty.
 std::vector<CameraParameters> readCameras(const YamlReader& reader, const ShutterConfig& shutter) {
   CameraParameters usual;
   reader.read("camera_file", &usual.camera_file);

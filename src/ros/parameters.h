@@ -12,7 +12,7 @@ namespace omnitag {
 
 /// The frames of REP 105 that the localizer connects.
 struct FrameNames {
-  /// Empty: the one that the marker map names.
+  /// Empty: the frame that the marker map names.
   std::string map;
   /// Empty: the robot has no odometry.
   std::string odom;
@@ -23,15 +23,16 @@ struct FrameNames {
 struct CameraParameters {
   /// In messages and topics; empty where there is no list of cameras.
   std::string name;
-  /// Empty, only where there is no list: `camera_info` beside the images describes it.
+  /// May be empty only if there is no list: then `camera_info` beside the images describes the
+  /// camera.
   std::string camera_file;
-  /// Topic of its images, which other cameras may share; and the transport in which they come, as
-  /// image_transport calls it.
+  /// Topic of its images, which other cameras may share; and its transport, as image_transport
+  /// calls it.
   std::string image = "image";
   std::string image_transport = "raw";
-  /// Its optical frame; empty: the one that the images name.
+  /// Its optical frame; empty: the frame that the images name.
   std::string frame;
-  /// None: as LocalizerConfig says.
+  /// If none, the one in LocalizerConfig.
   std::optional<ShutterConfig> shutter;
 };
 
@@ -58,25 +59,25 @@ struct LocalizerParameters {
   /// Images of a topic that wait while one is processed; the oldest gives way.
   int queue_size = 1;
 
-  /// Whether the robot's transform goes to tf. Not if another node fuses the poses and sends one.
+  /// Whether the robot's transform goes to tf; not if another node fuses the poses and sends one.
   bool publish_tf = true;
   /// Whether the markers' poses in the map go to tf.
   bool publish_marker_tf = false;
   /// s of wall time to wait for the transforms at an image's stamp.
   double transform_timeout = 0.1;
-  /// s by which map -> odom is stamped later than the image, so that it is valid until the
-  /// next one.
+  /// s: how much later than the image map -> odom is stamped, so that it is valid until the next
+  /// one.
   double transform_tolerance = 0.1;
   /// s of ROS's clock between repetitions of map -> odom while images give none.
   double transform_period = 0.05;
-  /// s by which stamps may step back before time counts as set back and the localizer starts
-  /// afresh; images that are late by less are dropped.
+  /// s: if stamps step back by more, time counts as set back and the localizer starts afresh;
+  /// images that are late by less are dropped.
   double restart_time_jump = 1.0;
 
   /// m between poses of the published path, and how many poses it keeps.
   double path_min_step = 0.05;
   int path_max_poses = 5000;
-  /// m, of the robot's body as RViz shows it.
+  /// m: radius of the robot's body as RViz shows it.
   double robot_radius = 0.2;
 
   LocalizerConfig localizer;
@@ -92,7 +93,7 @@ struct LocalizerParameters {
 };
 
 /// Reads every parameter from a mapping; absent ones keep their defaults. Throws InputError with
-/// one line that names the key if one is missing, unknown, not a number, or out of its range.
+/// one line that names the key if one is missing, unknown, not a number, or out of range.
 LocalizerParameters readParameters(const YamlReader& reader);
 
 /// The same from the parameter server: all parameters below `name_space`, e.g. "/localizer". There

@@ -9,8 +9,8 @@
 
 namespace omnitag {
 
-/// Notices when another node gives the frame that is to be sent another parent in tf: a frame has
-/// only one, and tf would jump between the two. A transform on /tf with the map as parent counts as
+/// Notices when another node gives the sent frame another parent in tf: a frame has only one
+/// parent, and tf would jump between the two. A transform on /tf with the map as parent counts as
 /// the localizer's own, or a recording of it, whoever sends it.
 class ParentWatch {
  public:
@@ -21,7 +21,7 @@ class ParentWatch {
   void see(const geometry_msgs::TransformStamped& transform, bool is_static, double now);
 
   /// One line that says what the other parent is and what to set; nothing if there is no other. A
-  /// parent on /tf counts for 10 s.
+  /// parent on /tf is remembered for 10 s.
   std::optional<std::string> conflict(double now) const;
 
  private:

@@ -13,7 +13,7 @@ bool PathRecorder::add(const geometry_msgs::PoseStamped& pose) {
     const geometry_msgs::Point& next = pose.pose.position;
     if (std::hypot(next.x - last.x, next.y - last.y) < min_step_) return false;
   }
-  // Erases half of them at once, since erasing at the front moves all that remain.
+  // Erases half of them at once, because erasing at the front moves all that remain.
   if (path_.poses.size() == max_poses_) {
     const auto kept = static_cast<std::ptrdiff_t>(max_poses_ / 2);
     path_.poses.erase(path_.poses.begin(), path_.poses.end() - kept);

@@ -13,7 +13,7 @@ class PathRecorder {
   /// `min_step`: m; `max_poses`: at least 1.
   PathRecorder(double min_step, int max_poses);
 
-  /// Whether the pose was far enough from the last one to become part of the path.
+  /// Adds the pose if it is far enough from the last one; returns whether it was.
   bool add(const geometry_msgs::PoseStamped& pose);
   void clear() { path_.poses.clear(); }
 

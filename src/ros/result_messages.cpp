@@ -22,7 +22,7 @@ std::optional<geometry_msgs::TransformStamped> robotTransform(const AssembledFra
   if (!input.odom_from_base) return std::nullopt;
   message.header.stamp += ros::Duration(transform_tolerance);
   message.child_frame_id = frames.odom;
-  // On a floor, the lean of odometry stays in odom -> base.
+  // On a floor, odometry's lean stays in odom -> base.
   const Eigen::Isometry3d odom_from_base =
       result.is_on_floor ? Pose::fromIsometry(*input.odom_from_base).onFloor().toIsometry()
                          : *input.odom_from_base;
@@ -31,8 +31,8 @@ std::optional<geometry_msgs::TransformStamped> robotTransform(const AssembledFra
   return message;
 }
 
-/// Where the marker should be in the camera's frame by the map and the frame's pose; nothing
-/// without an entry or a pose.
+/// Where the marker should be in the camera's frame according to the map and the frame's pose;
+/// nothing without an entry or a pose.
 std::optional<Eigen::Isometry3d> expectedPlace(const LocalizedImage& localized,
                                                const MarkerDetection& detection,
                                                const MarkerMap& map) {
@@ -80,7 +80,7 @@ ResultMessages toMessages(const LocalizedImage& localized, const MarkerMap& map,
     messages.pose_measured->header = map_header;
     messages.pose_measured->pose = toMessage(*measured);
   }
-  // tf takes no second transform of the same stamp.
+  // tf accepts no second transform with the same stamp.
   if (!localized.is_newest) return messages;
   messages.transform =
       robotTransform(localized.input, localized.result, frames, transform_tolerance);

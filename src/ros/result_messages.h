@@ -18,22 +18,22 @@ namespace omnitag {
 struct ResultMessages {
   std::optional<geometry_msgs::PoseStamped> pose;
   std::optional<geometry_msgs::PoseWithCovarianceStamped> pose_with_covariance;
-  /// From the image alone; none if that was not wanted or the image shows no marker.
+  /// From the image alone; none if it was not wanted or the image shows no marker.
   std::optional<geometry_msgs::PoseWithCovarianceStamped> pose_measured;
   std::optional<geometry_msgs::TransformStamped> transform;
   MarkerDetectionArray detections;
   LocalizationStatus status;
 };
 
-/// Everything has the stamp of the image except map -> odom. That is a correction that holds until
-/// the next one, so it is stamped `transform_tolerance` later to be usable meanwhile, as amcl does.
+/// Everything has the stamp of the image except map -> odom. This correction is valid until the
+/// next one, so it is stamped `transform_tolerance` later to be usable until then, as in amcl.
 ///
 /// The transform is map -> odom if an odometry frame is set, else map -> base. There is none
 /// without a pose, or if odometry is set but missing.
 ResultMessages toMessages(const LocalizedImage& localized, const MarkerMap& map,
                           const FrameNames& frames, double transform_tolerance);
 
-/// Adds to each detection its pose in the camera's frame (markerInCamera()), which takes some
+/// Adds to each detection its pose in the camera's frame (markerInCamera()), which takes a few
 /// tenths of a millisecond each.
 void addMarkerPoses(const LocalizedImage& localized, const MarkerMap& map,
                     const std::shared_ptr<const CameraModel>& camera, const EstimatorConfig& config,

@@ -5,10 +5,10 @@
 namespace omnitag {
 namespace {
 
-/// s after which all images from before the clock was set have come.
+/// s: after this time, all images from before the clock was set have come.
 constexpr double kInFlight = 10.0;
 
-/// s, the least step that counts.
+/// s: the smallest step that counts.
 constexpr double kLeastStep = 1e-3;
 
 }  // namespace
@@ -22,10 +22,10 @@ void StampTimeline::clockStepped(double seconds) {
 
 StampPlace StampTimeline::place(const ros::Time& stamp) const {
   if (!last_stamp_) return {StampPlace::Kind::kLater, stamp.toSec(), 0.0};
-  // In doubles: ros::Duration ends at 68 years and throws.
+  // In doubles, because ros::Duration throws beyond 68 years.
   const double passed = stamp.toSec() - last_stamp_->toSec();
-  // Images that are still on their way have stamps from before the clock was set. If both are
-  // possible, the shorter time is taken as the one that passed.
+  // Images that are still on their way have stamps from before the clock was set. If the stamp may
+  // be from before or after, the shorter time is taken as the one that passed.
   const double without_step = passed - pending_step_;
   const bool shows_step = without_step > 0.0 && (passed <= 0.0 || without_step < passed);
   if (pending_step_ != 0.0 && shows_step) {

@@ -17,17 +17,16 @@ struct StampPlace {
   Kind kind = Kind::kLater;
   /// s, on the timeline.
   double time = 0.0;
-  /// s: by how much the clock was set (kClockStepped), or by how much the stamp lies behind the
-  /// previous one (kLate, kWentBack); negative if time goes back.
+  /// s: how far the clock was set (kClockStepped), or how far the stamp lies behind the previous
+  /// one (kLate, kWentBack); negative if time goes back.
   double step = 0.0;
 };
 
-/// Puts the stamps of images on a timeline that runs forward whatever the clocks do, until the
-/// stamps alone go back.
+/// Puts the stamps of images on a timeline that runs forward even when clocks are set. It starts
+/// afresh when the stamps alone go back.
 class StampTimeline {
  public:
-  /// `restart_time_jump`: s by which stamps alone may step back and count as late; beyond, they
-  /// went back.
+  /// `restart_time_jump`: s; stamps alone that step back by less are late, by more went back.
   explicit StampTimeline(double restart_time_jump) : restart_time_jump_(restart_time_jump) {}
 
   /// The clock was set by this many seconds. The next stamps may show it, or not if another clock
@@ -37,24 +36,25 @@ class StampTimeline {
   /// Where an image that comes now would belong.
   StampPlace place(const ros::Time& stamp) const;
 
-  /// s by which a stamp lies behind the last one, negative if after it; nothing before the first
-  /// one. Among cameras, stamps from before the clock was set and after it come mixed for a while.
+  /// s: how far a stamp lies behind the last one, negative if after it; nothing before the first
+  /// one. With several cameras, stamps from before and after the clock was set come mixed for a
+  /// while.
   std::optional<double> behind(const ros::Time& stamp) const;
 
   /// s, on the timeline, of the last image.
   double lastTime() const { return last_time_; }
 
-  /// Takes the image that belongs there; not to be called for a late one.
+  /// Takes the image at its place; not to be called for a late one.
   void take(const ros::Time& stamp, const StampPlace& place);
 
  private:
   double restart_time_jump_;
   std::optional<ros::Time> last_stamp_;
   double last_time_ = 0.0;
-  /// s by which the clock was set without a stamp showing it yet, and how long ago on the timeline.
+  /// s: how far the clock was set without a stamp showing it yet, and how long ago on the timeline.
   double pending_step_ = 0.0;
   double pending_for_ = 0.0;
-  /// The step that a stamp has shown, and how long ago on the timeline.
+  /// s: the step that a stamp has shown, and how long ago on the timeline.
   double shown_step_ = 0.0;
   double shown_for_ = 0.0;
 };

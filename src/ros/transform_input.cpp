@@ -6,14 +6,14 @@
 namespace omnitag {
 namespace {
 
-/// s of tf to keep, so that images from a long queue still find theirs.
+/// s of tf to keep, so that images from a long queue still find their transforms.
 constexpr double kKept = 30.0;
 
 /// Messages that may wait while a frame is processed: the same time, at a thousand a second.
 constexpr std::uint32_t kWaiting = 30000;
 
-/// s that a message may be on its way on a busy computer, and s by which a transform from before
-/// the clock was set back is ahead of the clock.
+/// s: how long a message may be on its way on a busy computer, and how far ahead of the clock a
+/// transform from before the clock was set back is.
 constexpr double kInFlight = 3.0;
 constexpr double kAhead = 1.0;
 
@@ -44,8 +44,8 @@ void TransformInput::serve(double duration) {
   noticeSetBack();
 }
 
-// Transforms from before the clock was set back, as when a bag is played again, would seem to be
-// the newest from then on.
+// Transforms from before the clock was set back, as when a bag is played again, would from then on
+// seem to be the newest.
 void TransformInput::noticeSetBack() {
   const ros::Time now = ros::Time::now();
   if (now < last_served_) {
@@ -55,7 +55,7 @@ void TransformInput::noticeSetBack() {
   last_served_ = now;
 }
 
-// Beside such a transform, tf2 would refuse all that are much older until time has caught up.
+// With such a transform, tf2 would refuse all that are much older until time has caught up.
 bool TransformInput::isStale(const ros::Time& stamp) const {
   return steadyTime() < stale_until_ && stamp.toSec() > last_served_.toSec() + kAhead;
 }

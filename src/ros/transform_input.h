@@ -30,7 +30,7 @@ class TransformInput {
   const tf2::BufferCore& buffer() const { return buffer_; }
   /// ParentWatch::conflict() of what has been taken.
   std::optional<std::string> parentConflict() const { return parents_.conflict(steadyTime()); }
-  /// Nothing arrives afterwards.
+  /// Afterwards, nothing more arrives.
   void close() { queue_.disable(); }
 
  private:

@@ -35,15 +35,15 @@ std::string mirror(double focal_length, double cx, double cy, double apex_distan
          std::to_string(apex_distance) + ", rim_radius: 0.035}}";
 }
 
-/// A board of 6 x 6 tags, 0.6 m wide, before a camera that nothing holds.
+/// A board of 6 x 6 tags, 0.6 m wide, in front of a free camera.
 class BoardCalibrationTest : public testing::Test {
  protected:
-  /// A pose of the camera in the board's frame: the board's middle is this far away (m) in this
-  /// direction of the camera, tilted by chance.
+  /// A pose of the camera in the board's frame: the board's middle is at this distance (m) in this
+  /// direction from the camera, with a random tilt.
   Pose poseBefore(const Eigen::Vector3d& in_camera, double distance) {
     std::uniform_real_distribution<double> uniform(-1.0, 1.0);
     const Eigen::Vector3d toward = in_camera.normalized();
-    // The board's face looks back at the camera, give or take 35 degrees.
+    // The board's face looks back at the camera, within 35 degrees.
     const Eigen::Quaterniond facing =
         Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), -toward);
     const Eigen::Quaterniond tilt(
@@ -131,7 +131,7 @@ TEST_F(BoardCalibrationTest, CalibratesAMirror) {
 }
 
 TEST_F(BoardCalibrationTest, SaysWhereTheFieldWasNotCovered) {
-  // Never farther out than two fifths of the field.
+  // The board is never farther out than two fifths of the field.
   const CalibrationResult result =
       calibrate(fisheye(210.0, 352.3, 347.1, "[0, 0, 0, 0]"),
                 fisheye(212.0, 349.5, 349.5, "[0, 0, 0, 0]"), 0.0, radians(25.0));

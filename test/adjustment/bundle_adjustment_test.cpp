@@ -48,7 +48,7 @@ TEST_P(PerturbedCamerasTest, DerivativesAreThoseOfTheProjection) {
   PixelDerivatives found;
   ASSERT_TRUE(cameras.project(pose.toIsometry(), mounting, point, &found));
 
-  // Five-point differences of the camera that the file describes, with a larger step.
+  // Five-point differences of the camera in the file, with a larger step.
   const auto difference = [](const auto& at, double step) {
     return Eigen::Vector2d((8.0 * (at(step) - at(-step)) - (at(2.0 * step) - at(-2.0 * step))) /
                            (12.0 * step));
@@ -115,7 +115,7 @@ class BundleAdjustmentTest : public testing::Test {
     return bundle;
   }
 
-  /// All of the camera's parameters but what images hardly tell of a sphere.
+  /// All of the camera's parameters except those of a sphere that images hardly determine.
   BundleConfig freeCamera(double noise) const {
     BundleConfig config;
     config.noise = noise;
@@ -130,7 +130,7 @@ class BundleAdjustmentTest : public testing::Test {
     return truth.model->parameters()[static_cast<std::size_t>(index)];
   }
 
-  /// Hangs each marker elsewhere, by what its prior then says.
+  /// Moves each marker at random by these deviations, which become its prior's.
   void disturbMap(double deviation, double orientation_deviation, Bundle* bundle) {
     std::normal_distribution<double> normal(0.0, 1.0);
     for (Bundle::Landmark& landmark : bundle->landmarks) {
@@ -186,7 +186,7 @@ TEST_F(BundleAdjustmentTest, DeviationsAreThoseOfManyDrives) {
       errors(i, k) = bundle.values(index) - truth.values(index);
     }
   }
-  // The deviation of 30 samples is itself known to 13 %.
+  // The deviation of 30 samples is itself only known to 13 %.
   for (Eigen::Index k = 0; k < errors.cols(); ++k) {
     const double measured = std::sqrt(errors.col(k).squaredNorm() / kDrives);
     EXPECT_NEAR(deviations(k) / measured, 1.0, 0.4)
@@ -207,7 +207,7 @@ TEST_F(BundleAdjustmentTest, KnowsWhatACommonErrorDoes) {
   const BundleConfig config = freeCamera(0.1);
   auto told = information(truth, config);
   ASSERT_TRUE(told);
-  // Of no noise by chance.
+  // No error in the other direction.
   told->common_error_gradient.col(1).setZero();
   const Eigen::VectorXd alone = uncertaintyOf(*truth.model, config.free, {told->camera}).deviations;
   const Eigen::VectorXd both =
@@ -270,7 +270,7 @@ TEST_F(BundleAdjustmentTest, FindsMapAndCameraTogether) {
               4.0 * left.deviations(static_cast<Eigen::Index>(k)))
         << parameter(index).name;
   }
-  // Markers: within the map, once it has been laid on the truth.
+  // Markers: within the map, once it is aligned with the truth.
   std::vector<Eigen::Vector3d> errors;
   Eigen::Matrix3Xd found(3, 10);
   Eigen::Matrix3Xd true_places(3, 10);
@@ -287,7 +287,7 @@ TEST_F(BundleAdjustmentTest, FindsMapAndCameraTogether) {
         told->landmarks_within[static_cast<std::size_t>(i)].topLeftCorner<3, 3>();
     squares += error.dot(covariance.completeOrthogonalDecomposition().solve(error));
   }
-  // Chi-square of 30 numbers of which six were fitted.
+  // Chi-square of 30 numbers, six of which were fitted.
   EXPECT_GT(squares / 24.0, 0.3);
   EXPECT_LT(squares / 24.0, 2.2);
 }
@@ -303,11 +303,11 @@ TEST_F(BundleAdjustmentTest, SaysWhatTheImagesLeaveOpen) {
   EXPECT_NE(undetermined.direction.find("map"), std::string::npos) << undetermined.direction;
   bundle.landmarks[4].prior = PlacePrior::gauge(bundle.landmarks[4].marker);
   EXPECT_TRUE(information(bundle, config, &undetermined));
-  // In somebody's hand, nothing tells which way is up.
+  // Hand-held, nothing tells which way is up.
   config.is_free = true;
   EXPECT_FALSE(information(bundle, config, &undetermined));
   EXPECT_NE(undetermined.direction.find("map"), std::string::npos) << undetermined.direction;
-  // Sizes and places scale alike.
+  // Sizes and places scale together.
   config.is_free = false;
   config.estimates_sizes = true;
   bundle.landmarks[4].prior->deviations.setConstant(1e3);
@@ -315,7 +315,7 @@ TEST_F(BundleAdjustmentTest, SaysWhatTheImagesLeaveOpen) {
 }
 
 TEST_F(BundleAdjustmentTest, HeedsWhatATapeMeasured) {
-  // Markers that no image shows hang where the constraints have them.
+  // Markers that no image shows end up where the constraints put them.
   Bundle bundle = truth;
   bundle.landmarks[2].prior.reset();
   bundle.landmarks[2].marker.map_from_marker.translation() += Eigen::Vector3d(0.05, -0.04, 0.03);

@@ -16,7 +16,7 @@ namespace {
 
 class CalibrationDataTest : public testing::Test {
  protected:
-  /// Frames in which all readings but those of `kept` ids were removed.
+  /// The frames with only the readings of `kept` ids.
   std::vector<FrameReadings> only(const std::set<int>& kept) const {
     std::vector<FrameReadings> left = frames;
     for (FrameReadings& frame : left) {
@@ -119,7 +119,7 @@ TEST_F(CalibrationDataTest, PrefersLargeMarkers) {
   }
   EXPECT_EQ(selectObservations(map, readings).frames[0].observations.size(), 3U);
   EXPECT_GT(selectObservations(map, readings, false).frames[0].observations.size(), 3U);
-  // With small ones alone, these have to do.
+  // Without enough large ones, small ones are used.
   for (FrameReadings& frame : readings) resize(&frame.readings[0], 10.0);
   EXPECT_GT(selectObservations(map, readings).frames[0].observations.size(), 3U);
 }

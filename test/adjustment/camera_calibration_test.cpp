@@ -24,7 +24,7 @@ const std::string kHyperbola = catadioptricFile(
     720, 250, 249, 0.11,
     "profile: hyperbolic, radius_of_curvature: 0.026, conic_constant: -1.5, rim_radius: 0.034");
 
-/// A true camera, what it would read on a drive, and what is made of that.
+/// A true camera, what it would read on a drive, and the calibration from it.
 class CameraCalibrationTest : public testing::Test {
  protected:
   MountedCamera truthOf(const std::string& camera, const Eigen::Isometry3d& mounting) const {
@@ -42,7 +42,7 @@ class CameraCalibrationTest : public testing::Test {
     return calibrateCamera(CameraTemplate::fromText(guess, "guess"), map, frames, on_even_floor);
   }
 
-  /// What counts: where markers image, RMS in pixels, whatever numbers image them so.
+  /// What matters: how far off markers image, RMS in pixels, whatever the parameters.
   double imagingError(const CalibrationResult& result, const std::string& guess,
                       const MountedCamera& truth, int poses = 10) {
     const MountedCamera found(
@@ -103,8 +103,8 @@ TEST_F(CameraCalibrationTest, RecoversASphereFromBadGuesses) {
 
 TEST_F(CameraCalibrationTest, SaysWhatIsLeftOfTheCamerasError) {
   if (test::kIsSanitized) GTEST_SKIP() << test::kRepeats;
-  // Over drives whose noise is drawn anew: where markers image, less where they should, is about as
-  // large as what is left says.
+  // Over drives with different noise: how far off markers image is about as large as the remaining
+  // uncertainty says.
   const MountedCamera truth = truthOf(kTruth, test::mounting(1.1, 0.0, 0.0));
   const std::string guess = catadioptricFile(1190, 252.0, 247.5, 0.21, kSphere);
   const Eigen::Vector2d center(251.3, 248.2);
@@ -145,13 +145,13 @@ TEST_F(CameraCalibrationTest, RecoversHowACameraLeans) {
   EXPECT_LT(
       Eigen::AngleAxisd(mounting.linear().transpose() * result.base_from_camera.linear()).angle(),
       radians(0.05));
-  // With a camera that leans, an error of the mirror's distance moves the mirror sideways: a shift
-  // of the robot that images do not tell.
+  // If the camera leans, an error of the mirror's distance moves the mirror sideways: a shift of
+  // the robot that images do not reveal.
   EXPECT_LT(imagingError(result, guess, truth), 0.06);
 }
 
 TEST_F(CameraCalibrationTest, NeedsNoMoreThanTheImagesCircle) {
-  // The circles have about the radius of the truth's; nothing else is right.
+  // The circles have about the true radius; nothing else is right.
   const std::pair<std::string, std::string> guesses_and_truths[] = {
       {catadioptricFile(800, 250, 250, 0.15,
                         "profile: parabolic, radius_of_curvature: 0.03, rim_radius: 0.0385"),

@@ -15,7 +15,7 @@ namespace {
 
 class CornerAlignmentTest : public testing::Test {
  protected:
-  /// The panorama with noise of some grey levels.
+  /// The panorama with noise (grey levels).
   cv::Mat panoramaOf(const Marker& marker, double noise) const {
     constexpr int kSamples = 8;
     return withNoise(test::renderPanorama({"map", {marker}}, camera_, pose_, kSamples), noise);
@@ -38,8 +38,8 @@ class CornerAlignmentTest : public testing::Test {
     return alignCorners(panorama, marker, TagPattern(marker.family, marker.id), camera_, pose);
   }
 
-  /// With the light times `bright` on one side of a line through the middle of the marker's image
-  /// that runs along `heading`, and times `dark` on the other.
+  /// The image with its light multiplied by `bright` on one side of a line through the middle of
+  /// the marker's image, along `heading`, and by `dark` on the other.
   cv::Mat withShadow(const cv::Mat& image, const Marker& marker, double heading, double bright,
                      double dark) const {
     const auto corners = test::exactReading(marker, camera_, pose_)->corners;
@@ -93,7 +93,7 @@ TEST_F(CornerAlignmentTest, CovarianceIsThatOfTheErrors) {
     const CornerPixels error = aligned->pixels - truth;
     squares += error.dot(aligned->covariance.ldlt().solve(error));
   }
-  // 1, were it exact: of 480 squares the mean is then within 20 % in 999 of 1000 cases.
+  // 1 if the covariance is exact: the mean of 480 squares is then within 20 % in 999 of 1000 cases.
   const double normalized = squares / (8.0 * kPlaces);
   EXPECT_GT(normalized, 0.5);
   EXPECT_LT(normalized, 1.3);

@@ -23,7 +23,8 @@ inline std::string catadioptricFile(double fx, double cx, double cy, double apex
 
 constexpr const char* kSphere = "profile: spherical, radius_of_curvature: 0.04, rim_radius: 0.0375";
 
-/// A camera that looks down on its mirror from 1.1 m; tf's roll and pitch, besides the half turn.
+/// The mounting of a camera that looks down on its mirror from a height (m); tf's roll and pitch,
+/// besides the half turn.
 inline Eigen::Isometry3d mounting(double height, double roll, double pitch) {
   return Eigen::Translation3d(0.1, 0.02, height) *
          Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ()) *
@@ -52,8 +53,8 @@ inline std::vector<Pose> posesInRoom(int count, double half_side, std::mt19937* 
   return poses;
 }
 
-/// What a camera would read on the way, each corner off by `noise` pixels; the frames say that the
-/// camera is mounted at `believed_mounting`.
+/// What a camera would read on the way, each corner with noise of `noise` pixels; the frames have
+/// the mounting `believed_mounting`.
 inline std::vector<FrameReadings> drive(const MarkerMap& map, const MountedCamera& truth,
                                         const std::vector<Pose>& poses, double noise,
                                         const Eigen::Isometry3d& believed_mounting,
@@ -72,7 +73,7 @@ inline std::vector<FrameReadings> drive(const MarkerMap& map, const MountedCamer
   return frames;
 }
 
-/// What is thrown by a call; empty where nothing is.
+/// The error that a call throws; empty if it throws none.
 template <typename Call>
 std::string refusalOf(const Call& call) {
   try {

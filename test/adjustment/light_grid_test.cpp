@@ -5,7 +5,8 @@
 namespace omnitag {
 namespace {
 
-/// Contrast with a slope and a twist, which a grid that is bilinear between its nodes has exactly.
+/// Contrast with a slope and a twist, which a grid that is bilinear between its nodes represents
+/// exactly.
 double bilinear(const Eigen::Vector2d& place) {
   return 120.0 + 30.0 * place.x() - 12.0 * place.y() + 7.0 * place.x() * place.y();
 }

@@ -39,7 +39,7 @@ TEST(MapAlignmentTest, DeviationsAreThoseOfManyDrives) {
   double stated_heading = 0.0;
   for (int i = 0; i < kDrives; ++i) {
     const MapAlignment fit = alignByPoses(drive(60, 0.04, 0.02, &generator));
-    // The middle of the way is the map's origin.
+    // The middle of the path is the map's origin.
     position += std::pow(fit.other_from_map.x - kOtherFromMap.x, 2) +
                 std::pow(fit.other_from_map.y - kOtherFromMap.y, 2);
     heading += std::pow(normalizeAngle(fit.other_from_map.yaw - kOtherFromMap.yaw), 2);
@@ -52,7 +52,7 @@ TEST(MapAlignmentTest, DeviationsAreThoseOfManyDrives) {
 }
 
 TEST(MapAlignmentTest, ErrorsThatLastCountOnce) {
-  // As amcl errs: for ten poses alike.
+  // Errors like amcl's: the same for ten poses.
   std::mt19937 generator(4);
   std::normal_distribution<double> normal(0.0, 0.04);
   const auto lasting = [&](std::vector<PosePair> pairs) {
@@ -95,7 +95,7 @@ TEST(MapAlignmentTest, TwoPointsByHand) {
   EXPECT_NEAR(exact.other_from_map.x, kOtherFromMap.x, 1e-12);
   EXPECT_NEAR(exact.other_from_map.y, kOtherFromMap.y, 1e-12);
   EXPECT_NEAR(exact.other_from_map.yaw, kOtherFromMap.yaw, 1e-12);
-  // 5 m there are 5.02 m here: each end is 1 cm off.
+  // 5 m in one map are 5.02 m in the other: each end is 1 cm off.
   points[1].in_other += 0.02 * (points[1].in_other - points[0].in_other).normalized();
   EXPECT_NEAR(alignByPoints(points).position_residual, 0.01, 1e-9);
   EXPECT_NEAR(alignByPoints(points).other_from_map.yaw, kOtherFromMap.yaw, 1e-9);

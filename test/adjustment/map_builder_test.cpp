@@ -38,7 +38,7 @@ const BuiltMarker* find(const BuiltMap& map, int id) {
   return found == map.markers.end() ? nullptr : &*found;
 }
 
-/// What buildMap says where it refuses; empty where it does not.
+/// What buildMap says if it refuses; empty if it does not.
 std::string refusal(const std::vector<FrameReadings>& frames, const MarkerMap& seed_map) {
   try {
     buildMap(test::sphericalCamera(), frames, seed_map, config());
@@ -81,8 +81,9 @@ TEST_P(MapBuilderTest, FromASeedFindsTheOthers) {
   for (std::size_t i = 0; i < poses.size(); ++i) {
     EXPECT_LT(test::positionError(map.trajectory[i], poses[i]), 0.003);
   }
-  // The errors are not larger than the covariances say, nor much smaller: `corner_noise` is twice
-  // the noise here, so chi-square with three degrees of freedom a marker has a quarter of its mean.
+  // The errors are neither larger than the covariances say nor much smaller: `corner_noise` is
+  // twice the noise here, so chi-square with three degrees of freedom per marker has a quarter of
+  // its mean.
   EXPECT_LT(squares / new_markers, 3.0);
   EXPECT_GT(squares / new_markers, 0.1);
 }
@@ -119,7 +120,7 @@ INSTANTIATE_TEST_SUITE_P(Odometry, MapBuilderTest, testing::Bool(), [](const aut
   return test.param ? "WithOdometry" : "WithoutOdometry";
 });
 
-/// A survey's map, whose markers hang elsewhere than it says, each by about its deviation.
+/// A survey's map whose markers hang elsewhere than it says, each off by about its deviation.
 MarkerMap roughSurvey(double deviation, double orientation_deviation) {
   std::mt19937 random(21);
   std::normal_distribution<double> normal(0.0, 1.0);
@@ -136,7 +137,7 @@ MarkerMap roughSurvey(double deviation, double orientation_deviation) {
   return map;
 }
 
-/// m: by how much the distances between the markers of a map are off, RMS.
+/// m: how far the distances between the markers of a map are off, RMS.
 double distanceError(const BuiltMap& map) {
   const std::vector<Marker> truth = test::roomMarkers();
   double squares = 0.0;
@@ -168,12 +169,12 @@ TEST(MapBuilderSurveyTest, ARoughSurveyComesBack) {
     EXPECT_LT(far, 5.0 * 0.02) << built.marker.id;
     squares += built.covariance.topLeftCorner<3, 3>().trace();
   }
-  // Within the map it is known several times better than the survey knew it.
+  // Within the map, the markers are known several times better than in the survey.
   EXPECT_LT(std::sqrt(squares / 30.0), 0.005);
 }
 
 TEST(MapBuilderSurveyTest, ATapeSetsTheScale) {
-  // Of markers that are all 1 % larger than they are said to be.
+  // All markers are 1 % larger than configured.
   MapBuilderConfig wrong = config();
   wrong.size = 0.8 / 1.01;
   const std::vector<Marker> truth = test::roomMarkers();
@@ -237,7 +238,7 @@ TEST(MapBuilderWithoutSeedTest, StandsOnTheMarkerThatIsReadFirst) {
   EXPECT_NEAR(first.normal().y(), 0.0, 1e-6);
   EXPECT_NEAR(first.normal().x(), 1.0, 1e-3);
 
-  // All others hang as they do in the room, seen from that one.
+  // Relative to that one, all others hang as they do in the room.
   const Marker& first_truth = truth[static_cast<std::size_t>(first.id)];
   for (const Marker& marker : truth) {
     const Marker& built = find(map, marker.id)->marker;

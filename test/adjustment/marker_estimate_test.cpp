@@ -19,7 +19,7 @@ double turnBetween(const Marker& a, const Marker& b) {
 
 class MarkerEstimateTest : public testing::Test {
  protected:
-  /// From places along a line that passes the marker; `noise` in pixels.
+  /// Sightings from places along a line past the marker; `noise` in pixels.
   std::vector<MarkerSighting> sightings(const Marker& marker, int count, double step,
                                         double noise) {
     std::vector<MarkerSighting> result;
@@ -35,7 +35,7 @@ class MarkerEstimateTest : public testing::Test {
     return result;
   }
 
-  /// What is known of a marker before: its id and size.
+  /// What is known of a marker beforehand: its id and size.
   static Marker unknown(const Marker& marker) {
     Marker result = marker;
     result.map_from_marker.setIdentity();
@@ -90,8 +90,8 @@ TEST_F(MarkerEstimateTest, CovarianceIsThatOfTheErrors) {
     error.tail<3>() = turn.angle() * turn.axis();
     sum += error.dot(estimate->covariance.ldlt().solve(error));
   }
-  // Chi-square with 6 degrees of freedom: 6 +- 0.28 for the mean of so many, if the covariance is
-  // true; robust weights and a variance factor of at least 1 take a little.
+  // Chi-square with 6 degrees of freedom: the mean of so many is 6 +- 0.28 if the covariance is
+  // true; robust weights and a variance factor of at least 1 reduce it a little.
   EXPECT_NEAR(sum / kRuns, 6.0, 1.1);
 }
 
@@ -120,7 +120,7 @@ TEST_F(MarkerEstimateTest, MotionTellsTheSize) {
   ASSERT_TRUE(estimate);
   EXPECT_NEAR(estimate->marker.size, marker.size, 1e-4);
   EXPECT_GT(estimate->size_variance, 0.0);
-  // From one place it cannot be told.
+  // From one place, it cannot be determined.
   EXPECT_FALSE(
       estimateMarker(guess, {camera_}, sightings(marker, 1, 0.25, 0.0), std::nullopt, config) &&
       estimateMarker(guess, {camera_}, sightings(marker, 1, 0.25, 0.0), std::nullopt, config)

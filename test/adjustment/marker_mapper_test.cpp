@@ -19,7 +19,7 @@ MarkerMap roomMap(std::size_t count) {
   return map;
 }
 
-/// What a localizer makes of a frame whose pose stands on marker 0.
+/// A localizer's result for a frame whose pose is based on marker 0.
 FrameResult resultOf(const FrameReadings& frame, const Pose& pose, double deviation) {
   FrameResult result;
   result.stamp = frame.stamp;
@@ -76,7 +76,7 @@ TEST_F(MarkerMapperTest, NothingWithoutMotionOrAPoseThatIsSure) {
   MarkerMapper still({camera_}, roomMap(2), config_);
   EXPECT_EQ(feed(&still, test::roomMarkers(), std::vector<Pose>(30, Pose{0.5, 0.2, 0.1})), 0);
   EXPECT_EQ(still.map().markers.size(), 2U);
-  // What it has seen is there to be shown.
+  // What it has seen can be shown.
   ASSERT_FALSE(still.provisional().empty());
   EXPECT_EQ(still.provisional().front().sightings, 1U);
   EXPECT_FALSE(still.provisional().front().is_used);

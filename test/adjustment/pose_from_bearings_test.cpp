@@ -66,7 +66,7 @@ TEST_F(PoseFromBearingsTest, LeavesOutOneThatHangsElsewhere) {
 
 TEST_F(PoseFromBearingsTest, HasNoneWhereTheMapIsAnother) {
   MarkerMap other = map;
-  // The markers change places with each other across the room.
+  // The markers swap places across the room.
   for (std::size_t i = 0; i < map.markers.size(); ++i) {
     const auto source = (7 * i + 3) % map.markers.size();
     other.markers[i].map_from_marker = map.markers[source].map_from_marker;

@@ -20,7 +20,7 @@ class ReadingAlignmentTest : public testing::Test {
              test::wallMarker(2, {-1.5, -1.4, 1.1}, 0.9)}};
   }
 
-  /// As decoding has them: off by some tenths of a pixel.
+  /// As decoded: off by a few tenths of a pixel.
   std::vector<MarkerReading> roughReadings(const MarkerMap& map) const {
     std::mt19937 random(5);
     std::normal_distribution<double> normal(0.0, 0.15);

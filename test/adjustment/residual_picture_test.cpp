@@ -10,7 +10,7 @@
 namespace omnitag {
 namespace {
 
-/// Pixels in colour, of the picture's left part.
+/// Number of coloured pixels in a part of the picture.
 int coloured(const cv::Mat& picture, const cv::Rect& part) {
   int count = 0;
   const cv::Mat image = picture(part);

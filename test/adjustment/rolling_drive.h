@@ -55,7 +55,7 @@ inline std::optional<MarkerReading> rollingReading(const Marker& marker,
   return reading;
 }
 
-/// Images at 5 Hz, stamped from 100 s on, each corner off by `noise` pixels.
+/// Images at 5 Hz, stamped from 100 s on, each corner with noise of `noise` pixels.
 inline std::vector<FrameReadings> rollingDrive(const MarkerMap& map, const MountedCamera& camera,
                                                const Route& route, const ShutterConfig& shutter,
                                                int count, double noise, std::mt19937* generator) {
@@ -73,8 +73,9 @@ inline std::vector<FrameReadings> rollingDrive(const MarkerMap& map, const Mount
   return frames;
 }
 
-/// Odometry at 50 Hz, from `begin` to `end` (s), in between a straight line. In each fifth of a
-/// second it errs along, across and in turning by this share of the way and of the turn.
+/// Odometry at 50 Hz, from `begin` to `end` (s), interpolated by straight lines. Its errors along,
+/// across and in turning are random, of this share (deviation) of the way and of the turn; they
+/// change every fifth of a second.
 class RolledOdometry {
  public:
   RolledOdometry(const Route& route, double begin, double end, double error,

@@ -26,7 +26,7 @@ inline std::vector<Pose> roundTrip(int count, double radius = 1.6) {
 inline std::vector<FrameReadings> record(const std::vector<Marker>& markers,
                                          const std::vector<Pose>& poses, double noise,
                                          bool has_odometry = false) {
-  // As far as a decoder reads the markers.
+  // The farthest that a decoder reads the markers.
   constexpr double kMaxRange = 6.0;
   std::mt19937 random(7);
   const auto camera = sphericalCamera();

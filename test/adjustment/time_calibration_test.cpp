@@ -18,7 +18,7 @@ namespace {
 using test::RolledOdometry;
 
 constexpr double kNoise = 0.06;  // pixels
-constexpr double kEnd = 100.0;   // s, of the odometry's beginning before the images'
+constexpr double kEnd = 100.0;   // s: stamp of the first image; odometry starts 1 s earlier
 
 class TimeCalibrationTest : public testing::Test {
  protected:
@@ -82,7 +82,7 @@ TEST_F(TimeCalibrationTest, SaysHowExactItIs) {
   }
   EXPECT_LT(std::sqrt(offsets), 1.5);
   EXPECT_GT(std::sqrt(offsets), 0.5);
-  // Odometry is better here than is assumed.
+  // Odometry is better here than assumed.
   EXPECT_LT(std::sqrt(readouts), 1.3);
   EXPECT_GT(std::sqrt(readouts), 0.1);
 }
@@ -145,7 +145,7 @@ TEST_F(TimeCalibrationTest, IsNotMisledByWheelsThatSlip) {
   const auto slipping = [&](double stamp) -> std::optional<Pose> {
     const std::optional<Pose> pose = wheels(stamp);
     if (!pose) return std::nullopt;
-    // Half a metre and half a turn, twice.
+    // Two slips of half a metre and 0.6 rad.
     Pose slipped = *pose;
     for (const double since : {103.05, 107.65}) {
       if (stamp > since) slipped = slipped * Pose{0.5, 0.0, 0.6};

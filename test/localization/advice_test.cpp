@@ -10,7 +10,7 @@
 namespace omnitag {
 namespace {
 
-/// What is said after an image has come again and again.
+/// The advice after the same image has come many times.
 class AdviceTest : public testing::Test {
  protected:
   std::vector<std::string> adviceOn(const std::function<void(FrameResult*)>& make) const {
@@ -20,7 +20,7 @@ class AdviceTest : public testing::Test {
       MarkerDetection detection;
       detection.map_entry = entry;
       detection.accepted = true;
-      // 30 pixels are the marker's 0.3 m: a pixel is a centimetre.
+      // The marker's 0.3 m are 30 pixels: a pixel is a centimetre.
       detection.corners = {Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(30.0, 0.0),
                            Eigen::Vector2d(30.0, 30.0), Eigen::Vector2d(0.0, 30.0)};
       detection.residual = 1.5;

@@ -18,7 +18,7 @@ namespace {
 
 using Entries = std::vector<std::size_t>;
 
-/// What is believed of a robot in a room of ten markers, entries 0 to 9 around its walls, where
+/// What is believed about a robot in a room with ten markers, entries 0 to 9 around its walls, when
 /// some are seen as from one pose and others as from another.
 class BeliefTest : public testing::Test {
  protected:
@@ -28,7 +28,7 @@ class BeliefTest : public testing::Test {
     before_.motion.reset({here_}, 99.9, std::nullopt);
   }
 
-  /// As some images, the last one some seconds ago, showed these in their places.
+  /// Remembers these as seen in their places in several images, the last one `age` seconds ago.
   void sawInPlace(const Entries& entries, double age = 0.1) {
     for (int image = 3; image >= 0; --image) {
       FrameResult result;
@@ -53,7 +53,7 @@ class BeliefTest : public testing::Test {
     return detection;
   }
 
-  /// A frame that shows these as from a pose, at which the robot then is.
+  /// A frame that shows these as from a pose, where the robot then is.
   FrameResult result(const Entries& entries, const Pose& pose, const Entries& missed = {}) const {
     FrameResult result;
     result.stamp = kNow;
@@ -64,7 +64,8 @@ class BeliefTest : public testing::Test {
     return result;
   }
 
-  /// What remains where the robot is expected here, and `for_there` are seen as from there.
+  /// The accounts that remain when the robot is expected here, and `for_there` are seen as from
+  /// there.
   std::vector<Account> accounts(const Entries& for_there, const Entries& for_here,
                                 bool has_odometry = true, const Entries& missed = {}) {
     Frame frame;
@@ -129,7 +130,7 @@ TEST_F(BeliefTest, WhatHungElsewhereIsNotForgottenByBeingInItsPlace) {
   const double moved = evidence_.logOfPlaces(before_.memory);
   ASSERT_LT(moved, std::log(1e-2));
   const std::vector<Account> kept = accounts({0, 1, 2, 3}, {}, false);
-  // A robot that was carried would have to have been so just as they returned to their places.
+  // If the robot had been carried, that would have happened just as they returned to their places.
   EXPECT_LT(std::abs(kept.front().result.map_from_base->pose.x - here_.x), 0.01);
   EXPECT_NEAR(kept.front().log_probability, moved, 1e-9);
   for (const Account& account : kept) {
@@ -165,7 +166,7 @@ TEST_F(BeliefTest, APoseThatWasGivenByMistakeIsReplaced) {
 }
 
 TEST_F(BeliefTest, BetweenTwoGroupsThatAreSeenFirstNothingIsCertain) {
-  // Within what a given pose leaves open.
+  // Both poses are within the uncertainty of the given pose.
   before_.restart(
       PosePrior::about(floorEstimate(here_, Eigen::Vector3d(1.0, 1.0, 0.5).asDiagonal())));
   EXPECT_EQ(outcome({0, 1, 2}, {5, 6, 7}), Outcome::kOpen);
@@ -189,7 +190,7 @@ TEST_F(BeliefTest, NobodyIsOutvotedWhereAVaguePoseFromOutsideIsAllThatIsKnown) {
 }
 
 TEST_F(BeliefTest, ARobotThatWasAlwaysElsewhereTakesItsMarkersWithIt) {
-  // Two of a shelf were seen first, as if they were in their places; then the others are.
+  // First, two markers of a shelf were seen as if in their places; now the others are seen.
   before_.restart(
       PosePrior::about(floorEstimate(here_, Eigen::Vector3d(1.0, 1.0, 0.5).asDiagonal())));
   sawInPlace({0, 1}, 2.0);
@@ -198,11 +199,11 @@ TEST_F(BeliefTest, ARobotThatWasAlwaysElsewhereTakesItsMarkersWithIt) {
   ASSERT_EQ(groups.size(), 1U);
   EXPECT_EQ(groups.front().entries, (Entries{0, 1}));
   ASSERT_TRUE(groups.front().motion);
-  // By which they hang in their places again as from where the robot seemed to be.
+  // The motion moves the pose back to where the robot seemed to be, with them in their places.
   const Pose back = Pose::fromIsometry(*groups.front().motion * there_.toIsometry());
   EXPECT_LT(difference(back, here_).norm(), 1e-9);
 
-  // Their middle went where it is seen from where the robot is.
+  // Their middle moved to where it is seen from the robot's actual pose.
   const FrameResult result = reported(kept, map_, EvidenceConfig());
   ASSERT_EQ(result.displaced_groups.size(), 1U);
   const Eigen::Vector3d middle = 0.5 * (map_.markers[0].center() + map_.markers[1].center());

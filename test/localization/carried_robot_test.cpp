@@ -15,10 +15,10 @@ namespace {
 
 constexpr double kPeriod = 0.1;  // s between frames
 
-/// A robot that is picked up and put down elsewhere, which its odometry does not notice.
+/// A robot that is picked up and put down elsewhere without its odometry noticing.
 class CarriedRobotTest : public testing::TestWithParam<bool> {
  protected:
-  /// Stands at its start for long enough to be sure of its pose and velocity.
+  /// Keeps the robot at its start for long enough to be sure of its pose and velocity.
   void standAtStart() {
     localizer_.setPose(start_);
     for (int i = 0; i < 5; ++i) ASSERT_EQ(process(image_at_start_).mode, Mode::kTracking);
@@ -34,7 +34,7 @@ class CarriedRobotTest : public testing::TestWithParam<bool> {
     return localizer_.process(frame);
   }
 
-  /// No pose with a reason, or one that is right.
+  /// Expects no pose but a reason, or a right pose.
   static void expectNoWrongPose(const FrameResult& result, const Pose& truth, double tolerance) {
     if (!result.map_from_base) {
       EXPECT_NE(result.remark, "");
@@ -78,7 +78,7 @@ TEST_P(CarriedRobotTest, HasNoWrongPoseWhereASingleMarkerIsInSight) {
   int found = 0;
   for (int id = 1; id < 10; id += 2) {
     SCOPED_TRACE(id);
-    // Before the marker, to its side.
+    // In front of the marker, to one side.
     const Marker& marker = map_.markers[static_cast<std::size_t>(id)];
     const double azimuth =
         std::atan2(marker.normal().y(), marker.normal().x()) + radians(id % 4 == 1 ? 42.0 : -42.0);

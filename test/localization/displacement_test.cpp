@@ -12,7 +12,7 @@ namespace {
 
 class DisplacementTest : public testing::TestWithParam<Eigen::Isometry3d> {
  protected:
-  /// What is said about `hanging` where the map has `map`.
+  /// The displacement of `hanging` according to `map`.
   std::optional<DisplacedMarker> displacementOf(const Marker& hanging, const MarkerMap& map) const {
     const MarkerReading reading = *test::exactReading(hanging, camera_, robot_);
     return displacement(map, camera_, reading.family, reading.id,

@@ -40,7 +40,7 @@ class ExplorationTest : public testing::Test {
     });
   }
 
-  /// Whether one of the views that are not of everything shows a marker whole.
+  /// Whether one of the views, other than those of everything, shows a whole marker.
   bool isShown(const Marker& marker, const std::vector<View>& views) const {
     const auto reading = test::exactReading(marker, camera_, pose_);
     return std::any_of(views.begin(), views.end(), [&](const View& view) {
@@ -95,7 +95,7 @@ TEST_F(ExplorationTest, LooksAtAllSoughtMarkersAndGoesOnLookingAtEverything) {
   }
   EXPECT_GE(*std::min_element(shown.begin(), shown.end()), 5);
   EXPECT_EQ(azimuths.size(), all_.size());
-  // As if there were none of them.
+  // No more than if no marker were sought.
   const double of_everything = pixelsOf(all_) / static_cast<double>(all_.size());
   EXPECT_LE(pixels, (2.0 * kFrames + 1.0) * of_everything);
 }
@@ -198,7 +198,8 @@ TEST(ExploringLocalizerTest, ReadsASoughtMarkerInTheNextFrame) {
 
 TEST(ExploringLocalizerTest, ADoubtfulLookAllAroundIsNotLostToExploring) {
   const std::vector<Marker> all = test::roomMarkers();
-  // Three are known, of which one is taken down: the others are too few not to doubt the pose.
+  // Three are known, and one of them is taken down: the other two are too few for an undoubted
+  // pose.
   std::vector<Marker> before = all;
   before.push_back(test::wallMarker(40, {-4.0, 3.4, 1.4}, 0.0));
   MarkerMap map{"map", {all[0], all[1], before.back()}};
@@ -218,7 +219,7 @@ TEST(ExploringLocalizerTest, ADoubtfulLookAllAroundIsNotLostToExploring) {
   const FrameResult result = localizer.process({0.1, render(all), mounting, std::nullopt});
   ASSERT_EQ(result.mode, Mode::kTracking);
   ASSERT_EQ(result.acceptedMarkers(), 2);
-  // One view shows no more than three of them.
+  // A single view shows at most three of them.
   EXPECT_GE(result.explored.size(), 7U);
 }
 

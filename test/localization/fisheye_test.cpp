@@ -22,7 +22,7 @@ struct Setup {
   bool looks_up;
 };
 
-/// How gtest names a setup.
+/// Names a setup for gtest.
 void PrintTo(const Setup& setup, std::ostream* out) { *out << setup.name; }
 
 /// A fisheye that looks up from near the floor, or down from near the ceiling, a little tilted.
@@ -40,8 +40,8 @@ class FisheyeTest : public test::CameraInRoom, public testing::WithParamInterfac
     return level * Eigen::AngleAxisd(0.04, Eigen::Vector3d(0.6, 0.8, 0.0));
   }
 
-  /// Three markers on walls, and some under the ceiling or on the floor, one of them right above or
-  /// below the camera.
+  /// Three markers on walls, and some on the ceiling or the floor, one of them right above or below
+  /// the camera.
   static MarkerMap mapOf(bool looks_up) {
     std::vector<Marker> markers = test::roomMarkers();
     MarkerMap map{"map", {markers[1], markers[3], markers[6]}};

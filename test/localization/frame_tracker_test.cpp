@@ -33,7 +33,7 @@ class FrameTrackerTest : public testing::TestWithParam<Eigen::Isometry3d> {
     return map;
   }
 
-  /// The panorama of `seen`, in which `map` is looked for from a prediction.
+  /// Looks for the markers of `map` in a panorama of `seen`, from a prediction.
   FrameResult track(const MarkerMap& seen, const MarkerMap& map, const PoseEstimate& predicted,
                     const LocalizerConfig& config = test::onLevelFloor(),
                     bool wants_views = false) const {
@@ -49,8 +49,8 @@ class FrameTrackerTest : public testing::TestWithParam<Eigen::Isometry3d> {
     return floorEstimate(truth(), deviations.cwiseAbs2().asDiagonal());
   }
 
-  /// A prediction that is off by as much as it says, toward `direction`, its heading to one side in
-  /// turn.
+  /// A prediction that is off by its deviations: its position toward `direction`, its heading to
+  /// either side in turn.
   static PoseEstimate offBy(double position, double heading, double direction, int turn) {
     PoseEstimate predicted = nearby(position, heading);
     predicted.pose.x += position * std::cos(direction);
@@ -201,14 +201,14 @@ TEST_P(FrameTrackerTest, FindsAllSmallMarkersFromAVaguePrediction) {
       if (detection.map_entry) entries.insert(*detection.map_entry);
     }
     EXPECT_EQ(entries.size(), 7U) << i;
-    // Of one this small, the decoder may have read the corners pixels off.
+    // The decoder may read the corners of such a small marker pixels off.
     EXPECT_GE(result.acceptedMarkers(), 6) << i;
   }
 }
 
 TEST_P(FrameTrackerTest, TheSharperThePredictionTheFewerViewsAreDecoded) {
   const MarkerMap map = ring();
-  // One view is looked at for what is not expected.
+  // Not counting the view that is read for markers that are not expected.
   const auto forExpected = [](const FrameResult& result) {
     return std::count_if(result.views.begin(), result.views.end(),
                          [](const View& view) { return !view.targets.empty(); });

@@ -17,7 +17,7 @@
 namespace omnitag {
 namespace {
 
-/// A robot that no floor holds, among markers that a sphere shows it.
+/// A free robot with a spherical mirror, among markers.
 class FreeRobotTest : public testing::Test {
  protected:
   FreeRobotTest() { config_.motion.pose_model = PoseModel::kFree; }
@@ -28,14 +28,14 @@ class FreeRobotTest : public testing::Test {
             mounting_, std::nullopt};
   }
 
-  /// By up to 25 degrees aslant, turned any way.
+  /// Leaning by up to 25 degrees, with any heading.
   Pose randomPose() {
     const auto within = [this](double limit) { return limit * uniform_(generator_); };
     return {within(1.0), within(1.0),         within(kPi),
             within(0.6), within(radians(25)), within(radians(25))};
   }
 
-  /// That a pose is as right as it says, and right.
+  /// Expects a pose that is right, and within its covariance.
   static void expectTruth(const PoseEstimate& estimate, const Pose& truth) {
     const PoseVector error = difference(estimate.pose, truth);
     // Chi-square with 6 degrees of freedom: beyond 33 is one of a hundred thousand.
@@ -44,7 +44,7 @@ class FreeRobotTest : public testing::Test {
     EXPECT_LT(rotationPart(error).norm(), radians(0.5));
   }
 
-  /// At so many random poses, from nothing.
+  /// Expects a search to find the robot at this many random poses.
   void expectFoundAnywhere(int poses) {
     for (int i = 0; i < poses; ++i) {
       const Pose truth = randomPose();

@@ -19,7 +19,7 @@ namespace {
 constexpr int kRows = 500;
 constexpr double kMoment = 0.25;  // s between images
 
-/// A robot among markers whose camera takes images as real ones do.
+/// A robot among markers, with a camera whose images are blurred or exposed row by row.
 class ImagingTest : public testing::Test {
  protected:
   cv::Mat sharpImage(const Pose& truth) const {
@@ -60,7 +60,7 @@ class ImagingTest : public testing::Test {
     return noisy(mean);
   }
 
-  /// Each row is seen from where the robot then is.
+  /// Each row shows the view from where the robot then is.
   cv::Mat rollingImage(const Pose& stamped, const BaseMotion& motion, double row_time) {
     constexpr int kBands = 50;
     constexpr int kHeight = kRows / kBands;
@@ -94,7 +94,7 @@ TEST_F(ImagingTest, LearnsTheBlurOfTheLens) {
   for (const double blur : {0.0, 1.0, 1.6}) {
     Localizer localizer(camera_, map_, {});
     localizer.setPose(truthAt(0));
-    // What is blurred so much is not read before the second image.
+    // Images this blurred are not read before the second one.
     const int first = blur > 1.2 ? 1 : 0;
     for (int i = 0; i < 4; ++i) {
       const Pose truth = truthAt(i);
@@ -125,7 +125,7 @@ TEST_F(ImagingTest, LearnsTheTurnDuringTheExposure) {
 }
 
 TEST_F(ImagingTest, LooksForNoTurnWhereTheExposureIsKnown) {
-  // Not even where odometry tells another one: nothing would come of it.
+  // Not even if odometry disagrees with the true turn.
   LocalizerConfig config;
   config.shutter.exposure_time = 0.02;
   Localizer localizer(camera_, map_, config);
@@ -165,7 +165,8 @@ TEST_F(ImagingTest, RowsAreSeenAtTheirOwnTime) {
     Frame frame{kMoment, rollingImage(truth, motion, kRowTime), mounting_, truth};
     frame.velocity = motion.velocity;
     const FrameResult result = localizer.process(frame);
-    // Not known, it is off by what the robot moves in half of the time: 10 mm and more.
+    // If the readout time is not known, the pose is off by the robot's motion in half of it: 10 mm
+    // and more.
     if (is_known) {
       EXPECT_LT(errorOf(result, truth), 2e-3);
     } else {

@@ -18,7 +18,7 @@ constexpr int kMarkersPerRoom = 16;
 constexpr double kRoom = 10.0;  // m
 constexpr std::size_t kHere = 12 * kRoomsPerSide + 7;
 
-/// 625 rooms in a square, four markers on each wall of each, of the 587 that the family has.
+/// 625 rooms in a square, with four markers on each wall, out of the 587 of the family.
 std::string buildingFile() {
   std::mt19937 random(1);
   std::ostringstream file;

@@ -14,7 +14,7 @@
 namespace omnitag {
 namespace {
 
-/// A robot that leans, among markers that a sphere shows it.
+/// A leaning robot with a spherical mirror, among markers.
 class LeaningRobotTest : public testing::Test {
  protected:
   Frame frameFrom(const Pose& truth, double stamp) const {
@@ -23,7 +23,7 @@ class LeaningRobotTest : public testing::Test {
             mounting_, std::nullopt};
   }
 
-  /// That a pose is as right as it says, and right.
+  /// Expects a pose that is right, and within its covariance.
   static void expectTruth(const PoseEstimate& estimate, const Pose& truth) {
     const PoseVector error = difference(estimate.pose, truth);
     // Chi-square with 6 degrees of freedom: beyond 33 is one of a hundred thousand.
@@ -74,7 +74,7 @@ TEST_F(LeaningRobotTest, IsFoundBySearch) {
 }
 
 TEST_F(LeaningRobotTest, OdometryThatTellsTheLeanIsBelieved) {
-  // Much more than the floor lets it lean by, and only two markers.
+  // It leans much more than the floor should allow, and there are only two markers.
   map_.markers.resize(2);
   const Pose truth{0.4, -0.3, 1.0, 0.0, radians(6.0), radians(-5.0)};
   Localizer localizer(camera_, map_, {});

@@ -164,7 +164,7 @@ TEST_P(LocalizerTest, MoreThreadsGiveTheSameResult) {
 }
 
 TEST_P(LocalizerTest, SeveralMayWorkAtOnce) {
-  // As two nodelets of one manager do.
+  // Like two nodelets in one manager.
   constexpr int kFrames = 3;
   std::vector<Frame> frames;
   for (int i = 0; i < kFrames; ++i) frames.push_back(frameAt(i));
@@ -243,10 +243,10 @@ TEST_F(LocalizerFaultTest, AGlanceIsEnoughWhereTwoMarkersAreAllThatShouldBeSeen)
   expectAt(routeAt(0), result);
   EXPECT_EQ(result.mode, Mode::kFound);
   EXPECT_EQ(result.acceptedMarkers(), 2);
-  // All around there are eight.
+  // A look all around would take eight.
   EXPECT_LE(result.views.size(), 2U);
 
-  // That others are missing is a reason to doubt it, and to look all around.
+  // Missing markers are a reason to doubt the pose, and to look all around.
   const FrameResult doubted =
       localizer_.process(frame(0.0, test::renderPanorama(two, camera, routeAt(0))));
   expectAt(routeAt(0), doubted);
@@ -255,7 +255,7 @@ TEST_F(LocalizerFaultTest, AGlanceIsEnoughWhereTwoMarkersAreAllThatShouldBeSeen)
 }
 
 TEST_F(LocalizerFaultTest, ASearchUsesMarkersThatItsViewsDoNotShowWhole) {
-  // So near that it is wider than what neighbouring views have in common.
+  // So near that it is wider than the overlap of neighbouring views.
   MarkerMap map = map_;
   map.markers.push_back(test::wallMarker(30, {1.1, -1.0, 1.1}, radians(135.0)));
   map.markers.back().size = 0.8;
@@ -269,7 +269,7 @@ TEST_F(LocalizerFaultTest, ASearchUsesMarkersThatItsViewsDoNotShowWhole) {
   ASSERT_NE(near, result.detections.end());
   EXPECT_TRUE(near->accepted);
   EXPECT_EQ(near->map_entry, map.markers.size() - 1);
-  // It is recognized from a rough pose, which leaves it a little tilted.
+  // It is recognized from a rough pose, so its outline stays a little tilted.
   const double limit = 0.01 * meanEdge(near->corners);
   EXPECT_LT(near->residual, limit);
   const auto exact =
@@ -288,12 +288,12 @@ TEST_F(LocalizerFaultTest, AMarkerTooSmallToBeDecodedConfirmsWhatAnotherLeavesOp
     marker.size = size;
     return marker;
   };
-  // Seen almost from its front, from where its corners do not tell on which side the robot is.
+  // Seen almost from the front: its corners do not tell on which side the robot is.
   MarkerMap one{"map", {at(3, 0.5, 3.6, 0.8)}};
   one.markers[0].map_from_marker.rotate(Eigen::AngleAxisd(0.15, Eigen::Vector3d::UnitY()));
   MarkerMap two = one;
   two.markers.push_back(at(17, 2.4, 2.4, 0.22));
-  // One that something covers is a reason to doubt a glance.
+  // A third one that the image does not show is a reason to doubt a glance.
   MarkerMap map = two;
   map.markers.push_back(at(40, -1.6, 3.0, 0.8));
   const MountedCamera camera(camera_, test::lookingDown());

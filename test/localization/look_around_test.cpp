@@ -25,7 +25,7 @@ struct Setup {
   Eigen::Isometry3d base_from_camera;
 };
 
-/// How gtest names a setup.
+/// Names a setup for gtest.
 void PrintTo(const Setup& setup, std::ostream* out) { *out << setup.name; }
 
 std::vector<Setup> setups() {
@@ -46,7 +46,7 @@ class LookAroundTest : public testing::TestWithParam<Setup> {
     return viewsAllAround(heightsOf(map), camera_, warper_.table(), max_range, config_);
   }
 
-  /// For each corner of a marker whether a view holds it.
+  /// For each view, whether it holds each corner of a marker.
   std::vector<std::vector<bool>> cornersIn(const std::vector<View>& views,
                                            const Corners<Eigen::Vector2d>& corners) const {
     std::vector<std::vector<bool>> held;
@@ -129,7 +129,7 @@ TEST_P(LookAroundTest, EveryMarkerThatCanBeSeenIsWithinTheAnnulus) {
       if (annulus && size == 0.3) {
         EXPECT_LT(annulus->max_radius - annulus->min_radius, 0.8 * width);
       }
-      // Small ones are seen as wide from nearer.
+      // Smaller ones look as wide from nearer by.
       for (const double range : {1.0, 1.5, 2.5, 5.0, 11.5}) {
         for (int i = 0; i < 40; ++i) {
           const double azimuth = 2.0 * kPi * i / 40;
@@ -203,7 +203,7 @@ TEST_P(LookAroundTest, ViewsStepAndOverlapAsConfigured) {
   }
 }
 
-/// Lying markers at a height (m), however near, as far as the camera sees them.
+/// Expects whole lying markers at a height (m), however near, if the camera sees them.
 void expectNearMarkersAreWhole(const std::shared_ptr<const CameraModel>& model, double height,
                                bool face_up) {
   const MountedCamera camera(model, test::lookingUp());
@@ -306,7 +306,7 @@ distortion: [0, 0, 0, 0]
 TEST_P(LookAroundTest, WithoutAMarkerOrWhereNoneCanBeSeenThereIsNothingToLookAt) {
   EXPECT_TRUE(views({"map", {}}, 12.0).empty());
   EXPECT_FALSE(annulusOfMarkers({}, camera_, 12.0, config_));
-  // Straight ahead of the camera, behind the mirror.
+  // On the camera's axis, behind the mirror.
   const double height = camera_.axisUp() ? 500.0 : -500.0;
   const MarkerMap hidden{"map", {test::wallMarker(0, {0.0, 0.0, height}, 0.0)}};
   EXPECT_TRUE(views(hidden, 1.0).empty());

@@ -65,7 +65,8 @@ TEST_F(MarkerInCameraTest, HasACovarianceThatIsTrue) {
     const PoseVector error = difference(truth, place->pose);
     nees += error.dot(place->covariance.ldlt().solve(error)) / kTimes;
   }
-  // Of 1800 degrees of freedom; the solver adds a little for what it cannot tell.
+  // The mean of 300 chi-squares with 6 degrees of freedom; the solver adds a little for what it
+  // cannot determine.
   EXPECT_GT(nees, 4.0);
   EXPECT_LT(nees, 6.7);
 }

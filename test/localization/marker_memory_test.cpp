@@ -95,7 +95,7 @@ class HiddenMarkersTest : public testing::Test {
   static constexpr double kPeriod = 0.1;  // s between images
 
   HiddenMarkersTest() {
-    // Behind the walls, and beside the markers that hang in view.
+    // Behind the walls, and beside the markers in view.
     for (const Marker& marker : test::roomMarkers()) {
       Marker behind = marker;
       behind.id += 100;
@@ -135,11 +135,11 @@ TEST_F(HiddenMarkersTest, AreLookedForNowAndThenAlone) {
     const FrameResult result = localizer.process({kPeriod * i, image, mounting_, pose_});
     ASSERT_EQ(result.mode, Mode::kTracking);
     EXPECT_EQ(result.acceptedMarkers(), 10);
-    // The pose that is given leaves some open.
+    // The given pose leaves some undecided, so views of them are decoded.
     EXPECT_LE(result.views.size(), i > 0 ? 1U : 5U) << "nothing but the patrol's";
     looks += result.missed.size();
   }
-  // Twice at first, and once in a second then.
+  // Twice at first, and then once a second.
   EXPECT_GE(looks, 10U);
   EXPECT_LE(looks, 10U * (2 + 4));
 }
@@ -165,7 +165,7 @@ TEST_F(HiddenMarkersTest, OneThatTheMapDoesNotHaveIsReadWithinThePeriod) {
   const cv::Mat before = render(test::roomMarkers());
   const cv::Mat after = render(seen);
   localizer_.setPose(pose_);
-  // Whichever view's turn it is when the marker comes.
+  // Whichever view has its turn when the marker appears.
   for (int start = 0; start < 5; ++start) {
     for (int i = 0; i < 20 + 4 * start; ++i) EXPECT_FALSE(shows(process(before), kUnknown));
     int frames = 1;

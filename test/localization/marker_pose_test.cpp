@@ -21,7 +21,8 @@ class MarkerPoseTest : public testing::TestWithParam<Eigen::Isometry3d> {
                            PosePrior::upright(), {});
   }
 
-  /// The robot whose camera is in this direction and distance from the marker's middle.
+  /// The pose of a robot whose camera is in this direction and at this distance from the marker's
+  /// middle.
   Pose poseAt(const Marker& marker, double azimuth, double distance, double yaw) const {
     const Eigen::Vector2d camera = marker.center().head<2>() +
                                    distance * Eigen::Vector2d(std::cos(azimuth), std::sin(azimuth));
@@ -115,7 +116,7 @@ TEST_P(MarkerPoseTest, TheTrueOptimumIsAmongThemWhereTwoAreCloseTogether) {
             .residual;
     const std::vector<ReprojectionFit> fits = poses(marker, reading);
     ASSERT_FALSE(fits.empty());
-    // An optimum cannot be worse than the truth, but for the robust weights.
+    // An optimum cannot be worse than the truth, except through the robust weights.
     EXPECT_LT(fits.front().misfits[0].residual, at_truth + 0.01)
         << "trial " << i << ", off by "
         << test::positionError(fits.front().map_from_base.pose, truth);
@@ -143,7 +144,7 @@ TEST_P(MarkerPoseTest, AnImpossibleQuadrilateralHasNone) {
   MarkerReading reading = *test::exactReading(marker, camera_, truth);
   reading.corners[1] += Eigen::Vector2d(12.0, -9.0);
   EXPECT_TRUE(poses(marker, reading).empty());
-  // Off the world that the panorama shows.
+  // Outside the field of the panorama.
   reading.center = {2.0, 2.0};
   EXPECT_TRUE(poses(marker, reading).empty());
 }

@@ -36,7 +36,7 @@ class MeasuredPoseTest : public testing::Test {
 };
 
 TEST_F(MeasuredPoseTest, HasNoPredictionInIt) {
-  // A prediction that is as sure of itself as it is wrong draws the pose, and nothing else.
+  // A wrong and overconfident prediction draws the pose, but not the measurement.
   Pose beside = truth_;
   beside.x += 1e-3;
   Localizer localizer(camera_, map_, test::onLevelFloor());
@@ -52,7 +52,7 @@ TEST_F(MeasuredPoseTest, HasNoPredictionInIt) {
 
 TEST_F(MeasuredPoseTest, DoesNotBecomeSurerAtRest) {
   Localizer localizer(camera_, map_, test::onLevelFloor());
-  // The first images tell how blurred they are.
+  // The localizer learns the blur from the first images.
   for (int i = 0; i < 3; ++i) process(&localizer, image_);
   const auto first = process(&localizer, image_).measured;
   ASSERT_TRUE(first);
@@ -92,7 +92,7 @@ TEST_F(MeasuredPoseTest, WorksWithEveryEstimatorAndPoseModel) {
 }
 
 TEST_F(MeasuredPoseTest, IsNotTheOtherPoseThatASingleMarkerLeaves) {
-  // Seen nearly from its front, it looks alike from either side.
+  // Seen nearly from its front, it looks the same from either side.
   Marker marker = test::wallMarker(4, {3.5, 0.3, 1.2}, kPi);
   marker.size = 0.5;
   marker.deviation = 1e-3;
@@ -110,12 +110,12 @@ TEST_F(MeasuredPoseTest, IsNotTheOtherPoseThatASingleMarkerLeaves) {
     const auto measured = process(&localizer, image).measured;
     if (!measured) continue;
     const Eigen::Vector3d error = difference(measured->pose, truth_).head<3>();
-    // Beyond which one of a million is by chance.
+    // Exceeded by chance once in a million.
     EXPECT_LT(error.dot(floorCovariance(*measured).ldlt().solve(error)), 30.7) << i;
   }
 }
 
-/// Drives of two stretches in which markers are in sight, each before one in which they are not.
+/// Drives with two stretches where markers are in sight, each followed by one where they are not.
 class FilteredPoseTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -126,7 +126,7 @@ class FilteredPoseTest : public testing::Test {
   const std::vector<std::size_t> last_seen_{7, 23};
   const std::vector<std::size_t> last_hidden_{15, 31};
 
-  /// Of these frames; of all where none is named.
+  /// Over these frames; over all if none is given.
   double meanNees(FilterInput input, double map_deviation,
                   const std::vector<std::size_t>& frames = {}) const {
     std::vector<double> all;
@@ -146,8 +146,8 @@ class FilteredPoseTest : public testing::Test {
   }
 };
 
-// If all frames of a drive erred as one, 16 drives would have 48 degrees of freedom, and the mean
-// would be within these in 998 of 1000 runs.
+// If all frames of a drive had the same error, 16 drives would have 48 degrees of freedom, and the
+// mean would be within these limits in 998 of 1000 runs.
 constexpr double kLeast = 1.45;
 constexpr double kMost = 5.26;
 

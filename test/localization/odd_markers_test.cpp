@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kPeriod = 0.1;  // s between frames
 
-/// A robot that stands among seven markers, of which something is not as the map says.
+/// A robot among seven markers that are not all as the map says.
 class OddMarkersTest : public testing::Test {
  protected:
   static Marker ringMarker(int id, double direction, double height) {
@@ -46,7 +46,7 @@ class OddMarkersTest : public testing::Test {
     return map;
   }
 
-  /// What there is after three neighbours were moved as one, as a shelf is.
+  /// The markers after three neighbours were moved as one, like a shelf.
   MarkerMap afterMoving(std::size_t first, const Eigen::Isometry3d& motion) const {
     MarkerMap seen = map_;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -67,7 +67,7 @@ class OddMarkersTest : public testing::Test {
     return result;
   }
 
-  /// The true pose, and a reason with whatever was rejected.
+  /// Expects the true pose, and a reason for every rejection.
   void expectSound(const FrameResult& result) const {
     ASSERT_TRUE(result.map_from_base) << result.remark;
     EXPECT_LT(test::positionError(result.map_from_base->pose, truth_), 3e-3);
@@ -155,7 +155,7 @@ TEST_F(OddMarkersTest, OneThatHangsBesideItsPlaceIsNamedWithinSeconds) {
 }
 
 TEST_F(OddMarkersTest, NeighboursThatWereMovedAsOneDoNotPassForTheOthers) {
-  // The three that the robot sees first may agree on a pose, but not the wrong one.
+  // The first three that the robot sees may agree on a pose, but not on the wrong one.
   const Eigen::Isometry3d motion =
       Eigen::Translation3d(0.3, -0.2, 0.0) * Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitZ());
   for (std::size_t first = 0; first < map_.markers.size(); ++first) {
@@ -171,7 +171,7 @@ TEST_F(OddMarkersTest, NeighboursThatWereMovedAsOneDoNotPassForTheOthers) {
 }
 
 TEST_F(OddMarkersTest, NeighboursThatWereMovedALittleDoNotTakeTheRobotAlong) {
-  // One of the others may seem in its place from where the moved ones have the robot.
+  // One of the others may seem to be in its place from the pose that the moved ones give.
   constexpr double kWay = 0.1;
   constexpr double kOff = 0.02;
   constexpr std::size_t kStride = test::kSweepStride;
@@ -204,7 +204,7 @@ TEST_F(OddMarkersTest, NeighboursThatWereMovedALittleDoNotTakeTheRobotAlong) {
           const FrameResult result = process(image);
           EXPECT_EQ(result.mode, Mode::kTracking);
           if (result.is_open && result.map_from_base) {
-            // Where that is open, the pose says by how much it may be off.
+            // While undecided, the covariance covers the error.
             EXPECT_LT(test::deviations(*result.map_from_base, truth_), 5.0);
             ++open;
           } else {
@@ -215,7 +215,7 @@ TEST_F(OddMarkersTest, NeighboursThatWereMovedALittleDoNotTakeTheRobotAlong) {
       {
         SCOPED_TRACE("started by hand");
         localizer_.setPose(Pose{truth_.x - 0.2, truth_.y + 0.1, truth_.yaw - 0.05});
-        // Where the pose is told no better than the markers were moved, neither is sure.
+        // If the given pose is no more exact than the markers' motion, neither is certain.
         for (int i = 0; i < 5; ++i) {
           const FrameResult result = process(image);
           if (!result.is_open) {
@@ -232,8 +232,7 @@ TEST_F(OddMarkersTest, NeighboursThatWereMovedALittleDoNotTakeTheRobotAlong) {
 }
 
 TEST_F(OddMarkersTest, ASmallOneInItsPlaceIsHeardAgainstManyThatWereMovedAsOne) {
-  // The last one is too small in the image to be read: it is only recognized where it is looked
-  // for.
+  // The last one is too small in the image to be read: it can only be recognized.
   for (const double size : {0.34, 0.38, 0.42, 0.46}) {
     SCOPED_TRACE(size);
     const MarkerMap seen{
@@ -269,7 +268,7 @@ TEST_F(OddMarkersTest, OnesThatWereMovedShowWhereTheOthersAre) {
                         hung(3, -4.8, 1.0, 1.2, 0.0, 0.42), hung(4, -4.8, -1.5, 1.6, 0.0, 0.42),
                         hung(5, 0.5, 4.8, 1.1, -kPi / 2, 0.42)}};
   map_ = seen;
-  // A partition that was turned about its middle.
+  // A partition was turned about its middle.
   const Eigen::Isometry3d turned = Eigen::Translation3d(2.2, 0.0, 0.0) *
                                    Eigen::AngleAxisd(0.25, Eigen::Vector3d::UnitZ()) *
                                    Eigen::Translation3d(-2.2, 0.0, 0.0);
@@ -316,7 +315,7 @@ TEST_F(OddMarkersTest, ARejectedMarkerIsMeasuredOncePerSecondAtMost) {
   for (int i = 0; i < 10 * kSeconds; ++i) {
     measured += static_cast<int>(process(image).displaced.size());
   }
-  // Once the patrol has come by, which takes up to two seconds.
+  // From when the patrol first reads it, which takes up to two seconds.
   EXPECT_GE(measured, kSeconds - 3);
   EXPECT_LE(measured, kSeconds);
 }
@@ -332,7 +331,7 @@ TEST_F(OddMarkersTest, OneThatIsPrintedMirroredIsNotTakenForItsEntry) {
 }
 
 TEST_F(OddMarkersTest, AReflectionInAWindowIsHarmless) {
-  // A pane 2.4 m from the middle, between two markers, shows those opposite behind it.
+  // A pane 2.4 m from the middle, between two markers, mirrors those opposite.
   const double direction = this->direction(2) + 0.45;
   const Eigen::Vector3d normal(std::cos(direction), std::sin(direction), 0.0);
   const Eigen::Matrix3d reflection =
@@ -356,7 +355,7 @@ TEST_F(OddMarkersTest, HalfAMarkerIsHarmless) {
   const cv::Mat whole = render(map_);
   for (const double covered : {0.3, 0.5, 0.7}) {
     SCOPED_TRACE(covered);
-    // A board before the left part of the marker, as a person sees it.
+    // A board in front of the left part of the marker, as a person sees it.
     const Marker& marker = map_.markers[4];
     std::vector<cv::Point> outline;
     for (const auto& [x, y] : {std::pair(-0.7, -0.7), std::pair(covered - 0.5, -0.7),

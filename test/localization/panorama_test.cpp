@@ -13,7 +13,7 @@
 namespace omnitag {
 namespace {
 
-/// A camera of the whole sphere that looks ahead, as those of two fisheyes are mounted.
+/// A camera that sees the whole sphere and looks ahead, as cameras with two fisheyes are mounted.
 class PanoramaTest : public test::CameraInRoom {
  protected:
   PanoramaTest()
@@ -35,7 +35,7 @@ TEST_F(PanoramaTest, TracksAllAround) {
     localizer.setPose(Pose{truth_.x + 0.05, truth_.y - 0.04, truth_.yaw + 0.03});
     const FrameResult result = localizer.process(frame(1.0));
     EXPECT_EQ(result.mode, Mode::kTracking);
-    // As by a fisheye of the same scale, one or two of ten that are 4 m away are doubted.
+    // As with a fisheye of the same scale, one or two of ten markers 4 m away are doubted.
     EXPECT_GE(acceptedIds(result).size(), 7U);
     expectTruth(result);
   }
@@ -52,7 +52,7 @@ TEST_F(PanoramaTest, FindsItsPose) {
 }
 
 TEST_F(PanoramaTest, IsNotMisledByAMarkerAcrossItsSeam) {
-  // Turned so that each marker in its turn is straight behind.
+  // Turned so that one marker after another is straight behind.
   for (std::size_t i = 0; i < map_.markers.size(); i += test::kSweepStride) {
     const Marker& marker = map_.markers[i];
     const Eigen::Vector3d to_marker = marker.center() - Eigen::Vector3d(truth_.x, truth_.y, 0.0);

@@ -19,7 +19,7 @@
 namespace omnitag {
 namespace {
 
-/// A robot among twelve pictures on the walls of a room, of which some hang twice, turned or not.
+/// A robot among twelve pictures on the walls of a room; some hang twice, turned or not.
 class PictureMarkersTest : public testing::Test {
  protected:
   PictureMarkersTest() {

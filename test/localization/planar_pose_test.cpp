@@ -20,7 +20,7 @@ struct Setup {
   Eigen::Isometry3d base_from_camera;
 };
 
-/// Robots at any height, turned any way and leaning by up to 30 degrees, before a marker.
+/// Robots at any height, with any heading and leaning by up to 30 degrees, in front of a marker.
 class PlanarPoseTest : public testing::TestWithParam<Setup> {
  protected:
   Pose randomPose() {
@@ -32,7 +32,7 @@ class PlanarPoseTest : public testing::TestWithParam<Setup> {
   /// Between -1 and 1.
   double uniform() { return uniform_(generator_); }
 
-  /// m, the camera's way to the marker of a truth.
+  /// m: distance from the camera at a true pose to the marker.
   double range(const Marker& marker, const Pose& truth) const {
     return (camera_.mapFromCamera(truth).translation() - marker.center()).norm();
   }
@@ -58,7 +58,7 @@ TEST_P(PlanarPoseTest, IsNearTheTruthForExactCorners) {
     const auto poses = planarPoses(marker, camera_, {0, reading->corners, reading->center});
     double nearest = std::numeric_limits<double>::infinity();
     for (const Pose& pose : poses) nearest = std::min(nearest, apart(pose, truth));
-    // Lines of sight that do not meet in one point leave some of it to the iteration that follows.
+    // Lines of sight that do not meet in one point leave an error for a later iteration to remove.
     EXPECT_LT(nearest, 0.08) << i;
   }
   EXPECT_GT(seen, 100);

@@ -14,7 +14,7 @@
 namespace omnitag {
 namespace {
 
-/// Markers on the walls of a room of 8 m, seen from within.
+/// Markers on the walls of a room of 8 m, seen from inside.
 class PoseEstimatorTest : public testing::Test {
  protected:
   PoseEstimatorTest() {
@@ -111,8 +111,8 @@ TEST_F(PoseEstimatorTest, ConvergesFromFarOff) {
 }
 
 TEST_F(PoseEstimatorTest, OneMarkersCornersNarrowThePriorDown) {
-  // Seen from the front, a marker tells its distance and direction well, and how far the robot has
-  // gone around it badly: that much the prior decides, and the covariance says so.
+  // Seen from the front, a marker tells its distance and direction well, but hardly how far the
+  // robot is around it: there the prior decides, as the covariance shows.
   const PosePrior start = prior({0.75, -0.85, 1.33}, 0.2, 0.1);
   const auto solution = estimatePose(map_, camera_, observe({3}), start, config_);
   ASSERT_TRUE(solution);
@@ -155,7 +155,7 @@ TEST_F(PoseEstimatorTest, ACoveredEdgeDoesNotPullThePose) {
 TEST_F(PoseEstimatorTest, CovarianceMatchesTheSpreadOfManyTrials) {
   const double noise = 0.06;
   config_.reprojection.corner_noise = noise;
-  // Wide, so that the estimate is plain least squares.
+  // So wide that the estimate is plain least squares.
   config_.reprojection.robust_misfit = 1000.0;
   const PosePrior wide = prior(truth_, 1.0, 1.0);
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
@@ -206,7 +206,7 @@ TEST_F(PoseEstimatorTest, NeighboursThatWereMovedAsOneDoNotDrawThePose) {
           estimatePose(map_, camera_, observations, prior({0.75, -0.95, 1.32}, 0.1, 0.05), config_);
       ASSERT_TRUE(solution);
       const Eigen::Vector3d off = error(solution->map_from_base.pose);
-      // One that seems nearly in its place may still pull a little.
+      // A moved marker that seems nearly in its place may still pull a little.
       EXPECT_LT(off.head<2>().norm(), 0.15 * kWay);
       EXPECT_LT(std::abs(off.z()), 0.15 * kWay / 4.0);
     }

@@ -21,8 +21,7 @@ namespace {
 constexpr double kMaxResidual = 1.5;  // pixels
 constexpr double kNoise = 0.05;       // pixels
 
-/// Markers read at random poses in a room, by a camera that is described exactly but for the noise
-/// of the corners.
+/// Markers read at random poses in a room, by an exactly known camera, with noise in the corners.
 class RelocalizationTest : public testing::Test {
  protected:
   Pose randomPose() { return {uniform(-2.5, 2.5), uniform(-2.5, 2.5), uniform(-kPi, kPi)}; }
@@ -38,7 +37,7 @@ class RelocalizationTest : public testing::Test {
     return test::withNoise(*exact, kNoise, &generator_);
   }
 
-  /// `count` markers that are seen from a pose, at random, in random order.
+  /// `count` random markers that are seen from a pose, in random order.
   std::vector<MarkerReading> readSome(const std::vector<Marker>& markers, const Pose& pose,
                                       std::size_t count) {
     std::vector<MarkerReading> readings;
@@ -50,8 +49,7 @@ class RelocalizationTest : public testing::Test {
     return readings;
   }
 
-  /// A marker of the room as it is read by a robot that has turned by an angle: in another
-  /// direction.
+  /// A marker of the room as a robot that has turned by an angle reads it: in another direction.
   MarkerReading readTurned(int id, const Pose& pose, double angle) {
     const Marker& marker = room_.markers[static_cast<std::size_t>(id)];
     return *read(marker, {pose.x, pose.y, normalizeAngle(pose.yaw + angle)});
@@ -61,13 +59,13 @@ class RelocalizationTest : public testing::Test {
     return relocalize(map, camera_, readings, PosePrior::upright(), {}, config_);
   }
 
-  /// That there is a pose, that it is right, and as certain as it says.
+  /// Expects a right pose, within its covariance.
   void expectPose(const Relocalization& found, const Pose& truth, double tolerance) const {
     ASSERT_TRUE(found.map_from_base) << found.reason;
     expectNoWrongPose(found, truth, tolerance);
   }
 
-  /// Either no pose and a reason, or the right one.
+  /// Expects either no pose and a reason, or the right one.
   static void expectNoWrongPose(const Relocalization& found, const Pose& truth, double tolerance) {
     if (!found.map_from_base) {
       EXPECT_NE(found.reason, "");
@@ -78,7 +76,7 @@ class RelocalizationTest : public testing::Test {
     const Eigen::Vector3d error = difference(estimate.pose, truth).head<3>();
     EXPECT_LT(error.head<2>().norm(), tolerance);
     EXPECT_LT(std::abs(error.z()), tolerance);
-    // Chi-square with 3 degrees of freedom: beyond 21.1 is one of 10 000.
+    // Chi-square with 3 degrees of freedom exceeds 21.1 once in 10 000.
     EXPECT_LT(error.dot(floorCovariance(estimate).ldlt().solve(error)), 21.1);
   }
 
@@ -118,7 +116,8 @@ TEST_F(RelocalizationTest, OneMarkerGivesTheRightPoseOrNone) {
 }
 
 TEST_F(RelocalizationTest, PoorCornersOfOneMarkerDoNotMislead) {
-  // Where nothing is known of how the robot stands, its six numbers hide how poor the corners are.
+  // If nothing is known about how the robot stands, its pose's six numbers hide how poor the
+  // corners are.
   constexpr double kPoor = 0.33;  // pixels
   constexpr int kTrials = 600;
   int found_poses = 0;
@@ -135,7 +134,7 @@ TEST_F(RelocalizationTest, PoorCornersOfOneMarkerDoNotMislead) {
     if (!found.map_from_base) continue;
     ++found_poses;
     const PoseVector error = difference(found.map_from_base->pose, truth);
-    // Chi-square with 6 degrees of freedom: beyond 33 is one of a hundred thousand.
+    // Chi-square with 6 degrees of freedom exceeds 33 once in 100 000.
     EXPECT_LT(error.dot(found.map_from_base->covariance.ldlt().solve(error)), 33.0) << i;
   }
   EXPECT_GT(found_poses, 10);
@@ -198,7 +197,7 @@ TEST_F(RelocalizationTest, SeveralMarkersHaveOneRoughPose) {
 }
 
 TEST_F(RelocalizationTest, AmongManyMarkersOfTheSameIdsThoseTogetherAreFound) {
-  // A building of such rooms, in each of which other ids hang beside each other.
+  // A building of such rooms, with different ids beside each other in different rooms.
   constexpr int kRooms = 40;
   MarkerMap building{"map", {}};
   for (int room = 0; room < kRooms; ++room) {
@@ -261,8 +260,8 @@ TEST_F(RelocalizationTest, IdsThatStandOnSeveralEntriesAreToldApart) {
 }
 
 TEST_F(RelocalizationTest, TheSameIdIsToldApartByRollAlone) {
-  // Opposite each other and of the same height: the room looks the same from the point opposite but
-  // for the one marker's roll.
+  // Opposite each other at the same height: from the opposite point, the room looks the same except
+  // for one marker's roll.
   for (const double roll : {90.0, 180.0, -90.0}) {
     const MarkerMap map{"map",
                         {test::wallMarker(4, {3.0, 0.0, 1.3}, kPi),

@@ -14,14 +14,14 @@
 namespace omnitag {
 namespace {
 
-/// What a robot that does not know where it is makes of rooms that chance has furnished.
+/// Searches in rooms with randomly placed markers.
 class SearchTest : public testing::Test {
  protected:
   double uniform(double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(generator_);
   }
 
-  /// Markers all around that face the middle of the room, more or less.
+  /// Markers all around that roughly face the middle of the room.
   MarkerMap room(int count, double size, double nearest, double farthest) {
     MarkerMap map{"map", {}};
     const double first = uniform(0.0, 2.0 * kPi);
@@ -69,7 +69,7 @@ TEST_F(SearchTest, FindsAllMarkersWhereTheFirstOnesTellLittle) {
 }
 
 TEST_F(SearchTest, WhatWasMovedAsOneAndIsSeenBestDoesNotTakeTheRobotAlong) {
-  // Four of nine, of which the others are smaller in the image.
+  // Four of nine are moved; the others are smaller in the image.
   MarkerMap map{"map",
                 {test::wallMarker(0, {-1.73, -1.82, 0.81}, 0.66),
                  test::wallMarker(3, {0.24, -2.27, 0.85}, 1.41),

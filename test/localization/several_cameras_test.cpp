@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kFront = 0;
 constexpr std::size_t kBack = 1;
 
-/// A fisheye that fills one half of an image that holds two.
+/// One of two fisheyes that share an image, half each.
 std::shared_ptr<const CameraModel> halfOfDoubleImage(double cx) {
   return parseCamera(
       "{model: equidistant, image: {width: 1400, height: 700}, uncertainty: none, "
@@ -65,13 +65,14 @@ class SeveralCamerasTest : public testing::Test {
   std::vector<LocalizerCamera> cameras_{{test::equidistantCamera()}, {test::equidistantCamera()}};
   std::vector<Eigen::Isometry3d> mountings_{lookingAlong(0.0), lookingAlong(kPi)};
   MarkerMap map_{"map", test::roomMarkers()};
-  /// What hangs in the room.
+  /// The markers that really hang in the room.
   MarkerMap hung_ = map_;
   Pose truth_{0.25, 0.22, 0.1};
 };
 
 TEST_F(SeveralCamerasTest, UpdateOneBelief) {
-  // One marker ahead, one behind: each alone leaves the robot uncertain along another direction.
+  // One marker ahead, one behind: alone, each leaves the robot uncertain along a different
+  // direction.
   map_.markers = {map_.markers[1], map_.markers[5]};
   hung_ = map_;
   Localizer localizer = this->localizer();
@@ -152,7 +153,7 @@ TEST_F(SeveralCamerasTest, OneThatSeesMarkersElsewhereIsHeard) {
   localizer.setPose(truth_);
   EXPECT_EQ(localizer.process(frame(kFront, 1.0, truth_)).mode, Mode::kTracking);
   EXPECT_EQ(localizer.process(frame(kBack, 1.0, truth_)).mode, Mode::kTracking);
-  // At once, while the other camera's last image counts.
+  // At once, while the other camera's last image still counts.
   const FrameResult result = localizer.process(frame(kBack, 1.05, carried));
   ASSERT_TRUE(result.map_from_base);
   EXPECT_LT(test::positionError(result.map_from_base->pose, carried), 2e-3);
@@ -213,7 +214,7 @@ TEST_F(SeveralCamerasTest, RefusesStampsThatFitNoStream) {
   refuses(kBack, 2.0 - 0.9 * Localizer::kMaxOvertaken);
   localizer.process(frame(kFront, 3.0, truth_));
   refuses(kBack, 3.0 - 1.1 * Localizer::kMaxOvertaken);
-  // However often images are overtaken.
+  // No matter how often images are overtaken.
   localizer.process(frame(kBack, 3.0 - 0.9 * Localizer::kMaxOvertaken, truth_));
   EXPECT_EQ(localizer.process(frame(kFront, 3.01, truth_)).mode, Mode::kTracking);
   Frame third = frame(kFront, 4.0, truth_);

@@ -13,7 +13,7 @@
 namespace omnitag {
 namespace {
 
-/// A localizer that is replaced by one of another map or of other settings between two images.
+/// A localizer that is replaced between two images by one with another map or other settings.
 class SuccessionTest : public testing::Test {
  protected:
   FrameResult process(Localizer* localizer, const cv::Mat& image) {
@@ -51,7 +51,7 @@ TEST_F(SuccessionTest, UsesTheOtherMap) {
   before.setPose(truth_);
   const FrameResult with = process(&before, image_);
   ASSERT_GE(with.acceptedMarkers(), 5);
-  // The marker at the end comes first.
+  // In reverse order.
   MarkerMap other{"map", {map_.markers.rbegin(), map_.markers.rend()}};
   other.markers.erase(other.markers.begin() + 2);
   Localizer after(camera_, other, test::onLevelFloor());

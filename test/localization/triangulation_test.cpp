@@ -103,7 +103,7 @@ TEST(TriangulationTest, CovarianceMatchesTheSpreadOfManyTrials) {
 }
 
 TEST(TriangulationTest, RefusesLandmarksBehind) {
-  // All bearings turned around: the same lines, but every landmark lies behind.
+  // All bearings reversed: the same lines, but every landmark lies behind.
   std::vector<LandmarkSight> sights = sightsFrom(kTruth, {0, 0});
   for (LandmarkSight& sight : sights) sight.bearing += kPi;
   EXPECT_FALSE(triangulate(sights, kTruth.yaw));
@@ -112,7 +112,7 @@ TEST(TriangulationTest, RefusesLandmarksBehind) {
 TEST(TriangulationTest, RefusesWhatIsUndetermined) {
   EXPECT_FALSE(triangulate({}, 0.0));
   EXPECT_FALSE(triangulate(sightsFrom(kTruth, {0, 0}, {{4, 1}, {-3, 2}}), kTruth.yaw));
-  // One landmark thrice.
+  // The same landmark three times.
   EXPECT_FALSE(triangulate(sightsFrom(kTruth, {0, 0}, {{4, 1}, {4, 1}, {4, 1}}), kTruth.yaw));
 }
 

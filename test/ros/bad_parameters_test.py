@@ -18,7 +18,7 @@ GOOD = {"camera_file": CAMERA, "map_file": MAP}
 
 
 def run(*command):
-    """Runs to its end; what it wrote comes with it."""
+    """Runs a command to its end; the result has its output."""
     return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=TIMEOUT,
                           universal_newlines=True, check=False)
 

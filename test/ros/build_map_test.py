@@ -1,4 +1,4 @@
-"""build_map: maps of the shipped bag, and what it says where it cannot make one."""
+"""build_map: maps of the shipped bag, and what it says if it cannot make one."""
 
 import os
 import re
@@ -33,7 +33,7 @@ def seed_text():
 
 
 def angle_of(rotation):
-    """rad, of a rotation matrix."""
+    """rad: angle of a rotation matrix."""
     return np.arccos(np.clip(0.5 * (np.trace(rotation) - 1.0), -1.0, 1.0))
 
 
@@ -91,7 +91,7 @@ class BuildMapTest(unittest.TestCase):
         truth = {marker.id: marker for marker in load_marker_map(MAP).markers}
         built = {marker.id: marker for marker in load_marker_map(self.path("map.yaml")).markers}
         self.assertEqual(set(built), set(truth))
-        # Whatever the frame, markers are as far from each other.
+        # In any frame, markers are equally far from each other.
         for a in built.values():
             for b in built.values():
                 distance = np.linalg.norm(a.position - b.position)
@@ -102,7 +102,7 @@ class BuildMapTest(unittest.TestCase):
         self.assertAlmostEqual(first.normal[1], 0.0, places=5)
 
     def test_into_another_localizers_frame(self):
-        # As amcl would have it: to 3 cm, in a frame of its own.
+        # As amcl would localize: to 3 cm, in another frame.
         turn, shift = 0.7, np.array([5.0, -3.0])
         rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
         random = np.random.default_rng(1)

@@ -1,4 +1,4 @@
-"""calibrate_camera: what it makes of a bag, and what it says about recordings that are no good."""
+"""calibrate_camera: its results from a bag, and what it says about useless recordings."""
 
 import os
 import re
@@ -24,7 +24,7 @@ uncertainty: none
 lens: {fx: 1090.0, fy: 1090.0, cx: 255.0, cy: 244.0}
 mirror: {profile: spherical, radius_of_curvature: 0.04, apex_distance: 0.21, rim_radius: 0.0375}
 """
-# Leans by 5 degrees against the bag's transform, which is true.
+# Leans by 5 degrees relative to the bag's transform, which is true.
 LEANING = "0.1,0.02,1.1,-3.08,0.06,0.5236"
 
 
@@ -54,7 +54,7 @@ class CalibrateCameraTest(unittest.TestCase):
                               universal_newlines=True, timeout=300, check=False)
 
     def assert_refused(self, *parts, **options):
-        """Status 1, nothing on standard output, a last line with these parts, no file."""
+        """Expects status 1, nothing on standard output, a last line with these parts, and no file."""
         result = self.run_tool(**options)
         self.assertEqual(result.returncode, 1, result.stderr)
         self.assertEqual(result.stdout, "")
@@ -89,7 +89,7 @@ class CalibrateCameraTest(unittest.TestCase):
         self.assertIn("with the guess", result.stderr)
         self.assertIn("calibrating:", result.stderr)
 
-        # What it gives is what localize_bag takes.
+        # localize_bag accepts what it writes.
         localized = subprocess.run(
             ["rosrun", "omnitag", "localize_bag", "--camera", self.path("out.yaml"), "--map", MAP,
              "--bag", BAG, "--trajectory", self.path("out.tum"), "--mounting",
@@ -103,8 +103,8 @@ class CalibrateCameraTest(unittest.TestCase):
         self.assertLess(yaml.safe_load(evaluated.stdout)["position_rmse"], 0.001)
 
     def write_bag_with_odometry(self, path, late):
-        """The shipped bag with odometry that has the robot where it was so many seconds before: its
-        images are as much late."""
+        """The shipped bag with odometry that puts the robot where it was this many seconds before: its
+        images are late by that much."""
         truth = read_truth()
         stamps = np.array([stamp.to_sec() for stamp in truth])
         x, y, yaw = np.array(list(truth.values())).T
@@ -132,7 +132,7 @@ class CalibrateCameraTest(unittest.TestCase):
         found = yaml.safe_load(text)
         self.assertAlmostEqual(found["image_time_offset"], 0.020, delta=0.001)
         self.assertEqual(found["row_readout_time"], 0.0)
-        # What it gives is what localize_bag takes.
+        # localize_bag accepts what it writes.
         localized = subprocess.run(
             ["rosrun", "omnitag", "localize_bag", "--camera", self.path("out.yaml"), "--map", MAP,
              "--bag", bag, "--odom-frame", "odom", "--params", params,

@@ -73,7 +73,7 @@ TEST(CameraInfo, describesLensesByTheirOtherNames) {
   const auto camera = cameraFromInfo(info, "/eye/camera_info").model;
   EXPECT_EQ(camera->imagePlane().distortion(),
             (ImagePlane::Distortion{-0.2, 0.05, 0.001, -0.002, 0.03}));
-  // As uncertain as any calibration of which nothing is said.
+  // As uncertain as any calibration that does not say how exact it is.
   EXPECT_NEAR(camera->uncertainty().scale, 0.48, 1e-12);
 }
 

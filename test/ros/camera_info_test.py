@@ -23,7 +23,7 @@ INFO_TOPIC = "/camera/camera_info"
 
 
 def fisheye_info():
-    """As a calibrated driver would send it."""
+    """A camera_info as a calibrated driver would send it."""
     info = CameraInfo(width=500, height=500, distortion_model="equidistant", D=[0.0] * 4)
     info.K = [146.0, 0.0, 249.5, 0.0, 146.0, 249.5, 0.0, 0.0, 1.0]
     return info
@@ -37,7 +37,7 @@ class CameraInfoTest(unittest.TestCase):
         self.images = rospy.Publisher("/camera/image", Image, queue_size=10)
 
     def wait_for_camera(self, level, part):
-        """Until /diagnostics says this of the camera."""
+        """Waits until /diagnostics says this about the camera."""
         self.diagnostics.wait_for_report(": camera", level, part)
 
     def test_waits_checks_and_starts(self):
@@ -63,7 +63,7 @@ class CameraInfoTest(unittest.TestCase):
         self.assertTrue(wait_until(lambda: "/save_map" in rosservice.get_service_list()))
         self.assertTrue(wait_until(lambda: is_connected(self.images, self.status.subscriber)))
 
-        # It needs no more of them, and still says where its camera is from.
+        # It needs no more of them, and still says where its camera came from.
         self.assertTrue(wait_until(lambda: self.infos.get_num_connections() == 0))
         start = len(self.diagnostics.messages)
         self.assertTrue(wait_until(lambda: any(

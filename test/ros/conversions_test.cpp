@@ -68,7 +68,8 @@ TEST(Conversions, CovarianceStandsWhereRosExpectsIt) {
 }
 
 TEST(Conversions, RotationsAreAboutTheAxesOfTheMap) {
-  // Sampled: rotations about the base's own axes, as rotations about the map's.
+  // Compares with samples: rotations about the base's own axes, expressed as rotations about the
+  // map's.
   PoseEstimate estimate{{0.0, 0.0, 1.2, 0.0, 0.3, -0.4}};
   estimate.covariance.diagonal() << 1.0, 1.0, 1e-4, 1.0, 4e-4, 9e-4;
   const Eigen::Matrix3d map_from_base = estimate.pose.toIsometry().linear();

@@ -33,8 +33,8 @@ def with_pixels(image, encoding, pixels, padding=0):
 
 
 class FaultsTest(unittest.TestCase):
-    """The tests run in the order of their names, and share one robot that drives on: each takes the
-    next images of the bag, and comes with a localizer that knows its pose."""
+    """The tests run in the order of their names and share one robot that keeps driving: each takes the
+    next images of the bag, and starts with a localizer that knows its pose."""
 
     @classmethod
     def setUpClass(cls):
@@ -50,7 +50,7 @@ class FaultsTest(unittest.TestCase):
         cls.later = rospy.Duration(0)
 
     def setUp(self):
-        # After the last image come the first ones again, which are later, and elsewhere.
+        # After the last image, the first ones come again, later and elsewhere.
         if self.index + MOST_IMAGES > len(self.harness.images):
             type(self).later = self.later + 2 * HALF_PERIOD * len(self.harness.images)
             type(self).index = 0
@@ -80,7 +80,7 @@ class FaultsTest(unittest.TestCase):
         return np.frombuffer(image.data, np.uint8).reshape(image.height, image.width)
 
     def localize(self, image):
-        """Sends an image; gives the status and, where there is one, the pose."""
+        """Sends an image; returns the status and, if there is one, the pose."""
         self.harness.publish_any(image)
         status = self.harness.status.at(image.header.stamp)
         self.assertIsNotNone(status, "not localized")
@@ -88,13 +88,13 @@ class FaultsTest(unittest.TestCase):
         return status, pose
 
     def errors(self, pose, index):
-        """m and rad from where the robot truly was at an image of the bag."""
+        """m and rad: errors relative to the true pose at an image of the bag."""
         x, y, yaw = self.harness.truth[self.harness.images[index].header.stamp]
         return (np.hypot(pose.pose.position.x - x, pose.pose.position.y - y),
                 angle_between(yaw_of(pose.pose.orientation), yaw))
 
     def expect_right_pose(self, image):
-        """The image, which is of the last place that `next_image` gave, gives its pose."""
+        """Expects a right pose from the image, which shows the last place that `next_image` gave."""
         status, pose = self.localize(image)
         self.assertTrue(status.has_pose)
         self.assertGreaterEqual(status.markers_used, 2)
@@ -104,17 +104,17 @@ class FaultsTest(unittest.TestCase):
         return status
 
     def expect_tracking(self):
-        """The next good image is localized as if nothing had been."""
+        """Expects the next good image to be localized as if nothing had happened."""
         status = self.expect_right_pose(self.next_image())
         self.assertEqual(status.mode, LocalizationStatus.TRACKING)
 
     def expect_no_pose_at(self, stamp):
-        """Nothing was published with that stamp, now that what came after it is there."""
+        """Expects that nothing was published with that stamp, now that later results are there."""
         for topic in (self.harness.poses, self.harness.status):
             self.assertIsNone(topic.at(stamp, timeout=0.0))
 
     def wait_for_diagnostics(self, task, level, *parts):
-        """Until a task of the first localizer reports a line with these parts from now on."""
+        """Waits until a task of the first localizer newly reports a line with these parts."""
         self.diagnostics.wait_for_report("first/localizer: " + task, level, *parts)
 
     def second(self):
@@ -171,7 +171,7 @@ class FaultsTest(unittest.TestCase):
             self.expect_tracking()
             self.expect_no_pose_at(image.header.stamp)
 
-        # Nobody waits for the transform of what is refused anyway.
+        # An image that is refused anyway does not wait for its transform.
         unnamed = self.between_images()
         unnamed.header.frame_id = ""
         start = time.monotonic()
@@ -275,7 +275,7 @@ class FaultsTest(unittest.TestCase):
             return image
 
         self.expect_right_pose(send(self.next_image(), True))
-        # One only: another might still wait when the transform is back, and rightly get it.
+        # Only one: another might still be waiting when the transform is back, and rightly get it.
         gone = send(self.next_image(), False)
         self.harness.publish_any(gone)
         self.wait_for_diagnostics("transforms", DiagnosticStatus.ERROR, "waiting for tf",
@@ -331,7 +331,7 @@ class FaultsTest(unittest.TestCase):
         camera.publish(self.image_of_bag(40))
         before = status.at(self.image_of_bag(40).header.stamp)
         self.assertIsNotNone(before)
-        # It waits for this one's transform while the others come.
+        # The localizer waits for this one's transform while the others come.
         slow = self.image_of_bag(41)
         slow.header.frame_id = "no_such_camera"
         camera.publish(slow)
@@ -347,7 +347,7 @@ class FaultsTest(unittest.TestCase):
                          [before.header.stamp, after.header.stamp])
 
     def wait_for_second_to_receive(self, count):
-        """Until /diagnostics says that the second localizer received so many images; it has then
+        """Waits until /diagnostics says that the second localizer received this many images; it has then
         taken up the last one, unless others wait before it."""
         self.assertIsNotNone(self.diagnostics.wait_for(lambda message: any(
             status.name.endswith("second/localizer: images") and

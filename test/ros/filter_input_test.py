@@ -32,7 +32,7 @@ class FilterInputTest(unittest.TestCase):
         return status
 
     def error(self, message):
-        """Of (x, y, yaw)."""
+        """Error of (x, y, yaw)."""
         x, y, yaw = self.harness.truth[message.header.stamp]
         position = message.pose.pose.position
         turn = (yaw_of(message.pose.pose.orientation) - yaw + np.pi) % (2 * np.pi) - np.pi
@@ -49,7 +49,7 @@ class FilterInputTest(unittest.TestCase):
             error = self.error(message)
             self.assertLess(np.linalg.norm(error[:2]), 0.01)
             nees.append(error @ np.linalg.solve(covariance, error))
-        # The shipped map says 5 mm, and is exact.
+        # The shipped map says 5 mm, but is exact.
         self.assertLess(np.mean(nees), 5.0)
         self.assertEqual(self.harness.published_transforms(), [])
 
@@ -77,7 +77,7 @@ class FilterInputTest(unittest.TestCase):
             image = self.harness.images[20 + i]
             status = self.localize(image)
             self.assertEqual(status.mode, LocalizationStatus.TRACKING)
-        # Out of range is taken to its end.
+        # A value out of range is set to the limit.
         self.assertEqual(client.update_configuration({"threads": 1000})["threads"], 64)
         client.update_configuration({"threads": 1})
         distance, angle = self.harness.errors(

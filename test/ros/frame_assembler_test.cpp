@@ -80,7 +80,7 @@ TEST_F(FrameAssemblerTest, TakesTheVelocityWhileTheRowsAreExposed) {
   shutter.row_readout_time = 1e-3;
   const FrameAssembler assembler("camera.yaml", {40, 30}, frames_, shutter);
   const auto input = image(40, 30);
-  // Odometry does not reach the last row yet: as long as nothing else is known, it goes on at rest.
+  // Odometry does not reach the last row yet: until more is known, the robot stays at rest.
   EXPECT_FALSE(assembler.hasTransforms(input->header, transforms_));
   const AssembledFrame early = assembler.assemble(input, transforms_);
   ASSERT_TRUE(early.frame.velocity);

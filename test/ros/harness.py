@@ -1,4 +1,4 @@
-"""Drives a running localizer image by image with the shipped bag, so that no test depends on time."""
+"""Feeds a running localizer the shipped bag image by image, so that no test depends on time."""
 
 import os
 import threading
@@ -24,7 +24,7 @@ TRUTH = os.path.join(PACKAGE, "bags", "paper.tum")
 IMAGE_TOPIC = "/camera/image"
 TIMEOUT = 60.0  # s, for what must come; a test that passes does not wait for it
 
-# odom in the map: the odometry of the tests has no error, but another origin.
+# odom in the map: the tests' odometry has no error, but another origin.
 ODOM_X, ODOM_Y, ODOM_YAW = 1.5, -0.7, 0.6
 
 
@@ -43,12 +43,12 @@ def read_truth() -> Dict[rospy.Time, Tuple[float, float, float]]:
 
 
 def yaw_of(orientation) -> float:
-    """rad, of a rotation about z."""
+    """rad: angle of a rotation about z."""
     return 2.0 * np.arctan2(orientation.z, orientation.w)
 
 
 def angle_between(a: float, b: float) -> float:
-    """rad, absolute."""
+    """rad: absolute difference."""
     return abs((a - b + np.pi) % (2.0 * np.pi) - np.pi)
 
 
@@ -90,7 +90,7 @@ class Topic:
             self._changed.notify_all()
 
     def wait_for(self, predicate, timeout: float = TIMEOUT):
-        """The first message that fulfils the predicate, come or yet to come; None if there is none
+        """The first message that fulfils the predicate, received or yet to come; None if there is none
         in time."""
 
         def find():
@@ -106,13 +106,13 @@ class Topic:
 
 
 class Diagnostics(Topic):
-    """What all nodes report of their health."""
+    """What all nodes report about their health."""
 
     def __init__(self) -> None:
         super().__init__("/diagnostics", DiagnosticArray)
 
     def wait_for_report(self, task: str, level: int, *parts: str) -> None:
-        """Until a task, given by the end of its name, reports a line with these parts from now on."""
+        """Waits until a task, given by the end of its name, newly reports a line with these parts."""
         start = len(self.messages)
 
         def reports() -> List[DiagnosticStatus]:
@@ -143,7 +143,7 @@ def read_bag() -> Tuple[List[CompressedImage], List]:
     with rosbag.Bag(BAG) as bag:
         for topic, message, _ in bag.read_messages():
             if topic == IMAGE_TOPIC + "/compressed":
-                # As a message of this process, not of the bag's own copy of the type.
+                # As a message of this process's type, not of the bag's own copy of it.
                 images.append(CompressedImage(header=message.header, format=message.format,
                                               data=message.data))
             elif topic == "/tf_static":
@@ -189,7 +189,7 @@ class Harness:
         self._tf_publisher.publish([transform])
 
     def localize(self, image: CompressedImage) -> Optional[LocalizationStatus]:
-        """Sends an image and waits until it is worked on."""
+        """Sends an image and waits for its status."""
         self.publish(image)
         return self.status.at(image.header.stamp)
 
@@ -207,7 +207,7 @@ class Harness:
 
 
 def is_connected(*ends) -> bool:
-    """Whether publishers and subscribers of this process are connected with every node that the
+    """Whether publishers and subscribers of this process are connected to every node that the
     master knows at the other end of their topic, and that there is one."""
     publishers, subscribers, _ = rosgraph.Master(rospy.get_name()).getSystemState()
     for end in ends:
@@ -223,7 +223,7 @@ def is_connected(*ends) -> bool:
 
 
 def publishes_to_this_node(node: str, topic: str) -> bool:
-    """Whether what a node publishes from now on comes here: as that node has it, as a subscriber
+    """Whether what a node publishes from now on comes here. Asks that node, because a subscriber
     counts its connections before they are made."""
     try:
         uri = rosgraph.Master(rospy.get_name()).lookupNode(node)

@@ -32,10 +32,10 @@ class HealthMonitorTest : public testing::Test {
         monitor_(node_, private_node_, input_, threeMarkers()),
         subscriber_(node_.subscribe("/diagnostics", 10, &HealthMonitorTest::onReports, this)) {}
 
-  /// What is reported from now on, by the end of a task's name.
+  /// The next report of a task, given by the end of its name.
   DiagnosticStatus nextReport(const std::string& task) {
     constexpr double kWait = 0.1;  // s
-    // A report that is under way may tell of what was before.
+    // A report on its way may describe the state before.
     for (int i = 0; i < 2; ++i) {
       reports_.clear();
       while (reports_.count(task) == 0) {
@@ -117,7 +117,7 @@ TEST_F(HealthMonitorTest, WarnsOfImagesThatAreLateWhileTheyAre) {
   const DiagnosticStatus late = reports_["images"];
   EXPECT_EQ(late.level, DiagnosticStatus::WARN);
   EXPECT_NE(late.message.find("their stamps are not after"), std::string::npos);
-  // Images go on, or else they would soon count as gone.
+  // Images continue; otherwise they would soon count as gone.
   monitor_.localized(LocalizationStatus(), FrameResult(), "");
   EXPECT_EQ(nextReport("images").level, DiagnosticStatus::OK);
 }

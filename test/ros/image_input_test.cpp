@@ -91,7 +91,7 @@ TEST_F(ImageInputTest, givesTheOneThatHasWaitedLongestAndDropsOfEach) {
   for (const unsigned second : {12U, 14U}) TwoSources::send(two.left, second);
   while (two.input.received() < 5) two.input.serve(0.1);
   EXPECT_EQ(two.input.dropped(), 1U);
-  // The right one has waited since 11, which gave way.
+  // The right one has waited since image 11, which gave way.
   for (const unsigned second : {13U, 12U, 14U, 15U}) {
     const std::optional<ReceivedImage> image = two.input.next(0.0);
     ASSERT_TRUE(image);
@@ -106,7 +106,7 @@ TEST_F(ImageInputTest, lookedAtRarelyGivesEachSourceItsTurn) {
   TwoSources two(1);
   std::string turns;
   for (unsigned pair = 0; pair < 6; ++pair) {
-    // A pair comes at the same moment, and there is time for one of the two.
+    // A pair comes at the same moment, and there is only time for one of them.
     for (const ros::Publisher& publisher : {two.left, two.right}) {
       TwoSources::send(publisher, 100 + pair);
     }

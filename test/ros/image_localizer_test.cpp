@@ -22,7 +22,7 @@ namespace {
 
 const std::string kPackage = PACKAGE_DIR;
 
-/// The robot stands among the paper's markers and is told at the start that it is elsewhere.
+/// The robot stands among the paper's markers; its initial pose is wrong.
 class ImageLocalizerTest : public testing::Test {
  protected:
   ImageLocalizerTest() : transforms_(ros::Duration(10.0)) {
@@ -49,7 +49,7 @@ class ImageLocalizerTest : public testing::Test {
     return localizer_.localize(image, transforms_, {}, camera);
   }
 
-  /// Images until the robot is tracked; the last is stamped 100.3 s.
+  /// Sends images until the robot is tracked; the last is stamped 100.3 s.
   void follow() {
     for (int i = 0; i < 3; ++i) ASSERT_TRUE(localize(100.0 + 0.1 * i, panorama_));
     ASSERT_EQ(localize(100.3, panorama_)->result.mode, Mode::kTracking);
@@ -72,7 +72,7 @@ TEST_F(ImageLocalizerTest, KeepsThePoseWhereTheClockIsSetBack) {
     localizer_ = ImageLocalizer(parameters(), {camera_});
     follow();
     localizer_.clockStepped(step);
-    // Without markers, the pose alone tells whether it was kept.
+    // Without markers, there is only a pose if it was kept.
     const auto localized = localize(100.4 + step, black_);
     ASSERT_TRUE(localized);
     EXPECT_DOUBLE_EQ(localized->clock_step, step);

@@ -50,7 +50,7 @@ TEST(LiveTuningTest, TakesValuesWithinTheirLimits) {
 TEST(LiveTuningTest, RefusesWhatThereIsNot) {
   const std::vector<Knob> all = knobs();
   EXPECT_THROW(withChanges(all, {}, config("exposure", 0.02)), InputError);
-  // Of another type.
+  // A value of another type.
   EXPECT_THROW(withChanges(all, {}, config("threads", 2.0)), InputError);
   EXPECT_THROW(withChanges(all, {}, config("exposure_time", std::nan(""))), InputError);
   dynamic_reconfigure::Config estimator;

@@ -83,7 +83,7 @@ class LocalizeBagTest(unittest.TestCase):
         return result
 
     def assert_refused(self, *parts, **options):
-        """Status 1, nothing on standard output, one line on standard error with these parts."""
+        """Expects status 1, nothing on standard output, one line on standard error with these parts."""
         result = self.run_tool(**options)
         self.assertEqual(result.returncode, 1, result.stderr)
         self.assertEqual(result.stdout, "")
@@ -100,7 +100,7 @@ class LocalizeBagTest(unittest.TestCase):
         return self.path(name)
 
     def test_several_cameras(self):
-        """The images in turns on two topics, in bags of their own; the first on both."""
+        """The images alternating between two topics, in separate bags; the first one on both."""
         messages = {"front": [], "back": []}
         count = 0
         for topic, message, time in read_bag(BAG):
@@ -129,7 +129,7 @@ class LocalizeBagTest(unittest.TestCase):
                                      float(fields[2]) - truth[stamp][1]), 0.002)
         rows = list(csv.DictReader(read_text(self.path("poses.csv")).splitlines()))
         self.assertEqual(len(rows), 67)
-        # Two images of a moment tell more than one.
+        # Two images of the same moment tell more than one.
         self.assertLess(float(rows[1]["cov_xx"]), float(rows[0]["cov_xx"]))
         topics = {topic for topic, _, _ in read_bag(self.path("out.bag"))}
         self.assertLessEqual({"/front/debug_image/compressed", "/back/debug_image/compressed"},
@@ -283,7 +283,7 @@ class LocalizeBagTest(unittest.TestCase):
         expected = read_text(self.path("out.tum"))
         self.assert_runs(output=self.path("out.bag"))
         self.assertEqual(read_text(self.path("out.tum")), expected)
-        # The output is a recording, too; what is painted there is no image of the camera.
+        # The output is a recording, too; its debug images are not images of the camera.
         self.assert_runs(bag=self.path("out.bag"), output=self.path("again.bag"))
         self.assertEqual(read_text(self.path("out.tum")), expected)
         counts = [len([1 for topic, _, _ in read_bag(self.path(name)) if topic != "/tf"])
@@ -301,7 +301,7 @@ class LocalizeBagTest(unittest.TestCase):
         self.assert_runs(bag=[first, second], poses=self.path("poses.csv"))
         self.assertEqual(read_text(self.path("poses.csv")), expected)
 
-        # As they are given, whenever they were recorded.
+        # In the given order, whenever they were recorded.
         result = self.assert_runs(bag=[second, first], poses=self.path("poses.csv"),
                                   initial_pose=None)
         self.assertIn("stamps went back", result.stderr)
@@ -330,7 +330,7 @@ class LocalizeBagTest(unittest.TestCase):
         rows = list(csv.DictReader(read_text(self.path("poses.csv")).splitlines()))
         self.assertEqual([row["stamp"] for row in rows],
                          ["{}.{:09d}".format(stamp.secs, stamp.nsecs) for stamp in expected])
-        # Whoever plays the output has the mounting, which was sent before.
+        # The output has the mounting, although it was sent before the part begins.
         written = read_bag(self.path("out.bag"))
         self.assertEqual([topic for topic, _, _ in written].count("/tf_static"), 1)
         self.assertLessEqual(max((time - start).to_sec() for _, _, time in written), 3.25)
@@ -442,7 +442,7 @@ class LocalizeBagTest(unittest.TestCase):
                             "--to", kind], stdout=subprocess.PIPE, check=True)
             assert_finds_its_pose(converted + ("#cam0" if kind == "kalibr" else ""))
 
-        # Each pixel as four: only a camera that may be scaled fits them.
+        # Each pixel becomes four: only a camera that may be scaled fits them.
         larger = self.write_bag("larger.bag", [
             ("/camera/image", enlarged(message), time) if topic == "/camera/image/compressed"
             else (topic, message, time) for topic, message, time in read_bag(bag)])
@@ -529,7 +529,7 @@ class LocalizeBagTest(unittest.TestCase):
                                                         images[0][2])]))
 
     def assert_refused_in_the_end(self, part, bag):
-        """Status 1, and a last line that names the bag and the reason."""
+        """Expects status 1, and a last line that names the bag and the reason."""
         result = self.run_tool(bag=bag)
         self.assertEqual(result.returncode, 1)
         self.assertEqual(result.stdout, "")

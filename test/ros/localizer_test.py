@@ -22,7 +22,7 @@ from visualization_msgs.msg import MarkerArray
 
 
 class LocalizerTest(unittest.TestCase):
-    """The tests run in the order of their names: each takes the localizer as the last one left it."""
+    """The tests run in the order of their names: each uses the localizer as the last one left it."""
 
     @classmethod
     def setUpClass(cls):
@@ -38,7 +38,7 @@ class LocalizerTest(unittest.TestCase):
             cls.debug_images.subscriber, cls.diagnostics.subscriber, cls.log.subscriber))
 
     def wait_for_diagnostics(self, task, level, *parts):
-        """Until a task of the localizer reports a line with these parts from now on."""
+        """Waits until a task of the localizer newly reports a line with these parts."""
         self.diagnostics.wait_for_report(": " + task, level, *parts)
 
     def test_1_says_what_it_waits_for(self):
@@ -213,7 +213,7 @@ class LocalizerTest(unittest.TestCase):
         return self.harness.truth[self.harness.images[index].header.stamp]
 
     def distance(self, pose, index):
-        """m, of a pose from the true one of an image of the bag."""
+        """m: distance of a pose from the true one of an image of the bag."""
         x, y, _ = self.true_pose(index)
         return np.hypot(pose.pose.position.x - x, pose.pose.position.y - y)
 

@@ -23,7 +23,7 @@ MAP = os.path.join(PACKAGE, "maps", "paper.yaml")
 
 
 def text_of(path):
-    """A file's."""
+    """The text of a file."""
     with open(path, encoding="utf-8") as file:
         return file.read()
 
@@ -97,7 +97,7 @@ class MapServicesTest(unittest.TestCase):
             "ignore_markers", IgnoreMarkers, ["nobody"], success=False))
         self.call("ignore_markers", IgnoreMarkers, [])
 
-        # Removed, and added where it was, under a name.
+        # Removed, and added again at the same place with a name.
         self.assertIn("1 removed (tag36h11:{})".format(used[1]),
                       self.call("remove_marker", RemoveMarker, str(used[1])))
         self.assertNotIn(used[1], [d.id for d in self.localize() if d.accepted])
@@ -107,7 +107,7 @@ class MapServicesTest(unittest.TestCase):
         self.assertIn("'again'", self.call("add_marker", AddMarker, *added, success=False))
         self.assertIn(used[1], [d.id for d in self.localize() if d.accepted])
 
-        # A file that is wrong is refused with its line, and nothing is lost.
+        # A wrong file is refused, naming the line, and nothing is lost.
         self.write(MAP_TEXT + "  - {id: 500, position: [0, 0], yaw: 0}\n")
         refusal = self.call("reload_map", Trigger, success=False)
         line = text_of(self.map_file).count("\n")
@@ -133,12 +133,12 @@ class MapServicesTest(unittest.TestCase):
         self.drag(other)
 
     def check_detections_against(self, markers):
-        """What detections say beside their corners."""
+        """Checks what detections say besides their corners."""
         message = self.harness.detections.messages[-1]
         for detection in message.detections:
             self.assertEqual(detection.size, markers[detection.map_entry].size)
             self.assertGreater(detection.pose.covariance[0], 0.0)
-            # In the optical frame, whose z axis points up in this rig or down, markers are aside.
+            # In the optical frame, whose z axis is vertical in this rig, markers are to the side.
             position = detection.pose.pose.position
             distance = (position.x ** 2 + position.y ** 2) ** 0.5
             self.assertAlmostEqual(distance, detection.range, delta=0.03 * detection.range)

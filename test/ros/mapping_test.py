@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The node maps what its map does not have, and saves it when asked to."""
+"""The node maps markers that its map does not have, and saves them on request."""
 
 import os
 import subprocess
@@ -23,7 +23,7 @@ IMAGES = 30
 
 
 def seed_text():
-    """The shipped map with some of its markers, and a comment of its own."""
+    """The shipped map with some of its markers, and an additional comment."""
     with open(MAP, encoding="utf-8") as file:
         lines = file.readlines()
     seeds = tuple("  - {{id: {},".format(marker_id) for marker_id in SEED_IDS)
@@ -67,7 +67,7 @@ class MappingTest(unittest.TestCase):
 
         response = save()
         self.assertTrue(response.success, response.message)
-        # What stood there stands there, and the file that was is beside it.
+        # The old text is still there, and the old file is kept beside it.
         text = self.read_map()
         without_new = "".join(line for line in text.splitlines(True) if "mapped:" not in line)
         self.assertEqual(without_new, seed_text())
@@ -80,12 +80,12 @@ class MappingTest(unittest.TestCase):
             distance = np.linalg.norm(marker.position - truth[marker.id].position)
             self.assertLess(distance, 0.02, marker.id)
 
-        # RViz has them by name, too.
+        # RViz shows their names, too.
         names = {shape.text for message in markers.messages for shape in message.markers
                  if shape.ns == "names"}
         self.assertTrue({str(marker.id) for marker in added} <= names, names)
 
-        # What is saved is not saved again.
+        # Saved markers are not saved again.
         self.assertIsNotNone(harness.localize(harness.images[IMAGES]))
         save()
         again = load_marker_map(self.map_file).markers

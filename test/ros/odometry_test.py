@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The localizer with an odometry frame: map -> odom, and never under a false name."""
+"""The localizer with an odometry frame: map -> odom, and never under another name."""
 
 import copy
 import sys
@@ -32,7 +32,7 @@ class OdometryTest(unittest.TestCase):
             self.assertIsNotNone(status)
             self.assertTrue(status.has_pose)
 
-        # They come over a connection of their own, in their order.
+        # They come over a separate connection, in their order.
         last = harness.images[39].header.stamp + rospy.Duration(TOLERANCE)
         self.assertTrue(wait_until(lambda: any(
             transform.header.stamp == last for transform in harness.published_transforms())))
@@ -51,12 +51,12 @@ class OdometryTest(unittest.TestCase):
         self.assertEqual({transform.child_frame_id
                           for transform in harness.published_transforms()}, {"odom"})
 
-        # Without further images it goes on, in the images' time.
+        # Without further images, it continues in the images' time.
         self.assertTrue(wait_until(lambda: any(
             last + rospy.Duration(0.2) < transform.header.stamp < last + rospy.Duration(20.0)
             for transform in harness.published_transforms())))
-        # No more often than asked: its own transforms come back to the localizer, too. (Those that
-        # came before the last image's do not count, however long that one took to come.)
+        # No more often than configured, although its own transforms come back to the localizer.
+        # (Those before the last image's do not count, however long that one took to come.)
         sent = [transform.header.stamp for transform in harness.published_transforms()]
         repeated = sent[sent.index(last) + 1:]
         for earlier, later in zip(repeated, repeated[1:]):
@@ -75,7 +75,7 @@ class OdometryTest(unittest.TestCase):
             harness.publish_transform(odometry(stamp, harness.truth[stamp]))
         message = PoseWithCovarianceStamped()
         message.header.stamp, message.header.frame_id = then, "map"
-        # A little beside where it was, so that what it does can be told from tracking.
+        # A little beside where it was, so that the effect can be told from tracking.
         x, y, yaw = harness.truth[then]
         x += BESIDE
         message.pose.pose.position.x, message.pose.pose.position.y = x, y

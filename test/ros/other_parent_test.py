@@ -35,7 +35,7 @@ class OtherParentTest(unittest.TestCase):
         for index in range(2):
             self.assertTrue(self.localize(index), index)
 
-        # What a bag has recorded of the localizer's own transform is no other parent.
+        # A recording of the localizer's own transform is not another parent.
         recorded = TransformStamped()
         recorded.header.frame_id, recorded.child_frame_id = "map", "base_link"
         recorded.header.stamp = self.harness.images[1].header.stamp - rospy.Duration(100.0)
@@ -52,7 +52,7 @@ class OtherParentTest(unittest.TestCase):
             self.harness.publish_transform(odometry(stamp, self.harness.truth[stamp]))
             return self.localize(index)
 
-        # It comes over a connection of its own, maybe after the image.
+        # It comes over a separate connection, maybe after the image.
         self.assertTrue(wait_until(lambda: not is_sent()))
         self.assertTrue(self.log.wait_for_line(
             Log.ERROR, "tf has 'odom' as the parent of 'base_link'", start))

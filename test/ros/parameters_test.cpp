@@ -26,7 +26,7 @@ std::string refusalOf(const YamlReader& reader) {
   return "";
 }
 
-/// The keys that a mapping may have, as the refusal of an unknown one lists them.
+/// The keys that a mapping may have, as listed when an unknown one is refused.
 std::set<std::string> knownKeys(const std::string& text) {
   const std::string refusal = refusalOf(YamlReader::fromText(text, "text"));
   const std::string start = "expected one of: ";
@@ -280,7 +280,7 @@ TEST(Parameters, ManualHasTheDefaults) {
   EXPECT_EQ(manual.mapper.max_position_deviation, defaults.mapper.max_position_deviation);
   EXPECT_DOUBLE_EQ(manual.mapper.max_orientation_deviation,
                    defaults.mapper.max_orientation_deviation);
-  // Without mapping nothing is looked for that the map does not have.
+  // Without mapping, markers that the map does not have are not looked for.
   EXPECT_EQ(manual.localizer.exploring_views, 0);
 }
 
@@ -321,7 +321,7 @@ TEST(Parameters, RefusesWhatOneKeyDoesNotTake) {
   }
 }
 
-/// The manual with another value for one key, `group` being empty for a key of the top level.
+/// The manual with another value for one key; `group` is empty for a top-level key.
 std::string manualWith(const std::string& group, const std::string& key, const std::string& value) {
   YAML::Node manual = YAML::LoadFile(kManual);
   YAML::Node mapping = group.empty() ? manual : manual[group];
@@ -333,7 +333,7 @@ void expectRefusal(const std::string& group, const std::string& key, const std::
   const std::string path = group.empty() ? key : group + "." + key;
   const std::string refusal =
       refusalOf(YamlReader::fromText(manualWith(group, key, value), "params.yaml"));
-  // Of a list, the item is named.
+  // For a list, the item is named.
   const bool is_named = refusal.find(": " + path + ": expected ") != std::string::npos ||
                         refusal.find(": " + path + "[0]: expected ") != std::string::npos;
   EXPECT_TRUE(is_named) << path << ": " << value << " -> " << refusal;
@@ -341,7 +341,7 @@ void expectRefusal(const std::string& group, const std::string& key, const std::
   EXPECT_EQ(refusal.find('\n'), std::string::npos) << refusal;
 }
 
-/// Whether the manual gives the key a number, as against a word, a list or true or false.
+/// Whether the manual gives the key a number, not a word, a list, true or false.
 bool isNumber(const YAML::Node& value) {
   double number = 0.0;
   return value.IsScalar() && YAML::convert<double>::decode(value, number);

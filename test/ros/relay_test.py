@@ -61,7 +61,7 @@ def generate(directory):
 
 
 def detection():
-    """Of a marker 2 m before the camera."""
+    """The detection of a marker 2 m in front of the camera."""
     marker = DetectedMarker(id=7, family="tag36h11", accepted=True, residual=0.1, size=0.3)
     marker.corners = [Point(10, 20, 0), Point(14, 20, 0), Point(14, 16, 0), Point(10, 16, 0)]
     marker.pose.pose.position.z = 2.0

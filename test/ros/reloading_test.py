@@ -22,7 +22,7 @@ MAX_GROWTH = 8.0  # MB, over all the times after the warm-up
 
 
 class Camera(threading.Thread):
-    """Sends the bag's images over and over, with stamps that go on."""
+    """Sends the bag's images repeatedly, with stamps that continue."""
 
     def __init__(self):
         super().__init__()
@@ -59,7 +59,7 @@ class ReloadingTest(unittest.TestCase):
         self.pid = ServerProxy(rosgraph.Master("/test").lookupNode("/manager")).getPid("/test")[2]
 
     def memory(self):
-        """MB of the manager that are in memory."""
+        """MB of memory that the manager uses."""
         with open(f"/proc/{self.pid}/status", encoding="utf-8") as file:
             line = next(line for line in file if line.startswith("VmRSS:"))
         return int(line.split()[1]) / 1024.0

@@ -37,7 +37,7 @@ TEST(ResultMessages, MapToBaseWithoutOdometry) {
 
 TEST(ResultMessages, MapToOdomLeadsToTheSamePose) {
   LocalizedImage localized = localizedImage();
-  // Odometry in space, as one with an inertial unit has it.
+  // Odometry in six dimensions, as with an inertial unit.
   localized.input.odom_from_base =
       Eigen::Translation3d(-3.0, 0.5, 0.1) *
       Eigen::AngleAxisd(1.2, Eigen::Vector3d(0.05, 0.1, 1.0).normalized());
@@ -48,8 +48,8 @@ TEST(ResultMessages, MapToOdomLeadsToTheSamePose) {
   EXPECT_EQ(messages.transform->child_frame_id, "odom");
   EXPECT_EQ(messages.transform->header.stamp,
             localized.input.header.stamp + ros::Duration(kTolerance));
-  // On a floor the odometry's frame stays in the plane of the map; that the base leans in it is the
-  // odometry's affair.
+  // On a floor, the odometry's frame stays in the plane of the map; only odometry makes the base
+  // lean in it.
   const Eigen::Isometry3d map_from_odom = fromMessage(messages.transform->transform);
   EXPECT_NEAR(map_from_odom.translation().z(), 0.0, 1e-12);
   EXPECT_NEAR(map_from_odom.linear()(2, 2), 1.0, 1e-12);

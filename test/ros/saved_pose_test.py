@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The node starts where it stopped, and says so where it cannot."""
+"""The node starts where it stopped, and says so if it cannot."""
 
 import os
 import subprocess
@@ -32,7 +32,7 @@ class SavedPoseTest(unittest.TestCase):
             rospy.set_param("/localizer/" + name, value)
 
     def start(self):
-        """The node, and what it publishes."""
+        """Starts the node; returns what it publishes."""
         self.node = subprocess.Popen(["rosrun", "omnitag", "localizer_node", "__name:=localizer",
                                       "image:=" + IMAGE_TOPIC], stderr=self.output)
         self.addCleanup(self.stop)
@@ -40,7 +40,7 @@ class SavedPoseTest(unittest.TestCase):
         return Harness("compressed")
 
     def stop(self):
-        """Until it has ended."""
+        """Stops the node and waits until it has ended."""
         self.node.terminate()
         self.node.wait()
 
@@ -76,7 +76,7 @@ class SavedPoseTest(unittest.TestCase):
         message = harness.covariances.at(dark.header.stamp)
         self.assertAlmostEqual(message.pose.pose.position.x, x, delta=0.01)
         self.assertGreater(message.pose.covariance[0], 0.1 ** 2)
-        # What was not seen is not saved.
+        # A pose that no marker showed is not saved.
         before = os.stat(self.pose_file).st_mtime_ns
         rospy.sleep(0.6)
         self.assertEqual(os.stat(self.pose_file).st_mtime_ns, before)

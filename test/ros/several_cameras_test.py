@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""One localizer with two cameras: which image updates what, and what is said where one is missing."""
+"""One localizer with two cameras: which image updates what, and what it says if one is missing."""
 
 import copy
 import sys
@@ -48,7 +48,7 @@ class SeveralCamerasTest(unittest.TestCase):
         ends.append(self.joint_paintings.subscriber)
         ends += self.publishers.values()
         self.assertTrue(wait_until(lambda: is_connected(*ends)))
-        # One image of both at the same moment, then in turns.
+        # Both cameras' images of the same moment first, then one camera at a time.
         self.sent = [(0, "front"), (0, "back")]
         self.sent += [(index, NAMES[index % 2]) for index in range(1, 13)]
 
@@ -97,7 +97,7 @@ class SeveralCamerasTest(unittest.TestCase):
                              stamps)
 
     def check_joint_paintings(self):
-        """What RViz shows: the last image of each camera, beside each other."""
+        """RViz shows the last image of each camera, side by side."""
         self.assertTrue(wait_until(
             lambda: len(self.joint_paintings.messages) == len(self.sent)))
         own = {name: self.paintings[name].messages[-1] for name in NAMES}

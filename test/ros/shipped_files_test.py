@@ -28,7 +28,7 @@ ARGUMENTS = {
 
 
 def shipped(*parts):
-    """The files that match a pattern below the package; there is one at least."""
+    """The files that match a pattern below the package; there must be at least one."""
     paths = sorted(glob.glob(os.path.join(PACKAGE, *parts), recursive=True))
     assert paths, parts
     return paths
@@ -82,7 +82,7 @@ class ShippedFilesTest(unittest.TestCase):
                         continue
                     self.assertIn("localizer", nodes)
                     self.assertIn("/localizer/camera_file", parameters)
-                    # Who sets it takes it back.
+                    # Whatever sets it takes it back.
                     self.assertEqual("/use_sim_time" in parameters, "take_back_sim_time" in nodes)
 
     def test_localize_launch_hands_its_arguments_on(self):
@@ -143,7 +143,7 @@ class ShippedFilesTest(unittest.TestCase):
         rotation = expected.rotation
         self.assertAlmostEqual(abs(np.dot(quaternion, [rotation.x, rotation.y, rotation.z,
                                                        rotation.w])), 1.0, 12)
-        # What it draws is there.
+        # The mesh that it draws exists.
         meshes = [mesh.get("filename") for mesh in robot.iter("mesh")]
         self.assertEqual(len(meshes), 1)
         self.assertTrue(os.path.exists(meshes[0].replace("package://omnitag", PACKAGE)))
@@ -186,12 +186,12 @@ class ShippedFilesTest(unittest.TestCase):
         nodes, parameters = load_launch_file(path, ["map_file:=m.yaml", "odom:=/wheels"])
         self.assertIs(parameters["/localizer/publish_tf"], False)
         self.assertEqual(parameters["/localizer/odom_frame"], "odom")
-        # What the filter fuses is published under these names.
+        # The localizer publishes what the filter fuses under these names.
         filter_node = nodes["ekf_localization"]
         self.assertEqual(parameters["/ekf_localization/pose0"], "pose_measured")
         self.assertIn((parameters["/ekf_localization/odom0"], "/wheels"),
                       [tuple(remap) for remap in filter_node.remap_args])
-        # Where it is not installed, a line says so and nothing fails.
+        # If it is not installed, a line says so and nothing fails.
         result = subprocess.run(["rosrun", "omnitag", filter_node.type, "no_such_package", "node"],
                                 stderr=subprocess.PIPE, universal_newlines=True, check=True)
         self.assertIn("'no_such_package' is not installed", result.stderr)
@@ -218,7 +218,7 @@ class ShippedFilesTest(unittest.TestCase):
                 topics |= {display.get(key) for key in ("Marker Topic", "Topic", "Image Topic")}
             self.assertEqual(topics - {None}, shown)
             self.assertEqual(manager["Global Options"]["Fixed Frame"], frame)
-            # The view goes where the robot goes.
+            # The view follows the robot.
             self.assertEqual(manager["Views"]["Current"]["Target Frame"], "base_link")
 
     def test_the_demo_starts_where_the_bag_does(self):

@@ -33,7 +33,7 @@ CAMERA = np.array([0.1, 0.02])  # its axis, which is upright, in base_link
 
 
 def rows_of(path):
-    """Of a table that is being written; those that are whole."""
+    """The complete rows of a table that is being written."""
     if not os.path.exists(path):
         return []
     with open(path, encoding="utf-8") as file:
@@ -86,7 +86,7 @@ class SideBySideTest(unittest.TestCase):
                 distance, angle = harness.errors(pose)
                 self.assertLess(distance, 0.02)
                 self.assertLess(angle, 0.01)
-        # From both, it would be twice there.
+        # If both sent it, it would be there twice.
         self.assertTrue(wait_until(lambda: len(harness.published_transforms()) >= IMAGES))
         stamps = [transform.header.stamp for transform in harness.published_transforms()]
         self.assertEqual(sorted(stamps), [image.header.stamp for image in harness.images[:IMAGES]])
@@ -98,7 +98,7 @@ class SideBySideTest(unittest.TestCase):
         self.check_table(harness)
 
     def wait_for_subscribers(self, topic, *nodes):
-        """Until they are known to the master: then the harness waits for the connections."""
+        """Waits until the master knows them: then the harness waits for the connections."""
         master = rosgraph.Master(rospy.get_name())
         self.assertTrue(wait_until(
             lambda: set(nodes) <= set(dict(master.getSystemState()[1]).get(topic, []))))

@@ -17,7 +17,7 @@ TOLERANCE = rospy.Duration(0.1)  # the default of transform_tolerance
 
 
 class SimTimeTest(unittest.TestCase):
-    """The tests run in the order of their names, each on where the last one left the clock."""
+    """The tests run in the order of their names, each starting where the last one left the clock."""
 
     @classmethod
     def setUpClass(cls):
@@ -29,7 +29,7 @@ class SimTimeTest(unittest.TestCase):
                                                cls.log.subscriber))
 
     def localize(self, index):
-        """Sends an image of the bag, after its odometry; gives the status."""
+        """Sends an image of the bag, after its odometry; returns the status."""
         image = self.harness.images[index]
         stamp = image.header.stamp
         self.harness.publish_transform(odometry(stamp, self.harness.truth[stamp]))
@@ -39,12 +39,12 @@ class SimTimeTest(unittest.TestCase):
         return status
 
     def stamps(self, start):
-        """Of what was published as map -> odom after the first `start` ones."""
+        """Stamps of the map -> odom transforms after the first `start` ones."""
         return [transform.header.stamp
                 for transform in self.harness.published_transforms()[start:]]
 
     def expect_correction(self, index, start=0):
-        """map -> odom comes for an image, now or soon, after the first `start` ones."""
+        """Expects map -> odom for an image, now or soon, after the first `start` ones."""
         stamp = self.harness.images[index].header.stamp + TOLERANCE
         self.assertTrue(wait_until(lambda: stamp in self.stamps(start)))
 
@@ -82,12 +82,12 @@ class SimTimeTest(unittest.TestCase):
     def test_4_starts_anew_when_the_bag_does(self):
         start = len(self.log.messages)
         before = len(self.harness.published_transforms())
-        # What came before the clock was set back is not to hide what comes after it.
+        # Transforms from before the clock was set back must not hide those that come after.
         last = self.harness.images[8].header.stamp
         self.harness.publish_transform(
             odometry(last + rospy.Duration(100.0), self.harness.truth[last]))
         self.set_clock(self.harness.images[0].header.stamp)
-        # One such was on its way.
+        # Another one was still on its way.
         self.harness.publish_transform(
             odometry(last + rospy.Duration(100.0), self.harness.truth[last]))
         for topic in (self.harness.status, self.harness.poses):
@@ -103,17 +103,18 @@ class SimTimeTest(unittest.TestCase):
         self.assertLess(angle, 0.01)
 
     def test_5_survives_a_transform_that_time_has_no_stamp_for(self):
-        # A camera whose clock stands shortly before the last second of ros::Time, ...
+        # A camera whose clock is shortly before the last second of ros::Time, ...
         last = rospy.Time(4294967295)
         # tf forgets what is more than 68 years older: it could not interpolate from there.
         self.set_clock(rospy.Time(500))
-        time.sleep(1.5)  # for a second, what is later than the clock is taken for older than its step
+        time.sleep(1.5)  # for a second, stamps ahead of the clock count as from before its step
         image = copy.deepcopy(self.harness.images[2])
         pose = self.harness.truth[image.header.stamp]
         image.header.stamp = last - rospy.Duration(100.0)
         self.harness.publish_transform(odometry(image.header.stamp, pose))
         self.assertTrue(self.harness.localize(image).has_pose)
-        # ... a transform that tf has no room for, and one that would be repeated after that second.
+        # ... a transform that tf has no room for, and a correction that would be repeated after
+        # that second.
         self.harness.publish_transform(odometry(last, pose))
         self.set_clock(rospy.Time.now() + rospy.Duration(200.0))
 
@@ -128,7 +129,7 @@ class SimTimeTest(unittest.TestCase):
                           if "waiting for images" in line.msg])
         self.localize(1)
         self.diagnostics.wait_for_report(": images", DiagnosticStatus.OK, "images are coming")
-        # Once the clock goes on, images are missing.
+        # Once the clock continues, images are missing.
         self.set_clock(self.harness.images[1].header.stamp + rospy.Duration(10.0))
         self.diagnostics.wait_for_report(": images", DiagnosticStatus.ERROR, "waiting for images")
 

@@ -10,10 +10,10 @@ namespace {
 constexpr double kRestartJump = 1.0;  // s
 constexpr double kPeriod = 0.1;       // s, between images
 
-/// Images as a camera stamps them, one a period.
+/// Images as a camera stamps them, one per period.
 class StampTimelineTest : public testing::Test {
  protected:
-  /// The clock of the camera, set by `step` since the image before.
+  /// The next image; the camera's clock was set by `step` since the one before.
   StampPlace next(double step = 0.0) {
     clock_ += kPeriod + step;
     return at(clock_);

@@ -26,7 +26,7 @@ class TransformInputTest : public testing::Test {
     publisher_.publish(message);
   }
 
-  /// Until what was sent last has come.
+  /// Serves until the transform sent last has come.
   void serveUntil(const std::string& parent, const std::string& child, const ros::Time& stamp) {
     for (int i = 0; i < 100 && !input_.buffer().canTransform(parent, child, stamp); ++i) {
       input_.serve(0.1);
@@ -41,7 +41,7 @@ class TransformInputTest : public testing::Test {
 };
 
 TEST_F(TransformInputTest, LosesNothingWhileAFrameTakesLong) {
-  // Ten seconds of a robot with a hundred transforms a second.
+  // Ten seconds on a robot with a hundred transforms a second.
   constexpr int kCount = 1000;
   const auto stamp = [](int i) { return ros::Time(100.0 + 0.01 * i); };
   for (int i = 0; i < kCount; ++i) send("odom", "base_link", stamp(i));

@@ -6,9 +6,10 @@ class YamlReader;
 
 /// What a frame looks at in addition to the markers that it expects to see.
 struct AttentionConfig {
-  /// s, in which views all around are decoded one after another, for markers that are not expected.
+  /// s: the time in which views all around are decoded one after another, for markers that are not
+  /// expected.
   double period = 2.0;
-  /// Pixels of one of these views, at most; larger ones are made coarser. 30 ns each, on a
+  /// Most pixels of one of these views; larger ones are made coarser. Each pixel takes 30 ns on a
   /// processor of 2020.
   int max_pixels = 40000;
   /// m and s: a marker that was missed twice, for example because it is behind a wall, is looked

@@ -4,11 +4,11 @@ namespace omnitag {
 
 class YamlReader;
 
-/// How likely it is that the world is not as expected: all probabilities that weigh contradictory
+/// How likely it is that the world is not as expected: the probabilities that weigh contradictory
 /// poses against each other. They were chosen in the study of moved groups (group_study).
 struct EvidenceConfig {
   /// That something moves the robot between two images without its odometry noticing; and the same
-  /// without odometry, when the robot may also have moved differently by itself.
+  /// without odometry, when the robot itself may have moved unexpectedly.
   double carried = 1e-6;
   double carried_without_odometry = 1e-2;
   /// That a marker is measured beside its place, for example because something covers part of it.
@@ -17,23 +17,24 @@ struct EvidenceConfig {
   double moved = 1e-2;
   /// 1/s: that a marker that was seen in its place is moved.
   double moved_per_second = 1e-8;
-  /// m, over which the probability that neighbours are moved together falls by a factor of e.
+  /// m: the distance over which the probability that neighbours are moved together falls by a
+  /// factor of e.
   double together = 2.5;
-  /// That a pose from outside is off by any amount beyond its deviations; and that markers are seen
-  /// by chance where it puts them.
+  /// That a pose from outside is off by more than its deviations, however much; and that markers
+  /// then appear by chance where it puts them.
   double mistaken_start = 0.01;
   double mistaken = 1e-2;
-  /// That a marker is not found though it was found when last looked for, and is in view of a pose.
-  /// For other markers, the share of the map's markers that were found at first sight counts.
+  /// That a marker in view of a pose is not found, though it was when last looked for. For other
+  /// markers, the share of the map's markers that were found at the first attempt is used.
   double missed = 0.03;
-  /// Standard deviations (Misfit) by which a marker in its place is off at most, if the pose
-  /// is known.
+  /// Standard deviations (Misfit): the most that a marker in its place is off, if the pose is
+  /// known.
   double in_place = 2.5;
-  /// How many times likelier than another a hypothesis must be for the other to be given up.
+  /// A hypothesis is dropped when another is this many times likelier.
   double odds = 100.0;
-  /// The same between two that a pose from outside leaves open: which of two groups was moved then
-  /// rests on their sizes alone. With 100, one marker in its place against five that were moved as
-  /// one is given up, and the pose is as wrong as they are far (group_study).
+  /// The same between two that a pose from outside leaves open: only the sizes of two groups then
+  /// tell which of them was moved. At 100, one marker in its place loses against five that were
+  /// moved as one, and the pose is wrong by as much as they were moved (group_study).
   double odds_at_start = 1e4;
   /// m: while two hypotheses are possible, the likelier one is published with a covariance that
   /// covers the other, unless its deviation is then larger than this.

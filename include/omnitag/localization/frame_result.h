@@ -48,8 +48,8 @@ struct Frame {
   /// The base's motion by odometry while the image is taken: per second, a PoseVector along and
   /// about its own axes.
   std::optional<PoseVector> velocity = std::nullopt;
-  /// Whether to include a view of every predicted marker for people to look at, even of those that
-  /// are recognized without one.
+  /// Whether to include a view of every predicted marker for people to look at, even of markers
+  /// that are recognized without one.
   bool wants_views = false;
   /// Whether to include the pose from this image alone (FrameResult::measured).
   bool wants_measured = false;
@@ -69,8 +69,8 @@ struct MarkerDetection {
   /// Pixels of the panoramic image.
   Corners<Eigen::Vector2d> corners;
   Eigen::Vector2d center;
-  /// Unit vector along its centre's line of sight in the camera's optical frame; NaN if there
-  /// is none.
+  /// Unit vector along its centre's line of sight in the camera's optical frame; NaN if there is no
+  /// line of sight.
   Eigen::Vector3d sight = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
   /// rad, the direction of that line of sight about z of base_link, counter-clockwise from x.
   double bearing = 0.0;
@@ -81,8 +81,9 @@ struct MarkerDetection {
   double residual = 0.0;
   /// The same in standard deviations (Misfit).
   double deviations = 0.0;
-  /// Number of corrected bits, and the grey levels by which modules are on their side of black and
-  /// white, on average; -1 and NaN for a marker that was recognized by its pattern, not decoded.
+  /// Number of corrected bits, and by how many grey levels modules are on the right side of the
+  /// threshold between black and white, on average; -1 and NaN for a marker that was recognized by
+  /// its pattern, not decoded.
   int hamming = -1;
   double margin = std::numeric_limits<double>::quiet_NaN();
 };
@@ -90,14 +91,14 @@ struct MarkerDetection {
 /// A marker that was read elsewhere than at its place in the map.
 struct DisplacedMarker {
   std::size_t map_entry = 0;
-  /// m, from its place in the map to where it seems to hang at the same height.
+  /// m: from its place in the map to where it seems to hang, at the same height.
   double distance = 0.0;
 };
 
 /// Markers that seem to have been moved as one.
 struct GroupDisplacement {
   std::vector<std::size_t> entries;
-  /// m, by which their middle moved in the map.
+  /// m: how far their middle moved in the map.
   Eigen::Vector3d shift;
   /// rad, about the map's z.
   double turn = 0.0;
@@ -133,28 +134,29 @@ struct FrameResult {
   /// The camera as it took the image, and its estimated imaging error.
   std::shared_ptr<const MountedCamera> camera;
   ImagingError imaging_error = ImagingError::Zero();
-  /// The blur assumed for the image, and what its pixels say about it if they aligned the pose.
+  /// The blur assumed for the image, and, if the pose was aligned with its pixels, what they say
+  /// about it.
   ImageBlur blur;
   std::optional<BlurEquations> blur_equations;
-  /// Among the markers that the pose was aligned with.
+  /// Between the markers that the pose was aligned with.
   Disagreement disagreement;
   /// How many times larger than expected the squared residuals are, at least 1.
   double excess = 1.0;
   ImageExposure exposure = ImageExposure::kGood;
-  /// s, by which images seem to be later than their stamps, if that is certain.
+  /// s: how much later images seem to be than their stamps, if that is certain.
   std::optional<double> image_lag;
-  /// In words, what is odd about the frame: why it has no pose, or that the robot was found far
-  /// from where it should have been. Empty otherwise.
+  /// In words, what is odd about the frame: for example, why it has no pose, or that the robot was
+  /// found far from where it should have been. Empty otherwise.
   std::string remark;
-  /// In words, what recent images show to be wrong with the robot's files and settings, and what to
-  /// do about it (Advisor).
+  /// In words, what recent images show is wrong with the robot's files and settings, and what to do
+  /// about it (Advisor).
   std::vector<std::string> advice;
   /// What the frame was expected to show.
   std::vector<PredictedMarker> predicted;
   /// Map entries that were looked for at their projections and not found.
   std::vector<std::size_t> missed;
   /// Map entries that hang elsewhere than the map says, if the expected pose is right; and whether
-  /// that is open, since they may be in their places and the expected pose wrong.
+  /// this is undecided, because they may be in their places and the expected pose wrong.
   std::vector<std::size_t> elsewhere;
   bool is_open = false;
   /// The views that were looked at, and their images (CV_8UC1, one per view).
@@ -162,19 +164,19 @@ struct FrameResult {
   std::vector<cv::Mat> view_images;
   std::vector<MarkerDetection> detections;
   std::vector<DisplacedMarker> displaced;
-  /// Groups of two or more markers, if no other hypothesis is left.
+  /// Groups of two or more markers that were moved as one, if no other hypothesis is left.
   std::vector<GroupDisplacement> displaced_groups;
   /// The poses of the hypotheses that have one, the likeliest first. If their probabilities sum to
-  /// less than 1, the rest is that none of these is right.
+  /// less than 1, the rest is the probability that none of them is right.
   std::vector<WeightedPose> hypotheses;
   /// All readings while exploring (LocalizerConfig::exploring_views), whether the map has the
-  /// marker or not. A marker that both a glance and a view read appears twice; the view of a
-  /// glance's reading is not in `views`.
+  /// marker or not. A marker that was read in both a glance and a view appears twice; the view of a
+  /// reading from a glance is not in `views`.
   std::vector<MarkerReading> explored;
   Timings timings;
 
-  /// The pose to publish: on a floor the pose in its plane, z = roll = pitch = 0, with the
-  /// covariance of all six. There must be a pose.
+  /// The pose to publish: on a floor, the pose in its plane (z = roll = pitch = 0), with the
+  /// covariance of all six numbers. There must be a pose.
   PoseEstimate publishedPose() const;
   /// The same for `measured`.
   std::optional<PoseEstimate> publishedMeasurement() const;

@@ -17,7 +17,7 @@ namespace omnitag {
 /// A camera that a localizer looks through.
 struct LocalizerCamera {
   std::shared_ptr<const CameraModel> model;
-  /// None: as LocalizerConfig says.
+  /// If none, the one in LocalizerConfig.
   std::optional<ShutterConfig> shutter = std::nullopt;
 };
 
@@ -34,7 +34,7 @@ class Localizer {
             const LocalizerConfig& config);
   ~Localizer();
 
-  /// s by which an image may be older than the last one of another camera.
+  /// s: how much older an image may be than the last one of another camera.
   static constexpr double kMaxOvertaken = 0.5;
 
   /// Takes base_link's pose in the map from outside, as a hypothesis
@@ -44,29 +44,29 @@ class Localizer {
   void setPose(const PoseEstimate& map_from_base,
                const std::optional<Pose>& odom_from_base = std::nullopt);
 
-  /// The same without a covariance; the configured initial deviations apply.
+  /// The same without a covariance, using the configured initial deviations.
   void setPose(const Pose& map_from_base, const std::optional<Pose>& odom_from_base = std::nullopt);
 
   /// Forgets the pose; the next frames search.
   void forgetPose();
 
-  /// Replaces the map by one with markers appended, or with some of the existing ones moved.
-  /// Throws InputError as the constructor does; a family that the map did not name before must be
-  /// its default.
+  /// Replaces the map by one that has markers appended, or some of the existing ones moved. Throws
+  /// InputError as the constructor does; a family that the map did not name before must be its
+  /// default.
   void setMap(MarkerMap map);
 
-  /// Continues from the state of another localizer of the same cameras whose map or settings
-  /// differ: takes over its pose, and what it knows of markers that this map has in the same
+  /// Continues from the state of another localizer with the same cameras but another map or other
+  /// settings: takes over its pose, and what it knows of markers that this map has in the same
   /// places. Call it before the first image.
   void continueFrom(const Localizer& before);
 
-  /// Takes markers that the map does not have, with the places where they seem to hang: exploring
-  /// (LocalizerConfig::exploring_views) looks for them there, too.
+  /// Takes markers that the map does not have, at the places where they seem to hang; exploring
+  /// (LocalizerConfig::exploring_views) then looks for them there, too.
   void seek(const std::vector<Marker>& markers);
 
-  /// Processes a frame. The stamps of each camera must increase, be at most kMaxOvertaken older
-  /// than those of others, and frame.image must have the camera's size; otherwise throws InputError
-  /// and keeps its state.
+  /// Processes a frame. The stamps of each camera must increase and be at most kMaxOvertaken older
+  /// than those of other cameras, and frame.image must have the camera's size; otherwise throws
+  /// InputError and keeps its state.
   FrameResult process(const Frame& frame);
 
   const MarkerMap& map() const;

@@ -36,9 +36,9 @@ struct LocalizerConfig {
   /// How many cores a frame may use at once. One leaves the others to the robot's other nodes; more
   /// speed up searches and frames with many markers.
   int threads = 1;
-  /// How much of each frame is searched for markers that the map does not have: in units of one of
-  /// the views that together show all of the panorama (see Exploration); all of them while
-  /// searching for the pose. 0: the map is complete.
+  /// How much of each frame is searched for markers that the map does not have, in units of one of
+  /// the views that together show all of the panorama (see Exploration); while searching for the
+  /// pose, all of them are. 0: the map is complete.
   int exploring_views = 0;
 };
 

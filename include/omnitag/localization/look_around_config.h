@@ -13,14 +13,14 @@ struct LookAroundConfig {
   bool glance = true;
   /// rad, between the middles of neighbouring views.
   double step = radians(45.0);
-  /// rad, by which neighbouring views or sectors overlap: a narrower marker is whole in one of
-  /// them. Much wider, hence nearer, markers are not looked for, except on the floor and under
-  /// the ceiling.
+  /// rad: how far neighbouring views or sectors overlap, so that a narrower marker is whole in one
+  /// of them. Much wider (nearer) markers are not looked for, except on the floor and under the
+  /// ceiling.
   double overlap = radians(20.0);
-  /// Pixels of a view per pixel of the panorama along the tangent, where the panorama
-  /// resolves best.
+  /// Pixels of a view per pixel of the panorama along the tangent, where the panorama has its best
+  /// resolution.
   double oversampling = 1.0;
-  /// Pixels, width and height of a view at most; larger ones are made coarser.
+  /// Pixels: largest width and height of a view; larger views are made coarser.
   int max_size = 960;
 };
 

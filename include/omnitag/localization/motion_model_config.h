@@ -19,7 +19,7 @@ struct FloorConfig {
   /// from the floor; both have this deviation.
   double lean_deviation = 0.0087;
   double height_deviation = 0.005;
-  /// s, in which the slow part may change completely.
+  /// s: the time in which the slow part may change completely.
   double settling_time = 60.0;
 };
 
@@ -39,19 +39,20 @@ struct MotionModelConfig {
   double odometry_rotation_per_metre = 0.05;
   double odometry_translation_per_metre = 0.05;
   double odometry_translation_per_rotation = 0.02;
-  /// m and rad: of a pose given without a covariance.
+  /// m and rad: deviations of a pose given without a covariance.
   double initial_position_deviation = 0.1;
   double initial_heading_deviation = radians(5.0);
-  /// m: with PoseModel::kFree, of the height of a pose that is given on the floor. Its roll and
-  /// pitch have the deviation of the heading.
+  /// m: with PoseModel::kFree, deviation of the height of a pose that is given on the floor. Its
+  /// roll and pitch have the deviation of the heading.
   double initial_height_deviation = 0.3;
-  /// s, how long a pose is carried on with neither markers nor odometry.
+  /// s: how long a pose is carried on with neither markers nor odometry.
   double max_dead_reckoning_time = 1.0;
   /// m and rad: a less certain pose is given up.
   double max_position_deviation = 0.5;
   double max_heading_deviation = radians(20.0);
   /// The same for a pose from outside, until a marker confirms it: a person points at a place to
-  /// half a metre, and the first marker may be some way off. Without odometry only the time counts.
+  /// within half a metre, and the first marker may be some way off. Without odometry, only the time
+  /// limit applies.
   double max_initial_time = 10.0;
   double max_initial_position_deviation = 2.0;
   double max_initial_heading_deviation = radians(60.0);

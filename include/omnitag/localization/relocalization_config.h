@@ -6,11 +6,11 @@ class YamlReader;
 
 /// When to believe a pose that was found without a prediction.
 struct RelocalizationConfig {
-  /// Log-likelihood by which the best of several poses that explain the same markers must lead.
+  /// Lead in log-likelihood that the best of several poses that explain the same markers must have.
   double min_lead = 10.0;
-  /// Standard deviations (Misfit) of the only marker that a pose explains.
+  /// Largest misfit, in standard deviations (Misfit), of the only marker that a pose explains.
   double max_misfit_of_one = 2.4;
-  /// Corrected bits of the only marker that a pose explains.
+  /// Most corrected bits of the only marker that a pose explains.
   int max_hamming_of_one = 1;
   /// m: largest standard deviation of a pose's position, height included, from a single marker.
   double max_deviation_of_one = 0.2;

@@ -13,9 +13,9 @@ struct AlignPoint {
   Eigen::Vector2d place;
 };
 
-/// The frame into which to put a map that was built; none: it stays in its own.
+/// The frame to put a map into that was built; none: it stays in its own.
 struct AlignmentRequest {
-  /// Another localizer's, in the bags' tf.
+  /// The frame of another localizer, in the bags' tf.
   std::string frame;
   std::vector<AlignPoint> points;
 

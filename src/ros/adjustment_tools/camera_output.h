@@ -15,7 +15,7 @@ struct MountingFrames {
 };
 
 /// The final report: each parameter with its deviation, the residuals, the mounting and how to use
-/// it (unless nothing of it was estimated: no `frames`), remarks.
+/// it (none without `frames`, if it was not estimated), remarks.
 std::string calibrationReport(const CalibrationResult& result,
                               const std::optional<MountingFrames>& frames);
 

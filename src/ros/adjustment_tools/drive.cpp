@@ -80,7 +80,7 @@ void Drive::check(const std::string& option, const std::string& frame,
   const std::string& base = options_.parameters.frames.base;
   for (std::size_t i = 0; i < inputs_.size(); ++i) {
     std::string why;
-    // At the latest time in the bag, whichever that is.
+    // At the latest time in the bag.
     if (inputs_[i]->transforms().canTransform(frame, base, ros::Time(0), &why)) continue;
     throw InputError(format("%s: %s: expected %s from '%s' to '%s' in tf, found none: %s",
                             options_.bags[i].c_str(), option.c_str(), what.c_str(), base.c_str(),

@@ -57,7 +57,7 @@ class Drive {
   cv::Mat imageOf(std::size_t frame) const;
   /// How many of the images read last have odometry.
   std::size_t withOdometry() const { return with_odometry_; }
-  /// The frame of the images, and the frame that they are mounted on.
+  /// The frame of the images, and the frame that the camera is mounted on.
   const std::string& cameraFrame() const { return camera_frame_; }
   const std::string& baseFrame() const { return options_.parameters.frames.base; }
   const LocalizerParameters& parameters() const { return options_.parameters; }
@@ -66,11 +66,11 @@ class Drive {
     return inputs_.front()->cameraOf(file);
   }
 
-  /// In the odometry frame of the parameters; lives no longer than the drive. Throws InputError if
-  /// a bag has no odometry.
+  /// Odometry in the odometry frame of the parameters; must not outlive the drive. Throws
+  /// InputError if a bag has no odometry.
   OdometryAt odometry() const;
-  /// The robot's poses by another localizer, in its frame, paired with these at the times at which
-  /// tf has them. Throws InputError if a bag has none.
+  /// The robot's poses by another localizer, in its frame, paired with these poses at the times for
+  /// which tf has them. Throws InputError if a bag has none.
   std::vector<PosePair> posesIn(const std::string& frame, const std::vector<double>& stamps,
                                 const std::vector<Pose>& map_from_base) const;
 

@@ -27,7 +27,7 @@ class StepLog {
   std::string last_;
 };
 
-/// How to place markers with a camera that is only roughly known.
+/// The configuration for placing markers with a camera that is only roughly known.
 MapBuilderConfig roughly(MapBuilderConfig config) {
   config.corner_noise = 3.0;
   config.looks_for_contradictions = false;
@@ -46,7 +46,7 @@ class JointRun {
   }
 
   JointResult run() {
-    // A wrong camera bends the edges of markers in the views that they are read in.
+    // In the views, a wrong camera bends the edges of markers.
     findRoughly();
     find("images again, with the camera found", {});
     // With the camera known this well, all pixels of a marker determine its corners.
@@ -54,7 +54,7 @@ class JointRun {
     const MountedCamera found(result_.model(request_.guess), result_.camera.base_from_camera);
     const std::optional<TimeCalibration> time = result_.time;
     const MarkerMap map = map_;
-    // A corner that is off by as much as decoded ones is then an outlier: a shadow, something in
+    // Then, a corner that is off by as much as decoded ones is an outlier: a shadow, something in
     // the way.
     constexpr double kAlignedWidth = 0.05;  // pixels
     config_.robust_width = kAlignedWidth;
@@ -97,8 +97,8 @@ class JointRun {
     });
   }
 
-  /// Gives markers that were read but are not in the map a first place. Without a map, one of them
-  /// is the reference.
+  /// Gives a first place to markers that were read but are not in the map. Without a map, one of
+  /// them is the reference.
   void placeUnknown(const std::shared_ptr<const CameraModel>& camera,
                     const std::vector<FrameReadings>& frames, const MapBuilderConfig& growth,
                     const MarkerMap& seed) {
@@ -120,7 +120,7 @@ class JointRun {
     }
   }
 
-  /// Places markers that were not found with the guess, by the camera and the markers found.
+  /// Places markers that were not found with the guess, using the camera and the markers found.
   void placeMissing(std::vector<FrameReadings> frames) {
     if (!(request_.growth.size > 0.0)) return;
     for (FrameReadings& frame : frames) frame.base_from_camera = result_.camera.base_from_camera;

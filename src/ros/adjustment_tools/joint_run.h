@@ -14,12 +14,12 @@
 
 namespace omnitag {
 
-/// What is known of a drive beforehand, and what is wanted of it.
+/// What is known about a drive beforehand, and what to find out.
 struct JointRequest {
   CameraTemplate guess;
-  /// Its markers are as soft as their deviations say; without markers if nothing is known.
+  /// Its markers may move within their deviations; without markers if nothing is known.
   MarkerMap seed;
-  /// How unknown markers are first placed, and what was measured between markers.
+  /// How to place unknown markers at first, and what was measured between markers.
   MapBuilderConfig growth;
   CalibrationConfig calibration;
   /// Whether to estimate the times of the images' rows, by odometry.
@@ -37,9 +37,9 @@ struct JointResult {
   std::shared_ptr<const CameraModel> model(const CameraTemplate& guess) const;
 };
 
-/// Camera, mounting, map and times from one drive. Reads the bags three times: with the guess, with
-/// the camera found, and by all pixels of the markers. Reports its steps on standard error. Throws
-/// InputError as calibrateCamera() and buildMap() do.
+/// Estimates camera, mounting, map and times from one drive. Reads the bags three times: with the
+/// guess, with the camera found, and by all pixels of the markers. Reports its steps on standard
+/// error. Throws InputError as calibrateCamera() and buildMap() do.
 JointResult runJointly(const JointRequest& request, Drive* drive);
 
 }  // namespace omnitag

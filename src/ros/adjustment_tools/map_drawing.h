@@ -7,7 +7,7 @@
 namespace omnitag {
 
 /// Draws a map from above: markers with their fronts and ids, the seed's in black, new ones in blue
-/// with ellipses of a hundred standard deviations, and the robot's path. Throws InputError if the
+/// with ellipses of a hundred standard deviations; and the robot's path. Throws InputError if the
 /// file cannot be written.
 void drawMap(const BuiltMap& map, const std::string& path);
 

@@ -26,7 +26,7 @@ std::pair<double, double> deviationsOf(const BuiltMarker& marker) {
   return {estimate.positionDeviation(), estimate.orientationDeviation()};
 }
 
-/// Whether the drive shows more of a marker than was known.
+/// Whether the drive showed more about a marker's place than was known.
 bool isFound(const BuiltMarker& marker) {
   return !marker.is_exact && !marker.covariance.isZero(0.0);
 }

@@ -15,10 +15,10 @@ void align(const AlignmentRequest& request, const Drive& drive, BuiltMap* map);
 /// Prints the map: each marker's place and how well it is known, the worst readings, remarks.
 void printMap(const BuiltMap& map);
 
-/// The text of the map file, to be written to `path`. It is the seed's with the new markers at the
-/// end, in which exact entries keep their places and others get better ones. It is a new one
-/// without a seed (empty path), if the map is in another frame than the seed, or in another folder
-/// if it has pictures, whose paths are relative to it.
+/// The text of the map file, to be written to `path`: the seed's text with the new markers at the
+/// end, where exact entries keep their places and others get better ones. It is a new text without
+/// a seed (empty path), if the map's frame is not the seed's, or in another folder if there are
+/// pictures, whose paths are relative to it.
 std::string mapText(const std::string& seed_path, const std::string& frame, const BuiltMap& map,
                     const std::string& path);
 

@@ -196,7 +196,7 @@ void BagInput::forEachTransform(
 }
 
 void BagInput::loadTransforms(const std::string& without_child) {
-  // Nothing is forgotten, however far the stamps are apart.
+  // Nothing is forgotten, however far apart the stamps are.
   constexpr double kAYear = 365.0 * 86400.0;
   transforms_ = std::make_unique<tf2::BufferCore>(ros::Duration(kAYear));
   forEachTransform([&](const geometry_msgs::TransformStamped& transform, bool is_static) {
@@ -206,7 +206,7 @@ void BagInput::loadTransforms(const std::string& without_child) {
 }
 
 std::optional<std::string> BagInput::parentConflict(const FrameNames& frames) const {
-  // However far apart in time the bag's transforms are, all count.
+  // All of the bag's transforms count, however far apart in time they are.
   constexpr double kNow = 0.0;
   ParentWatch parents(frames);
   forEachTransform([&](const geometry_msgs::TransformStamped& transform, bool is_static) {
@@ -221,7 +221,7 @@ void BagInput::replaceMounting(const std::string& base_frame,
   transform.header.frame_id = base_frame;
   transform.child_frame_id = cameraFrame();
   transform.transform = toMessage(base_from_camera);
-  // Without the frame's own transforms, since tf2 would continue to use those of /tf.
+  // Without the frame's own transforms: tf2 would continue to use those of /tf.
   loadTransforms(withoutSlash(transform.child_frame_id));
   if (!transforms_->setTransform(transform, "option", true)) {
     throw InputError(path_ + ": cannot replace the mounting of '" + transform.child_frame_id +

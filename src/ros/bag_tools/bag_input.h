@@ -31,9 +31,10 @@ class BagInput {
  public:
   using MessageUser = std::function<void(const rosbag::MessageInstance&)>;
 
-  /// `paths`: bags, read one after another; the transforms of each count for all. `image_topics`:
-  /// those of the cameras, which may be the same, with or without /compressed; empty for the only
-  /// one. Throws InputError if a bag cannot be read, or if a topic is missing or ambiguous.
+  /// `paths`: bags, read one after another; the transforms of each apply to all. `image_topics`:
+  /// those of the cameras, which may be the same, with or without /compressed; empty: the only
+  /// topic with images. Throws InputError if a bag cannot be read, or if a topic is missing or
+  /// ambiguous.
   BagInput(const std::vector<std::string>& paths, const std::vector<std::string>& image_topics,
            const RecordedSpan& span = {});
   BagInput(const std::vector<std::string>& paths, const std::string& image_topic,
@@ -48,9 +49,8 @@ class BagInput {
   bool isImage(const rosbag::MessageInstance& message) const;
   /// The number of images in the span.
   std::size_t imageCount() const;
-  /// Passes on the images of the span in the order of recording: bag by bag, or merged where there
-  /// are several topics, which may be in bags of their own. Their messages live no longer than this
-  /// object.
+  /// Passes on the images of the span in the order of recording: bag by bag, or merged if there are
+  /// several topics, which may be in separate bags. Their messages must not outlive this object.
   void forEachImage(const MessageUser& use) const;
   /// The same for all messages.
   void forEachMessage(const MessageUser& use) const;
@@ -66,7 +66,7 @@ class BagInput {
   /// can. `frames`: with the map's frame filled in.
   std::optional<std::string> parentConflict(const FrameNames& frames) const;
 
-  /// Mounts the frame of the only camera's images on `base_frame` as given here, whatever the bag's
+  /// Mounts the frame of the only camera's images on `base_frame` as given, whatever the bag's
   /// transforms say.
   void replaceMounting(const std::string& base_frame, const Eigen::Isometry3d& base_from_camera);
 

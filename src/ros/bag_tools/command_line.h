@@ -11,15 +11,16 @@ namespace omnitag {
 /// An option's name, and the path that was given; empty for none.
 using PathOption = std::pair<std::string, std::string>;
 
-/// A tool's option of one text, which is stored in `*value`. `name`: of the text in the help.
+/// A tool's option with one text, which is stored in `*value`. `name`: what the help calls the
+/// text.
 boost::program_options::typed_value<std::string>* textOption(std::string* value, const char* name);
 
 /// The same for an option that may be repeated.
 boost::program_options::typed_value<std::vector<std::string>>* textsOption(
     std::vector<std::string>* values, const char* name);
 
-/// Reads a command line of long options and of positional arguments. False if help was asked for,
-/// which is then printed: `usage` and the options. Throws InputError for an option that is missing,
+/// Reads a command line of long options and positional arguments. If help is asked for, prints it
+/// (`usage` and the options) and returns false. Throws InputError for an option that is missing,
 /// unknown or has a bad value.
 bool parseCommandLine(
     int argc, char** argv, const std::string& usage,

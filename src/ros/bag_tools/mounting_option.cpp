@@ -33,7 +33,7 @@ std::string join(const Numbers& numbers, const char* separator) {
   return text;
 }
 
-/// Finite numbers between commas; none if there is anything else.
+/// The finite numbers between commas; none if there is anything else.
 std::vector<double> numbersIn(const std::string& text) {
   std::istringstream stream(text);
   std::vector<double> numbers;

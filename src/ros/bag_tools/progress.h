@@ -15,7 +15,7 @@ class Progress {
 
   void show(std::size_t done);
 
-  /// Writes a line of its own.
+  /// Writes a separate line.
   void warn(const std::string& line) const;
 
  private:

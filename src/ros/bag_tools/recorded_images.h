@@ -11,12 +11,12 @@
 
 namespace omnitag {
 
-/// Uses an image of a bag; throws InputError if it is of no use.
+/// Uses an image of a bag; throws InputError if it cannot.
 using ImageUser = std::function<void(const AssembledFrame&, const rosbag::MessageInstance&)>;
 
 /// Passes on the images of a bag in their order, at most `most` of them, evenly spread. Shows its
 /// progress, counted in `what`, and warns about images that cannot be used. Throws InputError if
-/// none can. An image's message lives no longer than the bag.
+/// none can. An image's message must not outlive the bag.
 void useImages(const BagInput& input, const FrameAssembler& assembler, std::size_t most,
                const std::string& what, const ImageUser& use);
 

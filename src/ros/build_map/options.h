@@ -15,7 +15,7 @@ struct BuildOptions {
   std::string camera;
   std::string seed;
   std::string output;
-  /// If given, the camera is calibrated too and written there.
+  /// If given, the camera is also calibrated, and written there.
   std::string output_camera;
   std::string drawing;
   std::string trajectory;
@@ -27,7 +27,7 @@ struct BuildOptions {
   bool estimates_sizes = false;
   std::string odom_frame = "odom";
   int max_images = 600;
-  /// The frame into which to put the map; none: it stays in its own.
+  /// The frame to put the map into; none: it stays in its own.
   AlignmentRequest alignment;
 };
 

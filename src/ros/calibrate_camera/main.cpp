@@ -59,7 +59,7 @@ void run(const CalibrationOptions& options) {
   const LocalizerParameters parameters = parametersOf(options);
   const JointRequest request = requestOf(options, parameters);
   const bool is_board = !options.board.empty();
-  // Before a board, the camera itself is what moves.
+  // In front of a board, the camera itself moves.
   const auto mounting = is_board ? Eigen::Isometry3d::Identity() : options.mounting;
   Drive drive({options.bags, options.image_topic, parameters, mounting,
                familiesToRead(options, request.seed), static_cast<std::size_t>(options.images)});

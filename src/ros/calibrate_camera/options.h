@@ -20,21 +20,21 @@ struct CalibrationOptions {
   std::string board;
   std::string camera;
   std::string output;
-  /// Of the residuals; filled in if it was not given.
+  /// The picture of the residuals; filled in if it was not given.
   std::string picture;
   std::string image_topic;
   std::string params;
-  /// In the bag's tf; if it is given, the times of the rows are estimated.
+  /// A frame in the bag's tf; if given, the times of the rows are estimated.
   std::string odom_frame;
   /// The file to write those times to.
   std::string output_params;
   /// The file to write the markers to.
   std::string output_map;
-  /// Of markers that the map does not have. The default family is the map's, or tag36h11; the
-  /// default size (m) the map's. 0: unknown markers are not used.
+  /// For markers that the map does not have. The default family is the map's, or tag36h11; the
+  /// default size (m) is the map's. 0: unknown markers are not used.
   std::string family;
   double size = 0.0;
-  /// The frame into which to put that map; none: it stays in its own.
+  /// The frame to put that map into; none: it stays in its own.
   AlignmentRequest alignment;
   /// base_from_camera, in place of the bag's.
   std::optional<Eigen::Isometry3d> mounting;

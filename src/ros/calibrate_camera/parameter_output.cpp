@@ -47,7 +47,7 @@ ParameterOutput::ParameterOutput(std::string path) : path_(std::move(path)) {
 std::string ParameterOutput::write(const TimeCalibration& time) const {
   std::string text = text_;
   std::string keys;
-  // With a point, without which YAML 1.1 takes 5e-05 for text.
+  // With a decimal point: without one, YAML 1.1 takes 5e-05 for text.
   if (time.image_time_offset.is_observed) {
     text = withNumber(text, kOffset, format("%.6f", time.image_time_offset.value));
     keys = kOffset;

@@ -9,10 +9,10 @@ namespace omnitag {
 /// The report on the times: each with its deviation, or why it was held.
 std::string timeReport(const TimeCalibration& time, int rows);
 
-/// A parameter file to write times to; it may exist already.
+/// A parameter file to write times to, which may already exist.
 class ParameterOutput {
  public:
-  /// Throws InputError that names the file if it exists and localize_bag would refuse it, or if the
+  /// Throws InputError that names the file if localize_bag would refuse an existing one, or if the
   /// keys of the times cannot be put into it without changing the rest.
   explicit ParameterOutput(std::string path);
 

@@ -23,7 +23,7 @@
 namespace omnitag {
 namespace {
 
-/// Warnings about single images that could not be used; the rest is only counted.
+/// This many images that could not be used get a warning; the rest are only counted.
 constexpr std::size_t kMaxWarnings = 5;
 
 /// What the final lines of a run report.
@@ -112,7 +112,7 @@ void openOutput(const BagOptions& options, const LocalizerParameters& parameters
   output->emplace(options.output, parameters, localizer, sends_tf);
 }
 
-/// Throws InputError if a part without images is asked for.
+/// Throws InputError if the chosen part has no images.
 void checkSpan(const BagOptions& options, const BagInput& input) {
   const bool is_part = options.span.from > 0.0 || std::isfinite(options.span.until);
   if (!is_part || input.imageCount() > 0) return;
@@ -120,7 +120,7 @@ void checkSpan(const BagOptions& options, const BagInput& input) {
                    boost::algorithm::join(options.bags, ", "));
 }
 
-/// Counts a frame, and warns of what is odd about it.
+/// Counts a frame, and warns about anything odd in it.
 void note(const LocalizedImage& localized, const std::string& stamp, const Progress& progress,
           Summary* summary) {
   if (localized.went_back > 0.0) progress.warn(stamp + ": stamps went back: started anew");

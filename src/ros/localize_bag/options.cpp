@@ -117,7 +117,7 @@ LocalizerParameters parametersOf(const BagOptions& options) {
     if (!options.image_topic.empty()) refuse("--image-topic");
     if (options.mounting) refuse("--mounting");
   } else {
-    // The node's `image` is whatever topic the bag has.
+    // The node's `image` is the topic of the bag, whatever its name.
     parameters.cameras.front().image = options.image_topic;
     if (!options.camera.empty()) parameters.cameras.front().camera_file = options.camera;
   }

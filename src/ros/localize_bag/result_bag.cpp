@@ -20,7 +20,7 @@ namespace {
 
 const std::string kCompressed = "/compressed";
 
-/// The header of a connection that a player of the bag latches.
+/// The header of a connection that rosbag play will latch.
 template <typename Message>
 boost::shared_ptr<ros::M_string> latched(const Message& message) {
   namespace traits = ros::message_traits;

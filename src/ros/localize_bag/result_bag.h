@@ -15,8 +15,8 @@
 namespace omnitag {
 
 /// A copy of the input together with what the localizer publishes on a robot, the debug image in
-/// the form of image_transport's `compressed`. /diagnostics, which describe a running node, stay as
-/// they are. Messages and transforms of the input that the localizer publishes itself are left out.
+/// image_transport's format `compressed`. /diagnostics stay as they are: they describe a running
+/// node. Messages and transforms of the input that the localizer publishes itself are left out.
 class ResultBag {
  public:
   /// `sends_transform`: whether to write the robot's transform. Throws InputError if the bag cannot

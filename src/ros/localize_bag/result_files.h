@@ -13,12 +13,12 @@ namespace omnitag {
 /// The trajectory (TUM), the poses (CSV) and the detections (CSV) of a run.
 class ResultFiles {
  public:
-  /// An empty path: the file is not wanted. Throws InputError if one cannot be written.
+  /// A file with an empty path is not written. Throws InputError if one cannot be written.
   ResultFiles(const std::string& trajectory, const std::string& poses,
               const std::string& detections);
 
-  /// In the trajectory stamps increase: of images of the same stamp, the last one's pose stays, and
-  /// images that were overtaken are left out.
+  /// Stamps in the trajectory increase: of images with the same stamp, the last one's pose stays,
+  /// and images that were overtaken are left out.
   void add(const ros::Time& stamp, const LocalizedImage& localized, const MarkerMap& map);
 
   /// Adds a line without a pose to the poses, for a frame that could not be processed.

@@ -30,7 +30,7 @@
 namespace omnitag {
 namespace {
 
-/// Poses from which new markers are judged at most: a choice hardly depends on more.
+/// New markers are judged from at most this many poses: a choice hardly depends on more.
 constexpr std::size_t kMostPoses = 3000;
 
 int threads() { return static_cast<int>(std::max(1U, std::thread::hardware_concurrency())); }
@@ -39,7 +39,7 @@ OccupancyGrid loadGrid(const std::string& path) {
   const GridFile file = loadGridFile(path);
   cv::Mat image;
   try {
-    // OpenCV would complain in lines of its own.
+    // OpenCV itself would print additional complaints.
     const std::string bytes = YamlReader::textOf(file.image);
     if (!bytes.empty()) {
       image = cv::imdecode(std::vector<char>(bytes.begin(), bytes.end()), cv::IMREAD_GRAYSCALE);
@@ -73,7 +73,7 @@ double heightOf(const PlanOptions& options, const MarkerMap& map) {
   return kCentimetre * std::round(sum / static_cast<double>(map.markers.size()) / kCentimetre);
 }
 
-/// Markers that show pictures have no ids from which to take unused ones.
+/// Picture markers have no ids, so no unused ones to take.
 std::string familyOf(const PlanOptions& options, const MarkerMap& map) {
   const std::string& of_map =
       map.default_family.empty() ? map.markers.front().family : map.default_family;
@@ -83,7 +83,7 @@ std::string familyOf(const PlanOptions& options, const MarkerMap& map) {
                    family + "'");
 }
 
-/// What hints at a grid and a map whose frames differ; empty if nothing does.
+/// A hint that the grid and the map may have different frames; empty if nothing suggests that.
 std::string frameRemark(const OccupancyGrid& grid, const MarkerMap& map) {
   std::string ids;
   int count = 0;
@@ -101,7 +101,7 @@ std::string frameRemark(const OccupancyGrid& grid, const MarkerMap& map) {
       count, static_cast<int>(map.markers.size()), ids.c_str());
 }
 
-/// Every so many poses, so that there are not too many, in turn at each of the headings.
+/// Every n-th pose, so that there are not too many, at each of the headings in turn.
 std::vector<Pose> someOf(const std::vector<Pose>& poses, int headings) {
   std::size_t step = (poses.size() + kMostPoses - 1) / kMostPoses;
   while (std::gcd(step, static_cast<std::size_t>(headings)) != 1) ++step;

@@ -41,7 +41,7 @@ Number checked(const char* option, Number value, Number least, Number most) {
                    format("%g", static_cast<double>(value)));
 }
 
-/// An option with such a number, which is then given to `take`.
+/// An option with such a number, which is passed to `take`.
 template <typename Number, typename Take>
 po::typed_value<Number>* numberOption(const char* option, const char* name, Number least,
                                       Number most, const Take& take) {

@@ -8,7 +8,7 @@
 
 namespace omnitag {
 
-/// What plan_markers is asked for.
+/// The command line of plan_markers.
 struct PlanOptions {
   std::string camera;
   std::string map;
@@ -16,17 +16,17 @@ struct PlanOptions {
   std::string params;
   std::string output;
   Eigen::Isometry3d base_from_camera = Eigen::Isometry3d::Identity();
-  /// m; the map's without.
+  /// m; the map's if not given.
   std::optional<double> size;
   std::optional<double> height;
-  /// The map's without.
+  /// The map's if not given.
   std::string family;
-  /// Of new markers; 0: none.
+  /// Number of new markers; 0: none.
   int count = 0;
   bool compares = false;
   /// m between places; 0: about 3000 places.
   double step = 0.0;
-  /// m from places to obstacles.
+  /// m: least distance from places to obstacles.
   double clearance = 0.25;
   int headings = 8;
   Headings over_headings = Headings::kWorst;
