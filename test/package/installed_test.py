@@ -54,9 +54,7 @@ class InstalledTest(unittest.TestCase):
         run("cmake", "--build", build)
         with open(os.path.join(build, "CMakeCache.txt"), encoding="utf-8") as cache:
             self.assertIn(f"_DIR:PATH={prefix}/", cache.read(), "another one was found")
-        # catkin puts programs elsewhere.
-        places = [os.path.join(build, user), os.path.join(build, "devel", "lib", user)]
-        return next(place for place in places if os.path.isfile(place))
+        return os.path.join(build, user)
 
     def check_core(self, prefix):
         said = run(self.build("core_user", prefix),
