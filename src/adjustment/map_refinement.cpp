@@ -72,6 +72,7 @@ void MapRefinement::setMap(const MarkerMap& map) {
   if (!continues(map)) {
     landmarks_.clear();
     places_.clear();
+    views_.clear();
     Eigen::VectorXd variances = Eigen::VectorXd::Ones(
         kStandingNumbers + static_cast<Eigen::Index>(camera_count_) * kCameraModes);
     variances.head<kStandingNumbers>() = standingDeviations(motion_.floor).cwiseAbs2();
@@ -120,10 +121,11 @@ bool MapRefinement::add(const Frame& frame, const FrameResult& result) {
   if (!is_any_uncertain || key.sights.size() < 2) return false;
   places_.push_back(result.map_from_base->pose);
   if (!learnFrom(key, joint_.get())) return false;
+  views_.emplace_back();
   for (const KeyFrame::Sight& sight : key.sights) {
-    Landmark& landmark = landmarks_[sight.entry];
-    ++landmark.sights;
-    for (const KeyFrame::Sight& other : key.sights) landmark.seen_with.insert(other.entry);
+    ++landmarks_[sight.entry].sights;
+    if (!sight.increment) continue;
+    views_.back().insert(views_.back().end(), {2 * sight.entry, 2 * sight.entry + 1});
   }
   updateMap();
   return true;
@@ -147,12 +149,13 @@ KeyFrame MapRefinement::keyFrame(const Frame& frame, const FrameResult& result) 
 }
 
 void MapRefinement::updateMap() {
+  const std::vector<Deviations> covering = coveringDeviations();
   for (std::size_t i = 0; i < landmarks_.size(); ++i) {
-    map_.markers[i] = refinedMarker(landmarks_[i]);
+    map_.markers[i] = refinedMarker(landmarks_[i], covering[i]);
   }
 }
 
-Marker MapRefinement::refinedMarker(const Landmark& landmark) const {
+Marker MapRefinement::refinedMarker(const Landmark& landmark, const Deviations& covering) const {
   Marker marker = landmark.in_file;
   if (!landmark.increment || landmark.sights == 0) return marker;
   const MarkerIncrement increment = joint_->mean.segment<6>(*landmark.increment);
@@ -160,32 +163,43 @@ Marker MapRefinement::refinedMarker(const Landmark& landmark) const {
   // One that seems to hang beyond its prior was moved, or is mistaken for another.
   if (increment.cwiseQuotient(deviations).squaredNorm() > kFarthest) return marker;
   marker.map_from_marker = moved(marker.map_from_marker, increment);
-  marker.deviation = std::min(marker.deviation, coveringDeviation(landmark, 0));
-  marker.orientation_deviation =
-      std::min(marker.orientation_deviation, coveringDeviation(landmark, kOrientation));
+  marker.deviation = std::min(marker.deviation, covering[0]);
+  marker.orientation_deviation = std::min(marker.orientation_deviation, covering[1]);
   return marker;
 }
 
-double MapRefinement::coveringDeviation(const Landmark& landmark, Eigen::Index part) const {
-  // A block diagonal matrix with D_a = s_a sum_b(|P_ab| / s_b) exceeds the covariance P for any
-  // s > 0 (Gershgorin's theorem for blocks). With s the deviations, this is the variance times the
-  // number of correlated parts.
-  const auto blockOf = [this](Eigen::Index a, Eigen::Index b) -> Eigen::Matrix3d {
-    return joint_->covariance.block<3, 3>(a, b);
+std::vector<MapRefinement::Deviations> MapRefinement::coveringDeviations() const {
+  // Of all block diagonal matrices, that with the blocks D_a = s_a sum_b(|P_ab| / s_b) exceeds the
+  // covariance P whatever s > 0 is (Gershgorin's theorem for blocks). With s the deviations, it is
+  // the variance of a part times the number of parts that err with it.
+  const auto beginOf = [this](std::size_t part) {
+    return *landmarks_[part / 2].increment + static_cast<Eigen::Index>(part % 2) * kOrientation;
   };
-  const auto deviationOf = [&](Eigen::Index a) {
-    return std::sqrt(eigenPairs(blockOf(a, a)).values(2));
+  const auto sizeOf = [&](std::size_t a, std::size_t b) {
+    return norm(joint_->covariance.block<3, 3>(beginOf(a), beginOf(b)));
   };
-  const Eigen::Index own = *landmark.increment + part;
-  double correlated = 0.0;
-  for (const std::size_t entry : landmark.seen_with) {
-    const auto& other = landmarks_[entry].increment;
-    if (!other) continue;
-    for (const Eigen::Index of_other : {*other, *other + kOrientation}) {
-      correlated += norm(blockOf(own, of_other)) / deviationOf(of_other);
+  const std::size_t parts = 2 * landmarks_.size();
+  std::vector<double> deviations(parts);
+  for (std::size_t a = 0; a < parts; ++a) {
+    if (landmarks_[a / 2].increment) deviations[a] = std::sqrt(sizeOf(a, a));
+  }
+  const auto count = static_cast<Eigen::Index>(parts);
+  Eigen::MatrixXd ratios = Eigen::MatrixXd::Constant(count, count, -1.0);  // |P_ab| / s_b
+  std::vector<Deviations> covering(landmarks_.size());
+  for (const std::vector<std::size_t>& view : views_) {
+    for (const std::size_t a : view) {
+      double sum = 0.0;
+      for (const std::size_t b : view) {
+        double& ratio = ratios(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
+        if (ratio < 0.0) ratio = sizeOf(a, b) / deviations[b];
+        sum += ratio;
+      }
+      const double variance = alikeFactor(landmarks_[a / 2].sights) * deviations[a] * sum;
+      double& most = covering[a / 2][a % 2];
+      most = std::max(most, std::sqrt(variance));
     }
   }
-  return std::sqrt(alikeFactor(landmark.sights) * deviationOf(own) * correlated);
+  return covering;
 }
 
 std::vector<RefinedMarker> MapRefinement::refined() const {

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <optional>
-#include <set>
 #include <vector>
 
 #include "localization/motion_model.h"
@@ -63,18 +63,21 @@ class MapRefinement {
     Marker in_file;
     /// Where its increment begins in the joint estimate; none if it has no deviations.
     std::optional<Eigen::Index> increment;
-    /// The number of images, and the markers that they showed with it.
+    /// Number of images used that show it.
     std::size_t sights = 0;
-    std::set<std::size_t> seen_with;
   };
+  /// Of position and orientation, in m and rad.
+  using Deviations = std::array<double, 2>;
 
   bool continues(const MarkerMap& map) const;
   void append(const Marker& marker);
   bool isUsable(const FrameResult& result) const;
   KeyFrame keyFrame(const Frame& frame, const FrameResult& result) const;
   void updateMap();
-  Marker refinedMarker(const Landmark& landmark) const;
-  double coveringDeviation(const Landmark& landmark, Eigen::Index part) const;
+  Marker refinedMarker(const Landmark& landmark, const Deviations& covering) const;
+  /// For each landmark, deviations with which the markers of any image used, taken for independent,
+  /// have at least the covariance that they have.
+  std::vector<Deviations> coveringDeviations() const;
 
   std::size_t camera_count_;
   MotionModelConfig motion_;
@@ -83,8 +86,10 @@ class MapRefinement {
   std::vector<Landmark> landmarks_;
   /// Height, roll and pitch; the modes of each camera; the increments.
   std::unique_ptr<JointEstimate> joint_;
-  /// Of the robot in the frames used.
+  /// Where the robot was in the images used.
   std::vector<Pose> places_;
+  /// What each of them shows: 2 i is the position of landmark i, 2 i + 1 its orientation.
+  std::vector<std::vector<std::size_t>> views_;
 };
 
 }  // namespace omnitag

@@ -2,33 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "common/parallel.h"
 #include "common/stopwatch.h"
-#include "common/symmetric_matrix.h"
-#include "marker/marker_association.h"
 #include "photometry/recognition.h"
-#include "view/view_planner.h"
 
 namespace omnitag {
 namespace {
-
-/// This many markers make a prediction sharp enough to find all others easily.
-constexpr std::size_t kFirst = 2;
-
-/// At most this many markers are decoded if the prediction is too vague to recognize them.
-constexpr std::size_t kAnchors = 4;
-
-/// Pixels: size of the largest view that is decoded.
-constexpr double kAnySize = std::numeric_limits<double>::infinity();
-
-/// The same if the prediction is in doubt: decoding must not cost more than a glance.
-double largestInDoubt(const cv::Mat& panorama) {
-  constexpr double kShareOfSides = 0.25;
-  return kShareOfSides * panorama.cols * kShareOfSides * panorama.rows;
-}
 
 /// A prior about a starting pose that knows little more than how the robot stands.
 PosePrior vague(const Pose& pose, const PosePrior& standing) {
@@ -46,12 +27,6 @@ bool isSameLook(const PredictedMarker& before, const PredictedMarker& now) {
   return (now.center - before.center).norm() < kSamePlace &&
          now.tangential_margin > kNearly * before.tangential_margin &&
          now.radial_margin > kNearly * before.radial_margin;
-}
-
-/// Whether markers may well be elsewhere than at their likeliest places.
-bool isHardlyKnown(const PoseEstimate& predicted) {
-  constexpr double kHardly = 0.05;  // m
-  return positionDeviation(predicted) > kHardly;
 }
 
 /// m: with this deviation of the pose, markers may be farther off in the image than where they are
@@ -76,7 +51,7 @@ std::optional<PoseEstimate> FrameTracker::track() {
   if (has_prior_) remember();
   if (recognizes()) {
     // With the first ones, the others are easy to find.
-    recognize(predicted_, kFirst);
+    recognize(predicted_, kToStart);
     solve();
     findOthers();
     decodeAnchors();
@@ -84,7 +59,7 @@ std::optional<PoseEstimate> FrameTracker::track() {
     // A vague prediction may first lead to markers that were moved as one; from their pose, those
     // in their places are not found.
     const bool is_first = solution_ && tools_.memory.countInPlace() == 0;
-    if (has_prior_ && is_first && isHardlyKnown(predicted_)) {
+    if (has_prior_ && is_first && isHardlyKnown()) {
       lookAgain(predicted_.pose, false);
     }
     if (isSurprising()) lookWherePredicted();
@@ -96,7 +71,7 @@ std::optional<PoseEstimate> FrameTracker::track() {
   if (const std::vector<std::size_t> rest = undecided(); !rest.empty()) {
     const std::size_t before = found();
     const bool was_vague = !solution_ || positionDeviation(solution_->map_from_base) > kVague;
-    decode(rest, kAnySize);
+    decode(rest);
     solve();
     if (recognizes() && was_vague && found() > before) findOthers();
   }
@@ -148,19 +123,6 @@ void FrameTracker::recognize(const PoseEstimate& belief, std::size_t enough) {
     recognizeOne(target, belief);
   }
   result_->timings.recognize += step.lap();
-}
-
-void FrameTracker::decodeAnchors() {
-  std::vector<std::size_t> anchors = undecided();
-  anchors.resize(std::min(anchors.size(), kAnchors));
-  for (const std::size_t anchor : anchors) {
-    if (found() >= kFirst) return;
-    const std::size_t before = found();
-    decode({anchor}, has_prior_ ? kAnySize : largestInDoubt(frame_.image));
-    if (found() == before) continue;
-    solve();
-    findOthers();
-  }
 }
 
 void FrameTracker::findOthers() {
@@ -248,103 +210,6 @@ std::size_t FrameTracker::found() const {
                     [](const Sighting& sighting) { return sighting.observation.has_value(); }));
 }
 
-void FrameTracker::lookWherePredicted() {
-  const std::size_t before = found();
-  recognizeAll(predicted_, false);
-  std::vector<std::size_t> largest = undecoded();
-  largest.resize(std::min(largest.size(), kAnchors));
-  decode(largest, kAnySize);
-  if (found() > before) solve();
-}
-
-bool FrameTracker::isSurprising() const {
-  if (!solution_ || !has_prior_) return false;
-  constexpr double kLimit = 9.0;  // chi-square, 3 degrees of freedom, exceeded once in 30
-  const Eigen::Vector3d off = difference(solution_->map_from_base.pose, predicted_.pose).head<3>();
-  return mahalanobisSquare(off, floorCovariance(predicted_)) > kLimit;
-}
-
-bool FrameTracker::isDoubtful() const {
-  if (!solution_) return false;
-  const std::size_t agreeing = sharplyAgreeing(solution_->misfits);
-  if (isLargeMajority(agreeing, observed_.size())) {
-    // Markers that were not found may be hidden. But if the pose is a surprise, or the prediction
-    // too vague to tell, they may just as well be where another pose puts them.
-    const bool may_be_elsewhere =
-        has_prior_ && (isHardlyKnown(predicted_) || !agree(solution_->map_from_base, predicted_));
-    return may_be_elsewhere && !isLargeMajority(agreeing, expected());
-  }
-  constexpr double kFar = 0.02;  // m and rad
-  const bool do_all_agree =
-      std::find(solution_->used.begin(), solution_->used.end(), false) == solution_->used.end();
-  return !do_all_agree || difference(solution_->map_from_base.pose, predicted_.pose)
-                                  .head<3>()
-                                  .cwiseAbs()
-                                  .maxCoeff() > kFar;
-}
-
-void FrameTracker::lookAgain(const Pose& pose, bool are_all) {
-  Stopwatch step;
-  std::vector<bool> agrees(sightings_.size(), false);
-  for (std::size_t k = 0; solution_ && k < observed_.size(); ++k) {
-    agrees[observed_[k]] = !are_all && agreesSharply(solution_->misfits[k]);
-  }
-  const std::vector<Sighting> before = sightings_;
-  const std::size_t found_before = found();
-  const PoseEstimate belief{pose};
-  // Share of the largest margin: looking farther around takes too long.
-  constexpr double kShareAround = 0.5;
-  constexpr std::size_t kWorthAThread = 2;
-  forEachIndex(sightings_.size(), tools_.config.threads, kWorthAThread, [&](std::size_t i) {
-    if (agrees[i]) return;
-    auto predicted = predictMarker(tools_.map, result_->predicted[i].map_entry, camera_, belief,
-                                   tools_.config.visibility);
-    if (!predicted) return;
-    const TagPattern& pattern = tools_.patterns.of(tools_.map.markers[predicted->map_entry]);
-    predicted->tangential_margin = predicted->radial_margin =
-        kShareAround * largestMargin(*predicted, pattern, camera_, tools_.config.recognition);
-    const auto anew = recognizePredicted(tools_, frame_.image, camera_, pose, *predicted);
-    if (anew) sightings_[i].observation = anew;
-  });
-  result_->timings.recognize += step.lap();
-  solve();
-  if (found() > found_before) findOthers();
-  if (solution_) return;
-  sightings_ = before;
-  solve();
-}
-
-void FrameTracker::decode(const std::vector<std::size_t>& targets, double max_pixels) {
-  Stopwatch step;
-  std::vector<View> views = viewsOf(targets);
-  views.erase(
-      std::remove_if(views.begin(), views.end(),
-                     [max_pixels](const View& view) { return view.size.area() > max_pixels; }),
-      views.end());
-  for (const View& view : views) {
-    for (const std::size_t target : view.targets) sightings_[target].was_decoded = true;
-  }
-  result_->timings.predict += step.lap();
-  // Views overlap: a marker in one of them may have been expected in another, or be visible
-  // there, too.
-  for (const MarkerReading& reading : readViews(tools_, std::move(views), result_)) {
-    const Association association =
-        associate(reading, result_->predicted, tools_.map, tools_.config.association);
-    if (association.prediction) {
-      Sighting& sighting = sightings_[*association.prediction];
-      const std::size_t entry = result_->predicted[*association.prediction].map_entry;
-      if (!sighting.observation) {
-        sighting.observation = {entry, reading.corners, reading.center,
-                                0.0,   reading.hamming, reading.margin};
-      }
-    } else if (std::none_of(strangers_.begin(), strangers_.end(), [&](const Stranger& other) {
-                 return areOfOneMarker(other.reading, reading);
-               })) {
-      strangers_.push_back({reading, association.reason});
-    }
-  }
-}
-
 std::optional<PoseSolution> FrameTracker::solutionOfObserved(const PosePrior& prior) {
   observed_.clear();
   for (std::size_t i = 0; i < sightings_.size(); ++i) {
@@ -375,69 +240,6 @@ void FrameTracker::solve() {
     }
   }
   result_->timings.solve += step.lap();
-}
-
-void FrameTracker::report() {
-  for (std::size_t k = 0; k < observed_.size(); ++k) {
-    const MarkerObservation& observation = *sightings_[observed_[k]].observation;
-    const Marker& marker = tools_.map.markers[observation.map_entry];
-    MarkerDetection detection = toDetection(observation, marker);
-    detection.accepted = solution_ && solution_->used[k];
-    detection.residual =
-        solution_ ? solution_->misfits[k].residual : std::numeric_limits<double>::quiet_NaN();
-    detection.deviations =
-        solution_ ? solution_->misfits[k].deviations : std::numeric_limits<double>::quiet_NaN();
-    if (!detection.accepted) {
-      detection.reason = solution_ ? "disagrees with the other markers" : "no pose agrees with it";
-    }
-    result_->detections.push_back(std::move(detection));
-  }
-  for (const Sighting& sighting : sightings_) {
-    if (!sighting.observation || !sighting.is_elsewhere) continue;
-    const std::size_t entry = sighting.observation->map_entry;
-    MarkerDetection detection = toDetection(*sighting.observation, tools_.map.markers[entry]);
-    detection.reason = kElsewhere;
-    result_->elsewhere.push_back(entry);
-    result_->detections.push_back(std::move(detection));
-  }
-  for (Stranger& stranger : strangers_) {
-    result_->detections.push_back(toDetection(stranger.reading));
-    result_->detections.back().reason = std::move(stranger.reason);
-  }
-}
-
-void FrameTracker::reportMissed() {
-  for (std::size_t i = 0; i < sightings_.size(); ++i) {
-    const Sighting& sighting = sightings_[i];
-    if (sighting.observation || !(sighting.looked_at || sighting.was_decoded)) continue;
-    result_->missed.push_back(result_->predicted[i].map_entry);
-  }
-}
-
-void FrameTracker::addViews() {
-  std::vector<std::size_t> targets;
-  for (std::size_t i = 0; i < sightings_.size(); ++i) {
-    if (!sightings_[i].was_decoded) targets.push_back(i);
-  }
-  for (View& view : viewsOf(targets)) {
-    result_->view_images.push_back(tools_.reader.warper().warp(frame_.image, view));
-    result_->views.push_back(std::move(view));
-  }
-}
-
-std::vector<View> FrameTracker::viewsOf(const std::vector<std::size_t>& targets) const {
-  std::vector<ViewTarget> view_targets;
-  view_targets.reserve(targets.size());
-  for (const std::size_t target : targets) {
-    view_targets.push_back(viewTarget(result_->predicted[target], camera_.model()));
-  }
-  std::vector<View> views =
-      planViews(view_targets, tools_.reader.warper().table(), camera_.model().imagePlane().scale(),
-                camera_.axisUp(), tools_.config.view);
-  for (View& view : views) {
-    for (std::size_t& target : view.targets) target = targets[target];
-  }
-  return views;
 }
 
 }  // namespace omnitag

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -37,6 +38,9 @@ class FrameTracker {
   const std::vector<PoseEstimate>& alternatives() const { return alternatives_; }
 
  private:
+  /// This many markers make a prediction sharp enough to find all others easily.
+  static constexpr std::size_t kToStart = 2;
+
   /// What became of a predicted marker.
   struct Sighting {
     std::optional<MarkerObservation> observation;
@@ -71,7 +75,8 @@ class FrameTracker {
   /// Decodes views of the likeliest, one after another, until two markers are found.
   void decodeAnchors();
   /// Decodes those views of these markers that have at most this many pixels.
-  void decode(const std::vector<std::size_t>& targets, double max_pixels);
+  void decode(const std::vector<std::size_t>& targets,
+              double max_pixels = std::numeric_limits<double>::infinity());
   /// The markers that were not found yet and are not hidden, the likely ones first, then
   /// the largest.
   std::vector<std::size_t> missing() const;
@@ -82,6 +87,8 @@ class FrameTracker {
   /// How many are found or not hidden.
   std::size_t expected() const;
   std::size_t found() const;
+  /// Whether markers may well be elsewhere than at their likeliest places.
+  bool isHardlyKnown() const;
   /// Whether the solution is so far off the prediction that other markers may be where the
   /// prediction puts them.
   bool isSurprising() const;

@@ -19,6 +19,7 @@ from tf2_msgs.msg import TFMessage
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from harness import (BAG, PACKAGE, angle_between, raw_image, read_truth,  # noqa: E402
                      yaw_of)
+from omnitag.marker_map import load_marker_map  # noqa: E402
 
 CAMERA = os.path.join(PACKAGE, "config", "cameras", "paper.yaml")
 MAP = os.path.join(PACKAGE, "maps", "paper.yaml")
@@ -98,6 +99,27 @@ class LocalizeBagTest(unittest.TestCase):
             for topic, message, time in messages:
                 bag.write(topic, message, time)
         return self.path(name)
+
+    def test_refines_a_taped_map(self):
+        """Markers that hang 5 mm beside the map's places: the map as a whole stays off by their mean."""
+        off, found = self.path("off.yaml"), self.path("found.yaml")
+        subprocess.run([os.path.join(PACKAGE, "tools", "disturb_files"), "--map", MAP, "--output-map", off,
+                        "--deviation", "0.005", "--orientation-deviation", "0.0175", "--seed", "3",
+                        "--say"], check=True, stdout=subprocess.DEVNULL)
+        with open(self.path("refine.yaml"), "w", encoding="utf-8") as file:
+            file.write("refine_map: true\n")
+        result = self.assert_runs(map=off, params=self.path("refine.yaml"), save_map=found)
+        self.assertIn("markers refined:   17", result.stdout)
+        truth = load_marker_map(MAP).markers
+        before, after = ([np.subtract(marker.position, true.position)
+                          for marker, true in zip(load_marker_map(path).markers, truth)]
+                         for path in (off, found))
+        within = [np.linalg.norm(errors - np.mean(errors, axis=0)) for errors in (before, after)]
+        self.assertLess(within[1], 0.35 * within[0])
+        for error, marker in zip(after, load_marker_map(found).markers):
+            self.assertLess(np.abs(error).max(), 4.0 * marker.deviation, marker.id)
+            self.assertLess(marker.deviation, 0.005)
+            self.assertLess(marker.orientation_deviation, 0.009)
 
     def test_several_cameras(self):
         """The images alternating between two topics, in separate bags; the first one on both."""
