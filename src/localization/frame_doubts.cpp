@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <utility>
 
 #include "common/parallel.h"
@@ -8,6 +10,37 @@
 #include "photometry/recognition.h"
 
 namespace omnitag {
+namespace {
+
+/// Poses that a vague one may be, along the two directions in which it is vaguest, each of them
+/// with the covariance that is left.
+std::vector<PoseEstimate> possiblePoses(const PoseEstimate& vague) {
+  // m, the usual distance of markers: a turn moves them by so much.
+  constexpr double kRange = 3.0;
+  // Half a deviation apart along the vaguest direction, a deviation along the other.
+  constexpr int kSteps = 4;
+  constexpr int kSideSteps = 1;
+  constexpr double kStep = 0.5;
+  const PoseVector scale = poseVector(Eigen::Vector3d::Ones(), Eigen::Vector3d::Constant(kRange));
+  const EigenPairs pairs = eigenPairs(scale.asDiagonal() * vague.covariance * scale.asDiagonal());
+  const auto deviationAlong = [&](Eigen::Index i) -> PoseVector {
+    return std::sqrt(std::max(pairs.values(i), 0.0)) * pairs.vectors.col(i).cwiseQuotient(scale);
+  };
+  const PoseVector along = deviationAlong(5);
+  const PoseVector aside = deviationAlong(4);
+  PoseMatrix left = vague.covariance;
+  left -= (1.0 - 0.25 * kStep * kStep) * along * along.transpose();
+  left -= 0.75 * aside * aside.transpose();
+  std::vector<PoseEstimate> poses;
+  for (int i = -kSteps; i <= kSteps; ++i) {
+    for (int k = -kSideSteps; k <= kSideSteps; ++k) {
+      poses.push_back({moved(vague.pose, kStep * i * along + k * aside), left});
+    }
+  }
+  return poses;
+}
+
+}  // namespace
 
 bool FrameTracker::isHardlyKnown() const {
   constexpr double kHardly = 0.05;  // m
@@ -38,6 +71,42 @@ bool FrameTracker::isDoubtful() const {
                                   .head<3>()
                                   .cwiseAbs()
                                   .maxCoeff() > kFar;
+}
+
+void FrameTracker::lookAlong() {
+  constexpr std::size_t kMostFound = 2;
+  constexpr std::size_t kMostTargets = 5;
+  constexpr std::size_t kFewest = 2;
+  if (!solution_ || found() > kMostFound) return;
+  if (positionDeviation(solution_->map_from_base) <= kVague) return;
+  std::vector<std::size_t> targets = missing();
+  const auto isUnlikely = [this](std::size_t target) {
+    return has_prior_ && !sightings_[target].is_likely;
+  };
+  targets.erase(std::remove_if(targets.begin(), targets.end(), isUnlikely), targets.end());
+  targets.resize(std::min(targets.size(), kMostTargets));
+  if (targets.size() < kFewest) return;
+
+  Stopwatch step;
+  std::vector<std::optional<MarkerObservation>> best;
+  std::size_t most = kFewest - 1;
+  for (const PoseEstimate& belief : possiblePoses(solution_->map_from_base)) {
+    std::vector<std::optional<MarkerObservation>> seen;
+    for (const std::size_t target : targets) {
+      seen.push_back(recognizeMarker(tools_, frame_.image, camera_,
+                                     result_->predicted[target].map_entry, belief));
+    }
+    const auto count = static_cast<std::size_t>(
+        std::count_if(seen.begin(), seen.end(), [](const auto& each) { return each.has_value(); }));
+    if (count <= most) continue;
+    most = count;
+    best = std::move(seen);
+  }
+  result_->timings.recognize += step.lap();
+  if (best.empty()) return;
+  for (std::size_t i = 0; i < targets.size(); ++i) sightings_[targets[i]].observation = best[i];
+  solve();
+  findOthers();
 }
 
 void FrameTracker::lookAgain(const Pose& pose, bool are_all) {

@@ -29,10 +29,6 @@ bool isSameLook(const PredictedMarker& before, const PredictedMarker& now) {
          now.radial_margin > kNearly * before.radial_margin;
 }
 
-/// m: with this deviation of the pose, markers may be farther off in the image than where they are
-/// looked for.
-constexpr double kVague = 0.01;
-
 }  // namespace
 
 FrameTracker::FrameTracker(const TrackingTools& tools, const Frame& frame,
@@ -54,6 +50,7 @@ std::optional<PoseEstimate> FrameTracker::track() {
     recognize(predicted_, kToStart);
     solve();
     findOthers();
+    lookAlong();
     decodeAnchors();
     if (has_prior_ && !solution_) findOthersBesideMoved();
     // A vague prediction may first lead to markers that were moved as one; from their pose, those

@@ -40,6 +40,9 @@ class FrameTracker {
  private:
   /// This many markers make a prediction sharp enough to find all others easily.
   static constexpr std::size_t kToStart = 2;
+  /// m: with this deviation of the pose, markers may be farther off in the image than where they
+  /// are looked for.
+  static constexpr double kVague = 0.01;
 
   /// What became of a predicted marker.
   struct Sighting {
@@ -92,6 +95,11 @@ class FrameTracker {
   /// Whether the solution is so far off the prediction that other markers may be where the
   /// prediction puts them.
   bool isSurprising() const;
+  /// If a marker or two leave the pose vague: looks for the others from poses along the direction
+  /// in which it is vaguest. A pattern that may be anywhere within many pixels must match better
+  /// than a blurred one can; from nearly the right pose, a few pixels are enough. Takes the others
+  /// from the pose that shows most of them, at least two, solves, and looks for the rest.
+  void lookAlong();
   /// Looks for the others where they were predicted, with the decoder, too.
   void lookWherePredicted();
   /// Whether the solution is off the prediction, or leaves out some that were found, and too few

@@ -176,7 +176,7 @@ class CalibrateCameraTest(unittest.TestCase):
         self.assert_refused("the robot moved by", bag=self.path("still.bag"), images="15")
 
     def test_refuses_a_camera_that_is_not_calibrated(self):
-        self.write(self.guess, "model: ocam\ncalibration_file: calib_results.txt\n")
+        self.write(self.guess, "model: equirectangular\nimage: {width: 200, height: 100}\n")
         self.assert_refused("guess.yaml:1: model", "catadioptric, equidistant, unified, pinhole")
 
     def test_refuses_bad_options(self):
