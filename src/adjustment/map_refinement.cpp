@@ -1,5 +1,6 @@
 #include "adjustment/map_refinement.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -8,6 +9,7 @@
 #include "adjustment/corner_alignment.h"
 #include "adjustment/joint_estimate.h"
 #include "adjustment/key_frame.h"
+#include "adjustment/marker_estimate.h"
 #include "common/symmetric_matrix.h"
 #include "localization/reprojection.h"
 
@@ -20,9 +22,6 @@ constexpr double kMinStep = 0.15;
 constexpr double kExact = 1e-6;
 /// Chi-square with 6 degrees of freedom, exceeded once in a thousand.
 constexpr double kFarthest = 22.5;
-
-/// Where a marker's orientation begins in its increment.
-constexpr Eigen::Index kOrientation = 3;
 
 MarkerIncrement deviationsOf(const Marker& marker) {
   MarkerIncrement deviations;
@@ -38,8 +37,8 @@ bool isSame(const Marker& a, const Marker& b) {
 }
 
 /// The largest factor by which a matrix stretches a vector.
-double norm(const Eigen::Matrix3d& matrix) {
-  return std::sqrt(eigenPairs(matrix * matrix.transpose()).values(2));
+double norm(const MarkerCovariance& matrix) {
+  return std::sqrt(eigenPairs(matrix * matrix.transpose()).values(5));
 }
 
 /// The marker's corners located by its pixels. Its place in the map may be several pixels off; the
@@ -124,8 +123,7 @@ bool MapRefinement::add(const Frame& frame, const FrameResult& result) {
   views_.emplace_back();
   for (const KeyFrame::Sight& sight : key.sights) {
     ++landmarks_[sight.entry].sights;
-    if (!sight.increment) continue;
-    views_.back().insert(views_.back().end(), {2 * sight.entry, 2 * sight.entry + 1});
+    if (sight.increment) views_.back().push_back(sight.entry);
   }
   updateMap();
   return true;
@@ -144,18 +142,20 @@ KeyFrame MapRefinement::keyFrame(const Frame& frame, const FrameResult& result) 
     if (!corners) continue;
     const Landmark& landmark = landmarks_[*detection.map_entry];
     key.sights.push_back({*detection.map_entry, landmark.in_file, *corners, landmark.increment});
+    // Errors that are alike in all images must not be averaged down.
+    key.sights.back().corners.covariance *= alikeFactor(landmark.sights);
   }
   return key;
 }
 
 void MapRefinement::updateMap() {
-  const std::vector<Deviations> covering = coveringDeviations();
+  const std::vector<double> covering = coveringFactors();
   for (std::size_t i = 0; i < landmarks_.size(); ++i) {
     map_.markers[i] = refinedMarker(landmarks_[i], covering[i]);
   }
 }
 
-Marker MapRefinement::refinedMarker(const Landmark& landmark, const Deviations& covering) const {
+Marker MapRefinement::refinedMarker(const Landmark& landmark, double covering) const {
   Marker marker = landmark.in_file;
   if (!landmark.increment || landmark.sights == 0) return marker;
   const MarkerIncrement increment = joint_->mean.segment<6>(*landmark.increment);
@@ -163,43 +163,44 @@ Marker MapRefinement::refinedMarker(const Landmark& landmark, const Deviations& 
   // One that seems to hang beyond its prior was moved, or is mistaken for another.
   if (increment.cwiseQuotient(deviations).squaredNorm() > kFarthest) return marker;
   marker.map_from_marker = moved(marker.map_from_marker, increment);
-  marker.deviation = std::min(marker.deviation, covering[0]);
-  marker.orientation_deviation = std::min(marker.orientation_deviation, covering[1]);
+  MarkerEstimate estimate;
+  estimate.covariance = covering * blockOf(landmark, landmark);
+  marker.deviation = std::min(marker.deviation, estimate.positionDeviation());
+  marker.orientation_deviation =
+      std::min(marker.orientation_deviation, estimate.orientationDeviation());
   return marker;
 }
 
-std::vector<MapRefinement::Deviations> MapRefinement::coveringDeviations() const {
-  // Of all block diagonal matrices, that with the blocks D_a = s_a sum_b(|P_ab| / s_b) exceeds the
-  // covariance P whatever s > 0 is (Gershgorin's theorem for blocks). With s the deviations, it is
-  // the variance of a part times the number of parts that err with it.
-  const auto beginOf = [this](std::size_t part) {
-    return *landmarks_[part / 2].increment + static_cast<Eigen::Index>(part % 2) * kOrientation;
-  };
-  const auto sizeOf = [&](std::size_t a, std::size_t b) {
-    return norm(joint_->covariance.block<3, 3>(beginOf(a), beginOf(b)));
-  };
-  const std::size_t parts = 2 * landmarks_.size();
-  std::vector<double> deviations(parts);
-  for (std::size_t a = 0; a < parts; ++a) {
-    if (landmarks_[a / 2].increment) deviations[a] = std::sqrt(sizeOf(a, a));
+MarkerCovariance MapRefinement::blockOf(const Landmark& a, const Landmark& b) const {
+  return joint_->covariance.block<6, 6>(*a.increment, *b.increment);
+}
+
+std::vector<double> MapRefinement::coveringFactors() const {
+  // With R the covariance of markers in units of their own covariances, sum_b |R_ab| is the factor
+  // for marker a (Gershgorin's theorem for blocks): the number of markers that err alike.
+  std::vector<Eigen::LLT<MarkerCovariance>> units(landmarks_.size());
+  for (std::size_t i = 0; i < landmarks_.size(); ++i) {
+    if (landmarks_[i].increment) units[i].compute(blockOf(landmarks_[i], landmarks_[i]));
   }
-  const auto count = static_cast<Eigen::Index>(parts);
-  Eigen::MatrixXd ratios = Eigen::MatrixXd::Constant(count, count, -1.0);  // |P_ab| / s_b
-  std::vector<Deviations> covering(landmarks_.size());
+  const auto correlationOf = [&](std::size_t a, std::size_t b) {
+    const MarkerCovariance half = units[a].matrixL().solve(blockOf(landmarks_[a], landmarks_[b]));
+    return norm(units[b].matrixL().solve(half.transpose()));
+  };
+  const auto count = static_cast<Eigen::Index>(landmarks_.size());
+  Eigen::MatrixXd correlations = Eigen::MatrixXd::Constant(count, count, -1.0);
+  std::vector<double> factors(landmarks_.size());
   for (const std::vector<std::size_t>& view : views_) {
     for (const std::size_t a : view) {
       double sum = 0.0;
       for (const std::size_t b : view) {
-        double& ratio = ratios(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
-        if (ratio < 0.0) ratio = sizeOf(a, b) / deviations[b];
-        sum += ratio;
+        double& known = correlations(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
+        if (known < 0.0) known = a == b ? 1.0 : correlationOf(a, b);
+        sum += known;
       }
-      const double variance = alikeFactor(landmarks_[a / 2].sights) * deviations[a] * sum;
-      double& most = covering[a / 2][a % 2];
-      most = std::max(most, std::sqrt(variance));
+      factors[a] = std::max(factors[a], sum);
     }
   }
-  return covering;
+  return factors;
 }
 
 std::vector<RefinedMarker> MapRefinement::refined() const {

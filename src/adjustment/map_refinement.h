@@ -1,12 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <cstddef>
 #include <memory>
 #include <optional>
 #include <vector>
 
+#include "adjustment/marker_projection.h"
 #include "localization/motion_model.h"
 #include "marker/tag_pattern.h"
 #include "omnitag/camera/camera_model.h"
@@ -66,18 +66,17 @@ class MapRefinement {
     /// Number of images used that show it.
     std::size_t sights = 0;
   };
-  /// Of position and orientation, in m and rad.
-  using Deviations = std::array<double, 2>;
 
   bool continues(const MarkerMap& map) const;
   void append(const Marker& marker);
   bool isUsable(const FrameResult& result) const;
   KeyFrame keyFrame(const Frame& frame, const FrameResult& result) const;
   void updateMap();
-  Marker refinedMarker(const Landmark& landmark, const Deviations& covering) const;
-  /// For each landmark, deviations with which the markers of any image used, taken for independent,
-  /// have at least the covariance that they have.
-  std::vector<Deviations> coveringDeviations() const;
+  Marker refinedMarker(const Landmark& landmark, double covering) const;
+  MarkerCovariance blockOf(const Landmark& a, const Landmark& b) const;
+  /// For each landmark, by how much its variance must be enlarged so that the markers of any image
+  /// used, taken for independent, have at least the covariance that they have; 0 if none shows it.
+  std::vector<double> coveringFactors() const;
 
   std::size_t camera_count_;
   MotionModelConfig motion_;
@@ -88,7 +87,7 @@ class MapRefinement {
   std::unique_ptr<JointEstimate> joint_;
   /// Where the robot was in the images used.
   std::vector<Pose> places_;
-  /// What each of them shows: 2 i is the position of landmark i, 2 i + 1 its orientation.
+  /// The landmarks with an increment that each of them shows.
   std::vector<std::vector<std::size_t>> views_;
 };
 

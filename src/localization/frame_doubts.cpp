@@ -81,7 +81,8 @@ void FrameTracker::lookAlong() {
   if (positionDeviation(solution_->map_from_base) <= kVague) return;
   std::vector<std::size_t> targets = missing();
   const auto isUnlikely = [this](std::size_t target) {
-    return has_prior_ && !sightings_[target].is_likely;
+    const std::size_t entry = result_->predicted[target].map_entry;
+    return has_prior_ && !sightings_[target].is_likely && tools_.memory.wasMissed(entry);
   };
   targets.erase(std::remove_if(targets.begin(), targets.end(), isUnlikely), targets.end());
   targets.resize(std::min(targets.size(), kMostTargets));

@@ -152,6 +152,37 @@ TEST_F(ImagingTest, FindsARobotInBlurredImages) {
   EXPECT_GE(found, 2);
 }
 
+/// A near marker leaves the pose vague; the others are too blurred to be recognized if they may be
+/// anywhere within many pixels.
+TEST_F(ImagingTest, FindsBlurredMarkersFromANearOne) {
+  constexpr double kBlur = 2.0;
+  constexpr int kTrials = 16;
+  LocalizerConfig config;
+  config.estimation.blur = kBlur;
+  map_.markers.clear();
+  for (int i = 0; i < 5; ++i) {
+    const double direction = 1.2 * i;
+    const double distance = i == 0 ? 2.2 : 3.6 + 0.2 * i;
+    map_.markers.push_back(test::wallMarker(
+        3 * i, {distance * std::cos(direction), distance * std::sin(direction), 0.9 + 0.1 * i},
+        direction + kPi));
+    map_.markers.back().size = 0.75;
+  }
+  const Eigen::Vector3d deviations(0.033, 0.033, radians(2.5));
+  int with_others = 0;
+  for (int i = 0; i < kTrials; ++i) {
+    Localizer localizer(camera_, map_, config);
+    const Pose truth{0.02 * i - 0.15, 0.1 - 0.02 * i, 0.4 * i};
+    const double side = i % 2 == 0 ? 1.0 : -1.0;
+    const Pose predicted{truth.x + 0.03, truth.y - 0.03 * side, truth.yaw + 0.04 * side};
+    localizer.setPose(floorEstimate(predicted, deviations.cwiseAbs2().asDiagonal()));
+    const FrameResult result =
+        localizer.process({kMoment, blurredImage(truth, kBlur), mounting_, std::nullopt});
+    with_others += result.acceptedMarkers() >= 3 && errorOf(result, truth) < 5e-3 ? 1 : 0;
+  }
+  EXPECT_GE(with_others, 11);
+}
+
 TEST_F(ImagingTest, RowsAreSeenAtTheirOwnTime) {
   BaseMotion motion;
   motion.velocity << 0.8, 0.0, 1.2, 0.0, 0.0, 0.0;
