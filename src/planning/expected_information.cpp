@@ -36,7 +36,8 @@ std::optional<FrameEquations> expectedEquations(const PlanningScene& scene, cons
   const double area = std::abs(module_x.x() * module_y.y() - module_x.y() * module_y.x());
 
   // Four places have the second moments of an even spread (Gauss and Legendre); each has a quarter
-  // of the edges. Maps a displacement there to one of standard deviation 1.
+  // of the edges. whiteAcross() gives the factors by which a displacement at one of them counts, in
+  // its standard deviations.
   constexpr int kPlaces = 4;
   const auto whiteAcross = [&](const Eigen::Vector2d& along, double length) -> Eigen::RowVector2d {
     const double pixels = along.norm();

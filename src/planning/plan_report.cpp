@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kHigh = 0.95;
 
-/// The place without a marker that is farthest from all places with one.
+/// The place without a marker that is farthest from all places with one; any, if none has one.
 std::optional<PlacePrediction> deepestWithout(const FloorPrediction& floor) {
   std::optional<PlacePrediction> deepest;
   double longest = 0.0;

@@ -189,7 +189,7 @@ TEST(TagPatternTest, AveragesOverAnyParallelogram) {
   RecordProperty("rms_error", std::to_string(std::sqrt(squares)));
   RecordProperty("error_of_99_percent", std::to_string(*rarely));
   EXPECT_LT(std::sqrt(squares), 0.02);
-  // A few draw many corners of modules together: the worst of 20,000 is off by 0.175.
+  // A few cover many corners of modules: the worst of 20,000 is off by 0.175.
   EXPECT_LT(*rarely, 0.07);
 }
 

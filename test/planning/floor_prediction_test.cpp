@@ -45,7 +45,7 @@ TEST_F(FloorPredictionTest, PlacesAreWhereARobotFits) {
       EXPECT_GT(x, 0.3);
     }
   }
-  // Of 7.4 x 3.4 m about 0.6 m beside the wall are left out.
+  // Of 7.4 x 3.4 m, a strip of 0.7 x 2.6 m along the wall is left out.
   EXPECT_NEAR(static_cast<double>(floor.places.size()), (7.4 * 3.4 - 0.7 * 2.6) / 0.16, 20.0);
 }
 
