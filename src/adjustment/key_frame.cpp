@@ -39,7 +39,7 @@ class FrameFit {
   /// The part of the joint estimate after the frame.
   std::optional<JointEstimate> solve() {
     constexpr int kMaxSteps = 20;
-    constexpr double kConverged = 1e-6;  // chi-square
+    constexpr double kConverged = 1e-4;  // chi-square
     for (int step = 0; step < kMaxSteps; ++step) {
       if (!linearize()) return std::nullopt;
       const Eigen::LLT<Eigen::MatrixXd> factors(information_);
@@ -92,7 +92,7 @@ class FrameFit {
     error << values_.segment<kCameraModes>(kMode), values_.segment<kVelocities>(kVelocity);
     MarkerIncrement increment = MarkerIncrement::Zero();
     if (sight.increment) increment = values_.segment<6>(column);
-    Marker marker = sight.in_file;
+    Marker marker = sight.prior;
     marker.map_from_marker = moved(marker.map_from_marker, increment);
     const auto projection = projectMarker(marker, frame_.camera.withError(error), pose_);
     if (!projection) return false;

@@ -25,8 +25,8 @@ Eigen::Vector3d standingDeviations(const FloorConfig& floor);
 struct KeyFrame {
   struct Sight {
     std::size_t entry = 0;
-    /// As the map file has it.
-    Marker in_file;
+    /// From where its increment counts.
+    Marker prior;
     AlignedCorners corners;
     /// Where its MarkerIncrement begins in the joint estimate; none if it is exactly in its place.
     std::optional<Eigen::Index> increment;

@@ -7,8 +7,6 @@
 
 #include "adjustment/bundle_adjustment.h"
 #include "adjustment/corner_alignment.h"
-#include "adjustment/joint_estimate.h"
-#include "adjustment/key_frame.h"
 #include "adjustment/marker_estimate.h"
 #include "common/symmetric_matrix.h"
 #include "localization/reprojection.h"
@@ -18,10 +16,15 @@ namespace {
 
 /// m, between the robot's places in two frames.
 constexpr double kMinStep = 0.15;
-/// m and rad: smallest deviation, which keeps the information finite.
+/// m and rad: smallest deviation, which keeps the information finite and is a map file's last
+/// digit.
 constexpr double kExact = 1e-6;
 /// Chi-square with 6 degrees of freedom, exceeded once in a thousand.
 constexpr double kFarthest = 22.5;
+
+bool hasDeviations(const Marker& marker) {
+  return marker.deviation > 0.0 || marker.orientation_deviation > 0.0;
+}
 
 MarkerIncrement deviationsOf(const Marker& marker) {
   MarkerIncrement deviations;
@@ -30,10 +33,30 @@ MarkerIncrement deviationsOf(const Marker& marker) {
   return deviations;
 }
 
+/// Whether both are the same pattern with the same name.
+bool areAlike(const Marker& a, const Marker& b) {
+  return a.family == b.family && a.id == b.id && a.name == b.name && !a.picture == !b.picture &&
+         (!a.picture || a.picture->path == b.picture->path) && std::abs(a.size - b.size) < kExact;
+}
+
+/// Whether both are the same but for the digits of a map file.
 bool isSame(const Marker& a, const Marker& b) {
-  constexpr double kSame = 1e-5;  // m, and of a rotation matrix: more than a map file's last digit
-  return a.family == b.family && a.id == b.id && a.size == b.size &&
+  constexpr double kSame = 1e-5;  // m and rad
+  return areAlike(a, b) && std::abs(a.deviation - b.deviation) < kSame &&
+         std::abs(a.orientation_deviation - b.orientation_deviation) < kSame &&
          (a.map_from_marker.matrix() - b.map_from_marker.matrix()).isZero(kSame);
+}
+
+/// Whether `saved` may be `now` a few images ago, which the map file then has.
+bool isNearly(const Marker& saved, const Marker& now) {
+  constexpr double kNearly = 0.25;  // of the deviations
+  const auto areClose = [](double a, double b) { return std::abs(a - b) <= kNearly * b + kExact; };
+  const Eigen::AngleAxisd turn(saved.map_from_marker.linear() *
+                               now.map_from_marker.linear().transpose());
+  return areAlike(saved, now) && areClose(saved.deviation, now.deviation) &&
+         areClose(saved.orientation_deviation, now.orientation_deviation) &&
+         (saved.center() - now.center()).norm() <= kNearly * now.deviation + kExact &&
+         std::abs(turn.angle()) <= kNearly * now.orientation_deviation + kExact;
 }
 
 /// The largest factor by which a matrix stretches a vector.
@@ -46,13 +69,13 @@ double norm(const MarkerCovariance& matrix) {
 std::optional<AlignedCorners> alignedCorners(const Frame& frame, const FrameResult& result,
                                              const MarkerDetection& detection, const MarkerMap& map,
                                              const TagPatterns& patterns) {
+  const MountedCamera camera = result.camera->withBlur(result.blur);
   const MarkerObservation observation{*detection.map_entry, detection.corners, detection.center};
-  const auto alone = refineByReprojection(map, *result.camera, {observation},
-                                          result.map_from_base->pose, PosePrior(), {});
+  const auto alone =
+      refineByReprojection(map, camera, {observation}, result.map_from_base->pose, PosePrior(), {});
   if (!alone) return std::nullopt;
   const Marker& marker = map.markers[*detection.map_entry];
-  return alignCorners(frame.image, marker, patterns.of(marker), *result.camera,
-                      alone->map_from_base.pose);
+  return alignCorners(frame.image, marker, patterns.of(marker), camera, alone->map_from_base.pose);
 }
 
 }  // namespace
@@ -63,63 +86,74 @@ MapRefinement::MapRefinement(const CameraModels& cameras, const MarkerMap& map,
   setMap(map);
 }
 
-MapRefinement::~MapRefinement() = default;
-MapRefinement::MapRefinement(MapRefinement&& other) noexcept = default;
-MapRefinement& MapRefinement::operator=(MapRefinement&& other) noexcept = default;
-
 void MapRefinement::setMap(const MarkerMap& map) {
   if (!continues(map)) {
     landmarks_.clear();
     places_.clear();
     views_.clear();
-    Eigen::VectorXd variances = Eigen::VectorXd::Ones(
-        kStandingNumbers + static_cast<Eigen::Index>(camera_count_) * kCameraModes);
-    variances.head<kStandingNumbers>() = standingDeviations(motion_.floor).cwiseAbs2();
-    joint_ = std::make_unique<JointEstimate>(
-        JointEstimate{Eigen::VectorXd::Zero(variances.size()), variances.asDiagonal()});
+    patterns_ = TagPatterns(map);
+    joint_ = JointEstimate();
+    joint_.append(standingDeviations(motion_.floor).cwiseAbs2());
+    joint_.append(Eigen::VectorXd::Ones(static_cast<Eigen::Index>(camera_count_) * kCameraModes));
   }
-  for (std::size_t i = landmarks_.size(); i < map.markers.size(); ++i) append(map.markers[i]);
   patterns_.add(map);
+  for (std::size_t i = landmarks_.size(); i < map.markers.size(); ++i) {
+    landmarks_.push_back({map.markers[i], {}, std::nullopt, 0});
+  }
+  for (std::size_t i = 0; i < landmarks_.size(); ++i) landmarks_[i].given = map.markers[i];
   map_ = map;
   updateMap();
 }
 
 bool MapRefinement::continues(const MarkerMap& map) const {
-  if (!joint_ || map.markers.size() < landmarks_.size()) return false;
+  if (landmarks_.empty() || map.markers.size() < landmarks_.size()) return false;
   for (std::size_t i = 0; i < landmarks_.size(); ++i) {
     const Marker& marker = map.markers[i];
-    if (!isSame(marker, landmarks_[i].in_file) && !isSame(marker, map_.markers[i])) return false;
+    const bool is_known = isSame(marker, landmarks_[i].prior) ||
+                          isSame(marker, landmarks_[i].given) || isNearly(marker, map_.markers[i]);
+    if (!is_known) return false;
   }
   return true;
 }
 
-void MapRefinement::append(const Marker& marker) {
-  Landmark landmark;
-  landmark.in_file = marker;
-  if (marker.deviation > 0.0 || marker.orientation_deviation > 0.0) {
-    landmark.increment = joint_->mean.size();
-    joint_->append(deviationsOf(marker).cwiseAbs2());
+std::vector<const MarkerDetection*> MapRefinement::usableDetections(
+    const FrameResult& result) const {
+  // Standard deviations (Misfit): one that is farther off was probably moved.
+  constexpr double kMostOff = 3.0;
+  std::vector<const MarkerDetection*> usable;
+  for (const MarkerDetection& detection : result.detections) {
+    // Mapping appends markers to the map that are not the file's.
+    const bool is_own = detection.map_entry && *detection.map_entry < landmarks_.size();
+    if (detection.accepted && is_own && !(detection.deviations > kMostOff)) {
+      usable.push_back(&detection);
+    }
   }
-  landmarks_.push_back(std::move(landmark));
+  return usable;
 }
 
-bool MapRefinement::isUsable(const FrameResult& result) const {
+bool MapRefinement::isUsable(const Frame& frame, const FrameResult& result) const {
   if (!result.map_from_base || !result.camera || result.is_open) return false;
-  const Eigen::Vector3d place = result.map_from_base->pose.toIsometry().translation();
-  return std::none_of(places_.begin(), places_.end(), [&](const Pose& other) {
-    return (other.toIsometry().translation() - place).norm() < kMinStep;
+  const std::vector<const MarkerDetection*> detections = usableDetections(result);
+  const bool is_any_uncertain =
+      std::any_of(detections.begin(), detections.end(), [this](const MarkerDetection* each) {
+        return hasDeviations(landmarks_[*each->map_entry].prior);
+      });
+  if (!is_any_uncertain || detections.size() < 2) return false;
+  const Eigen::Vector3d position = result.map_from_base->pose.toIsometry().translation();
+  return std::none_of(places_.begin(), places_.end(), [&](const Place& other) {
+    return other.camera == frame.camera && (other.position - position).norm() < kMinStep;
   });
 }
 
 bool MapRefinement::add(const Frame& frame, const FrameResult& result) {
-  if (!isUsable(result)) return false;
-  const KeyFrame key = keyFrame(frame, result);
-  const bool is_any_uncertain =
-      std::any_of(key.sights.begin(), key.sights.end(),
-                  [this](const auto& sight) { return landmarks_[sight.entry].increment; });
-  if (!is_any_uncertain || key.sights.size() < 2) return false;
-  places_.push_back(result.map_from_base->pose);
-  if (!learnFrom(key, joint_.get())) return false;
+  if (!isUsable(frame, result)) return false;
+  places_.push_back({frame.camera, result.map_from_base->pose.toIsometry().translation()});
+  KeyFrame key{*result.camera, result.map_from_base->pose, sightsIn(frame, result), {}, {}, 0};
+  if (key.sights.size() < 2) return false;
+  key.first_mode = kStandingNumbers + static_cast<Eigen::Index>(frame.camera) * kCameraModes;
+  if (motion_.isOnFloor()) key.standing_deviations = standingDeviations(motion_.floor);
+  if (frame.odom_from_base) key.lean = *frame.odom_from_base;
+  if (!learnFrom(key, &joint_)) return false;
   views_.emplace_back();
   for (const KeyFrame::Sight& sight : key.sights) {
     ++landmarks_[sight.entry].sights;
@@ -129,23 +163,23 @@ bool MapRefinement::add(const Frame& frame, const FrameResult& result) {
   return true;
 }
 
-KeyFrame MapRefinement::keyFrame(const Frame& frame, const FrameResult& result) const {
-  KeyFrame key{*result.camera, result.map_from_base->pose, {}, std::nullopt, {}, 0};
-  key.first_mode = kStandingNumbers + static_cast<Eigen::Index>(frame.camera) * kCameraModes;
-  if (motion_.isOnFloor()) key.standing_deviations = standingDeviations(motion_.floor);
-  if (frame.odom_from_base) key.lean = *frame.odom_from_base;
-  for (const MarkerDetection& detection : result.detections) {
-    // Mapping appends markers to the map that are not the file's.
-    const bool is_own = detection.map_entry && *detection.map_entry < landmarks_.size();
-    if (!detection.accepted || !is_own) continue;
-    const auto corners = alignedCorners(frame, result, detection, map_, patterns_);
+std::vector<KeyFrame::Sight> MapRefinement::sightsIn(const Frame& frame,
+                                                     const FrameResult& result) {
+  std::vector<KeyFrame::Sight> sights;
+  for (const MarkerDetection* const detection : usableDetections(result)) {
+    auto corners = alignedCorners(frame, result, *detection, map_, patterns_);
     if (!corners) continue;
-    const Landmark& landmark = landmarks_[*detection.map_entry];
-    key.sights.push_back({*detection.map_entry, landmark.in_file, *corners, landmark.increment});
-    // Errors that are alike in all images must not be averaged down.
-    key.sights.back().corners.covariance *= alikeFactor(landmark.sights);
+    Landmark& landmark = landmarks_[*detection->map_entry];
+    if (!landmark.increment && hasDeviations(landmark.prior)) {
+      landmark.increment = joint_.mean.size();
+      joint_.append(deviationsOf(landmark.prior).cwiseAbs2());
+    }
+    // Errors that are alike in all images do not average out: the information of n images is then
+    // that of n / alikeFactor(n).
+    corners->covariance *= alikeFactor(landmark.sights) * alikeFactor(landmark.sights + 1);
+    sights.push_back({*detection->map_entry, landmark.prior, *corners, landmark.increment});
   }
-  return key;
+  return sights;
 }
 
 void MapRefinement::updateMap() {
@@ -156,23 +190,23 @@ void MapRefinement::updateMap() {
 }
 
 Marker MapRefinement::refinedMarker(const Landmark& landmark, double covering) const {
-  Marker marker = landmark.in_file;
+  Marker marker = landmark.prior;
   if (!landmark.increment || landmark.sights == 0) return marker;
-  const MarkerIncrement increment = joint_->mean.segment<6>(*landmark.increment);
-  const MarkerIncrement deviations = deviationsOf(marker);
+  const MarkerIncrement increment = joint_.mean.segment<6>(*landmark.increment);
   // One that seems to hang beyond its prior was moved, or is mistaken for another.
-  if (increment.cwiseQuotient(deviations).squaredNorm() > kFarthest) return marker;
-  marker.map_from_marker = moved(marker.map_from_marker, increment);
+  const double square = increment.cwiseQuotient(deviationsOf(marker)).squaredNorm();
   MarkerEstimate estimate;
   estimate.covariance = covering * blockOf(landmark, landmark);
-  marker.deviation = std::min(marker.deviation, estimate.positionDeviation());
+  if (!(square <= kFarthest) || !estimate.covariance.allFinite()) return marker;
+  marker.map_from_marker = moved(marker.map_from_marker, increment);
+  marker.deviation = std::min(marker.deviation, std::max(estimate.positionDeviation(), kExact));
   marker.orientation_deviation =
-      std::min(marker.orientation_deviation, estimate.orientationDeviation());
+      std::min(marker.orientation_deviation, std::max(estimate.orientationDeviation(), kExact));
   return marker;
 }
 
 MarkerCovariance MapRefinement::blockOf(const Landmark& a, const Landmark& b) const {
-  return joint_->covariance.block<6, 6>(*a.increment, *b.increment);
+  return joint_.covariance.block<6, 6>(*a.increment, *b.increment);
 }
 
 std::vector<double> MapRefinement::coveringFactors() const {
@@ -188,15 +222,17 @@ std::vector<double> MapRefinement::coveringFactors() const {
   };
   const auto count = static_cast<Eigen::Index>(landmarks_.size());
   Eigen::MatrixXd correlations = Eigen::MatrixXd::Constant(count, count, -1.0);
-  std::vector<double> factors(landmarks_.size());
+  const auto knownCorrelationOf = [&](std::size_t a, std::size_t b) {
+    double& known = correlations(static_cast<Eigen::Index>(std::min(a, b)),
+                                 static_cast<Eigen::Index>(std::max(a, b)));
+    if (known < 0.0) known = correlationOf(a, b);
+    return known;
+  };
+  std::vector<double> factors(landmarks_.size(), 1.0);
   for (const std::vector<std::size_t>& view : views_) {
     for (const std::size_t a : view) {
-      double sum = 0.0;
-      for (const std::size_t b : view) {
-        double& known = correlations(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
-        if (known < 0.0) known = a == b ? 1.0 : correlationOf(a, b);
-        sum += known;
-      }
+      double sum = 1.0;
+      for (const std::size_t b : view) sum += a == b ? 0.0 : knownCorrelationOf(a, b);
       factors[a] = std::max(factors[a], sum);
     }
   }
@@ -207,7 +243,7 @@ std::vector<RefinedMarker> MapRefinement::refined() const {
   std::vector<RefinedMarker> markers;
   for (std::size_t i = 0; i < landmarks_.size(); ++i) {
     const bool is_refined = landmarks_[i].increment && landmarks_[i].sights > 0;
-    if (is_refined) markers.push_back({landmarks_[i].in_file, map_.markers[i]});
+    if (is_refined) markers.push_back({landmarks_[i].given, map_.markers[i]});
   }
   return markers;
 }

@@ -18,12 +18,14 @@ namespace omnitag {
 namespace {
 
 constexpr double kLastDigit = 1e-6;  // of a map file, m and rad
+constexpr double kSame = 1e-5;       // the same of two places that were written to one
 
-/// Whether the places or the deviations differ.
+/// Whether the places or the deviations differ by more than the digits of a map file.
 bool differs(const Marker& a, const Marker& b) {
-  return !(a.map_from_marker.matrix() - b.map_from_marker.matrix()).isZero(kLastDigit) ||
-         std::abs(a.deviation - b.deviation) > kLastDigit ||
-         std::abs(a.orientation_deviation - b.orientation_deviation) > kLastDigit;
+  return a.family != b.family || a.id != b.id ||
+         !(a.map_from_marker.matrix() - b.map_from_marker.matrix()).isZero(kSame) ||
+         std::abs(a.deviation - b.deviation) > kSame ||
+         std::abs(a.orientation_deviation - b.orientation_deviation) > kSame;
 }
 
 }  // namespace
@@ -59,8 +61,9 @@ LearntMap withLearnt(const std::string& text, const std::vector<RefinedMarker>& 
   LearntMap learnt;
   std::vector<EntryChange> changes(map.markers.size());
   for (const RefinedMarker& each : refined) {
-    const auto entry = entryLike(map, each.in_file);
-    if (!entry || !differs(each.refined, map.markers[*entry])) continue;
+    const auto entry = entryLike(map, each.given);
+    const bool is_as_given = entry && !differs(each.given, map.markers[*entry]);
+    if (!is_as_given || !differs(each.refined, each.given)) continue;
     Marker& marker = changes[*entry].moved.emplace(map.markers[*entry]);
     marker.map_from_marker = each.refined.map_from_marker;
     marker.deviation = each.refined.deviation;

@@ -29,9 +29,9 @@ struct LearntMap {
   bool isChanged() const { return added > 0 || refined > 0; }
 };
 
-/// `text`: of a map file, including edits made meanwhile; `origin` takes the place of its name in
-/// errors. A refined marker that the file no longer has is left out. Throws InputError if the text
-/// cannot be parsed or changed.
+/// `text`: of a map file; `origin` takes the place of its name in errors. Refined markers that the
+/// file no longer has where they were given, since somebody edited it meanwhile, are left out.
+/// Throws InputError if the text cannot be parsed or changed.
 LearntMap withLearnt(const std::string& text, const std::vector<RefinedMarker>& refined,
                      const std::vector<MapEntry>& added, const std::string& origin);
 

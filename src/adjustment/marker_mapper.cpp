@@ -222,10 +222,16 @@ void MarkerMapper::setOwn(MarkerMap own) {
     const bool is_own = !entriesOf(own, track->first.first, track->first.second).empty();
     track = is_own ? tracks_.erase(track) : std::next(track);
   }
+  // In the order that they had: others know them by their entries.
+  std::vector<Track*> mapped;
   for (auto& [key, track] : tracks_) {
-    if (!track.entry) continue;
-    own.markers.push_back(map_.markers[*track.entry]);
-    track.entry = own.markers.size() - 1;
+    if (track.entry) mapped.push_back(&track);
+  }
+  std::sort(mapped.begin(), mapped.end(),
+            [](const Track* a, const Track* b) { return *a->entry < *b->entry; });
+  for (Track* const track : mapped) {
+    own.markers.push_back(map_.markers[*track->entry]);
+    track->entry = own.markers.size() - 1;
   }
   map_ = std::move(own);
 }

@@ -3,26 +3,24 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstddef>
+#include <string>
 #include <string_view>
 #include <utility>
 
 namespace omnitag {
 namespace {
 
-constexpr std::array<std::string_view, 29> kFirstToHold = {"radius_of_curvature",
+/// "a1" stands for all coefficients of an ocam camera but a0.
+constexpr std::array<std::string_view, 24> kFirstToHold = {"radius_of_curvature",
                                                            "k4",
                                                            "k3",
                                                            "p2",
                                                            "p1",
                                                            "k2",
                                                            "k1",
-                                                           "a6",
-                                                           "a5",
-                                                           "a4",
-                                                           "a3",
-                                                           "a2",
                                                            "a1",
                                                            "e",
                                                            "d",
@@ -41,8 +39,15 @@ constexpr std::array<std::string_view, 29> kFirstToHold = {"radius_of_curvature"
                                                            "cy",
                                                            "cx"};
 
+/// The smaller, the sooner a parameter is held; of a polynomial, the highest coefficient first.
 std::ptrdiff_t rankOf(const std::string& name) {
-  return std::find(kFirstToHold.begin(), kFirstToHold.end(), name) - kFirstToHold.begin();
+  constexpr std::ptrdiff_t kMostCoefficients = 100;
+  const bool is_coefficient = name.size() > 1 && name.front() == 'a' && name != "a0" &&
+                              std::isdigit(static_cast<unsigned char>(name[1])) != 0;
+  const std::string_view listed = is_coefficient ? "a1" : std::string_view(name);
+  const auto place = std::find(kFirstToHold.begin(), kFirstToHold.end(), listed);
+  return kMostCoefficients * (place - kFirstToHold.begin()) -
+         (is_coefficient ? std::stoi(name.substr(1)) : 0);
 }
 
 const CalibrationParameter& parameterAt(const CalibrationModel& model, Eigen::Index index) {

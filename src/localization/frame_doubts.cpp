@@ -32,9 +32,12 @@ std::vector<PoseEstimate> possiblePoses(const PoseEstimate& vague) {
   left -= (1.0 - 0.25 * kStep * kStep) * along * along.transpose();
   left -= 0.75 * aside * aside.transpose();
   std::vector<PoseEstimate> poses;
-  for (int i = -kSteps; i <= kSteps; ++i) {
-    for (int k = -kSideSteps; k <= kSideSteps; ++k) {
-      poses.push_back({moved(vague.pose, kStep * i * along + k * aside), left});
+  for (int i = 0; i <= kSteps; ++i) {
+    for (const int sign : {-1, 1}) {
+      if (i == 0 && sign > 0) continue;
+      for (int k = -kSideSteps; k <= kSideSteps; ++k) {
+        poses.push_back({moved(vague.pose, kStep * i * sign * along + k * aside), left});
+      }
     }
   }
   return poses;
@@ -80,9 +83,9 @@ void FrameTracker::lookAlong() {
   if (!solution_ || found() > kMostFound) return;
   if (positionDeviation(solution_->map_from_base) <= kVague) return;
   std::vector<std::size_t> targets = missing();
-  const auto isUnlikely = [this](std::size_t target) {
-    const std::size_t entry = result_->predicted[target].map_entry;
-    return has_prior_ && !sightings_[target].is_likely && tools_.memory.wasMissed(entry);
+  const bool are_any_known = has_prior_ && tools_.memory.countInPlace() > 0;
+  const auto isUnlikely = [&](std::size_t target) {
+    return are_any_known && !sightings_[target].is_likely;
   };
   targets.erase(std::remove_if(targets.begin(), targets.end(), isUnlikely), targets.end());
   targets.resize(std::min(targets.size(), kMostTargets));
@@ -105,9 +108,16 @@ void FrameTracker::lookAlong() {
   }
   result_->timings.recognize += step.lap();
   if (best.empty()) return;
+  const std::vector<Sighting> sightings_before = sightings_;
+  const PosePrior prior_before = prior_;
+  const bool was_pushed = is_pushed_;
   for (std::size_t i = 0; i < targets.size(); ++i) sightings_[targets[i]].observation = best[i];
   solve();
-  findOthers();
+  if (solution_ && usedEntries().size() > kFewest) return findOthers();
+  sightings_ = sightings_before;
+  prior_ = prior_before;
+  is_pushed_ = was_pushed;
+  solve();
 }
 
 void FrameTracker::lookAgain(const Pose& pose, bool are_all) {

@@ -384,7 +384,8 @@ void LocalizerServer::publishMap(bool is_changed) {
   const std::lock_guard<std::mutex> lock(map_mutex_);
   provisional_ = std::move(provisional);
   if (is_changed) refined_ = localizer_.refined();
-  if (!map_drawing_.update(localizer_.map(), provisional_)) return;
+  const bool is_refined = is_changed && parameters_.refine_map;
+  if (!map_drawing_.update(localizer_.map(), provisional_, is_refined)) return;
   health_.mapChanged(localizer_.map(), provisional_);
   markers_publisher_.publish(map_drawing_.markers());
 }

@@ -197,8 +197,9 @@ void MapDrawing::replace(const MarkerMap& map, const std::vector<ProvisionalMark
 }
 
 // Compares with what was drawn, not with the previous frame, because small moves add up.
-bool MapDrawing::update(const MarkerMap& map, const std::vector<ProvisionalMarker>& provisional) {
-  if (!looksDifferent(provisional, drawn_)) return false;
+bool MapDrawing::update(const MarkerMap& map, const std::vector<ProvisionalMarker>& provisional,
+                        bool is_refined) {
+  if (!is_refined && !looksDifferent(provisional, drawn_)) return false;
   markers_ = mapMarkers(map, provisional, map_frame_);
   drawn_ = provisional;
   return true;

@@ -25,8 +25,9 @@ class MapDrawing {
   MapDrawing(const MarkerMap& map, const std::string& map_frame);
 
   /// Redraws if markers came or went, are used now, or are at least 1 cm from where they were last
-  /// drawn. Returns whether it did.
-  bool update(const MarkerMap& map, const std::vector<ProvisionalMarker>& provisional);
+  /// drawn, or if the map's own markers were refined. Returns whether it did.
+  bool update(const MarkerMap& map, const std::vector<ProvisionalMarker>& provisional,
+              bool is_refined = false);
 
   /// Draws another map and deletes what is left of the previous one.
   void replace(const MarkerMap& map, const std::vector<ProvisionalMarker>& provisional);

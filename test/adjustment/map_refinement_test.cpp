@@ -116,11 +116,12 @@ INSTANTIATE_TEST_SUITE_P(OnAFloorAndFree, KeyFrameTest, testing::Bool());
 class MapRefinementTest : public testing::Test {
  protected:
   /// A frame as a localizer sees it whose pose is a little off.
-  bool feed(MapRefinement* refinement, const Pose& pose) {
+  bool feed(MapRefinement* refinement, const Pose& pose, std::size_t index = 0) {
     const MountedCamera camera(camera_, test::lookingDown());
     Frame frame;
     frame.image = test::renderPanorama({"map", truth_}, camera, pose);
     frame.base_from_camera = test::lookingDown();
+    frame.camera = index;
     FrameResult result;
     const Eigen::Vector3d variances(1e-6, 1e-6, 1e-8);
     result.map_from_base =
@@ -132,6 +133,7 @@ class MapRefinementTest : public testing::Test {
       MarkerDetection detection;
       detection.accepted = true;
       detection.map_entry = i;
+      detection.deviations = far_off_ == i ? 8.0 : 1.0;
       const MarkerReading read = test::withNoise(*reading, 0.1, &random_);
       detection.corners = read.corners;
       detection.center = read.center;
@@ -147,6 +149,8 @@ class MapRefinementTest : public testing::Test {
   }
 
   std::mt19937 random_{8};
+  /// A marker that the localizer finds to be off.
+  std::optional<std::size_t> far_off_;
   std::shared_ptr<const CameraModel> camera_ = test::sphericalCamera();
   std::vector<Marker> truth_ = test::roomMarkers();
   MarkerMap file_ = surveyed(truth_, &random_);
@@ -172,9 +176,10 @@ TEST_F(MapRefinementTest, PutsMarkersWhereTheyHangAndSaysHowWell) {
 }
 
 TEST_F(MapRefinementTest, LearnsNothingNewFromTheSamePlace) {
-  MapRefinement refinement({camera_}, file_, evenFloor());
+  MapRefinement refinement({camera_, camera_}, file_, evenFloor());
   EXPECT_TRUE(feed(&refinement, {0.3, 0.1, 0.2}));
   EXPECT_FALSE(feed(&refinement, {0.31, 0.1, 0.2}));
+  EXPECT_TRUE(feed(&refinement, {0.31, 0.1, 0.2}, 1)) << "through another camera";
   EXPECT_TRUE(feed(&refinement, {0.8, 0.1, 0.2}));
 }
 
@@ -192,6 +197,19 @@ TEST_F(MapRefinementTest, TakesTheMapsFrameFromAnExactMarker) {
   EXPECT_LT((refinement.map().markers[3].center() - truth_[3].center()).norm(), 0.0025);
 }
 
+TEST_F(MapRefinementTest, LearnsNothingFromAMarkerThatIsFarOff) {
+  file_.markers[5].map_from_marker.translation() += Eigen::Vector3d(0.0, 0.06, 0.0);
+  far_off_ = 5;
+  MapRefinement refinement({camera_}, file_, evenFloor());
+  drive(&refinement);
+  EXPECT_EQ(refinement.refined().size(), truth_.size() - 1);
+  for (std::size_t i = 0; i < truth_.size(); ++i) {
+    if (i == far_off_) continue;
+    const Marker& marker = refinement.map().markers[i];
+    EXPECT_LT((marker.center() - truth_[i].center()).norm(), 4.0 * marker.deviation) << i;
+  }
+}
+
 TEST_F(MapRefinementTest, MovesNothingFartherThanTheMapSays) {
   file_.markers[5].map_from_marker.translation() += Eigen::Vector3d(0.0, 0.06, 0.0);
   MapRefinement refinement({camera_}, file_, evenFloor());
@@ -206,15 +224,49 @@ TEST_F(MapRefinementTest, GoesOnWithTheMapThatWasSaved) {
   drive(&refinement);
   MarkerMap saved = refinement.map();
   saved.markers.push_back(test::wallMarker(20, {0.0, 4.0, 1.0}, -kPi / 2));
+  // The robot drives on while the file is written.
+  feed(&refinement, {0.2, 0.1, 0.3});
   const double known = refinement.map().markers[0].orientation_deviation;
   refinement.setMap(saved);
   EXPECT_NEAR(refinement.map().markers[0].orientation_deviation, known, 1e-12);
   EXPECT_FALSE(feed(&refinement, test::roundTrip(10).front())) << "it has been there";
-  // Another map is another world.
-  saved.markers[1].map_from_marker.translation().x() += 0.1;
-  refinement.setMap(saved);
+  EXPECT_TRUE((refinement.refined().front().given.map_from_marker.matrix() -
+               saved.markers[0].map_from_marker.matrix())
+                  .isZero(0.0));
+}
+
+TEST_F(MapRefinementTest, StartsAfreshFromAMapThatSomebodyChanged) {
+  MapRefinement refinement({camera_}, file_, evenFloor());
+  drive(&refinement);
+  MarkerMap changed = file_;
+  changed.markers[1].map_from_marker.translation().x() += 0.1;
+  refinement.setMap(changed);
   EXPECT_TRUE(refinement.refined().empty());
   EXPECT_TRUE(feed(&refinement, test::roundTrip(10).front()));
+  changed.markers[2].deviation = 0.0;
+  changed.markers[2].orientation_deviation = 0.0;
+  refinement.setMap(changed);
+  EXPECT_TRUE(refinement.refined().empty());
+  drive(&refinement);
+  EXPECT_EQ(refinement.map().markers[2].map_from_marker.matrix(),
+            changed.markers[2].map_from_marker.matrix());
+}
+
+TEST_F(MapRefinementTest, KeepsWhatSomebodyWroteIntoTheFile) {
+  const std::string text =
+      "family: tag36h11\nsize: 0.8\nmarkers:\n  - {id: 3, position: [4, 1, 1.2], yaw: 3.0}\n"
+      "  - {id: 3, position: [0, 4, 1.2], yaw: -1.5}\n";
+  const MarkerMap map = parseMarkerMap(text, "map");
+  std::vector<RefinedMarker> refined;
+  for (const Marker& marker : map.markers) {
+    refined.push_back({marker, marker});
+    refined.back().refined.map_from_marker.translation().z() += 0.003;
+  }
+  // One was moved in the file, the other taken down.
+  const std::string edited =
+      "family: tag36h11\nsize: 0.8\nmarkers:\n  - {id: 3, position: [4, 2, 1.2], yaw: 3.0}\n";
+  EXPECT_FALSE(withLearnt(edited, refined, {}, "map").isChanged());
+  EXPECT_EQ(withLearnt(text, refined, {}, "map").refined, 2U);
 }
 
 TEST_F(MapRefinementTest, IsWrittenIntoTheMapFile) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "../support/panorama_renderer.h"
 #include "../support/sweep.h"
 #include "omnitag/common/error.h"
@@ -96,6 +98,20 @@ TEST_F(MarkerMapperTest, VaguePosesMakeVagueMarkers) {
     EXPECT_LT(sure.provisional()[i].estimate.positionDeviation(),
               vague.provisional()[i].estimate.positionDeviation());
   }
+}
+
+TEST_F(MarkerMapperTest, KeepsEntriesWhenItsOwnMarkersAreReplaced) {
+  MarkerMapper mapper({camera_}, roomMap(2), config_);
+  feed(&mapper, test::roomMarkers(), test::roundTrip(40));
+  const auto idsOf = [](const MarkerMap& map) {
+    std::vector<int> ids;
+    for (const Marker& marker : map.markers) ids.push_back(marker.id);
+    return ids;
+  };
+  const std::vector<int> before = idsOf(mapper.map());
+  ASSERT_FALSE(std::is_sorted(before.begin(), before.end())) << "entries are in order of discovery";
+  mapper.setOwn(roomMap(2));
+  EXPECT_EQ(idsOf(mapper.map()), before);
 }
 
 TEST_F(MarkerMapperTest, AnIdAtTwoPlacesIsNotUsed) {
