@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The node maps markers that its map does not have, and saves them on request."""
+"""The node maps markers that its map does not have, refines those that it has, and saves both."""
 
 import os
 import subprocess
@@ -36,16 +36,25 @@ class MappingTest(unittest.TestCase):
         directory = tempfile.TemporaryDirectory()
         self.addCleanup(directory.cleanup)
         self.map_file = os.path.join(directory.name, "map.yaml")
-        with open(self.map_file, "w", encoding="utf-8") as file:
-            file.write(seed_text())
-        for name, value in {"camera_file": CAMERA, "map_file": self.map_file, "mapping": True,
+
+    def start(self, **parameters):
+        """The node, with the map file, which must be there."""
+        for name, value in {"camera_file": CAMERA, "map_file": self.map_file,
                             "image_transport": "compressed", "queue_size": 100,
-                            "initial_pose": [-1.4439, 2.9956, -2.1440]}.items():
+                            "initial_pose": [-1.4439, 2.9956, -2.1440], **parameters}.items():
             rospy.set_param("/mapper/" + name, value)
+        self.addCleanup(rospy.delete_param, "/mapper")
         node = subprocess.Popen(["rosrun", "omnitag", "localizer_node", "__name:=mapper",
                                  "image:=" + IMAGE_TOPIC])
         self.addCleanup(node.wait)
         self.addCleanup(node.terminate)
+        save = rospy.ServiceProxy("save_map", Trigger)
+        save.wait_for_service(30.0)
+        return save
+
+    def write_map(self, text):
+        with open(self.map_file, "w", encoding="utf-8") as file:
+            file.write(text)
 
     def read_map(self):
         """The map file's text."""
@@ -53,8 +62,8 @@ class MappingTest(unittest.TestCase):
             return file.read()
 
     def test_saves_what_it_has_mapped(self):
-        save = rospy.ServiceProxy("save_map", Trigger)
-        save.wait_for_service(30.0)
+        self.write_map(seed_text())
+        save = self.start(mapping=True)
         response = save()
         self.assertTrue(response.success)
         self.assertIn("has all already", response.message)
@@ -90,6 +99,42 @@ class MappingTest(unittest.TestCase):
         save()
         again = load_marker_map(self.map_file).markers
         self.assertEqual(len({marker.id for marker in again}), len(again))
+
+    def test_saves_what_it_has_refined(self):
+        subprocess.run([os.path.join(PACKAGE, "tools", "disturb_files"), "--map", MAP, "--output-map",
+                        self.map_file, "--deviation", "0.005", "--orientation-deviation", "0.0175",
+                        "--seed", "5", "--say"], check=True, stdout=subprocess.DEVNULL)
+        save = self.start(refine_map=True)
+        truth = [marker.position for marker in load_marker_map(MAP).markers]
+
+        def spread(marker_map):
+            errors = [marker.position - true for marker, true in zip(marker_map.markers, truth)]
+            return np.linalg.norm(np.subtract(errors, np.mean(errors, axis=0)))
+
+        before = load_marker_map(self.map_file)
+        harness = Harness("compressed")
+        for image in harness.images[:IMAGES]:
+            self.assertIsNotNone(harness.localize(image))
+        response = save()
+        self.assertTrue(response.success, response.message)
+        self.assertIn("refined in " + self.map_file, response.message)
+        saved = load_marker_map(self.map_file)
+        # Some have not been seen yet.
+        self.assertLess(spread(saved), 0.8 * spread(before))
+
+        # It goes on from there, and writes nothing that somebody changed meanwhile.
+        with open(self.map_file, encoding="utf-8") as file:
+            lines = file.readlines()
+        first = next(i for i, line in enumerate(lines) if line.startswith("  - {id: 0,"))
+        lines[first] = "  - {id: 0, position: [-3.4, 4.4, 1.3], yaw: -1.5707963}\n"
+        self.write_map("".join(lines))
+        for image in harness.images[IMAGES:IMAGES + 10]:
+            self.assertIsNotNone(harness.localize(image))
+        response = save()
+        self.assertTrue(response.success, response.message)
+        with open(self.map_file, encoding="utf-8") as file:
+            self.assertIn(lines[first], file.read())
+        self.assertLess(spread(load_marker_map(self.map_file)), 1.5 * spread(saved) + 0.2)
 
 
 if __name__ == "__main__":
