@@ -195,7 +195,7 @@ class LocalizerTest(unittest.TestCase):
     def test_9_says_that_mapping_is_off(self):
         response = rospy.ServiceProxy("save_map", Trigger)()
         self.assertFalse(response.success)
-        self.assertIn("mapping is off", response.message)
+        self.assertIn("mapping and refine_map are off", response.message)
 
     def shifted(self, index, shift):
         """An image of the bag, its stamp shifted by some seconds."""
