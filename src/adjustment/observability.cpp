@@ -45,9 +45,9 @@ std::ptrdiff_t rankOf(const std::string& name) {
   const bool is_coefficient = name.size() > 1 && name.front() == 'a' && name != "a0" &&
                               std::isdigit(static_cast<unsigned char>(name[1])) != 0;
   const std::string_view listed = is_coefficient ? "a1" : std::string_view(name);
-  const auto place = std::find(kFirstToHold.begin(), kFirstToHold.end(), listed);
-  return kMostCoefficients * (place - kFirstToHold.begin()) -
-         (is_coefficient ? std::stoi(name.substr(1)) : 0);
+  const std::ptrdiff_t place =
+      std::find(kFirstToHold.begin(), kFirstToHold.end(), listed) - kFirstToHold.begin();
+  return kMostCoefficients * place - (is_coefficient ? std::stoi(name.substr(1)) : 0);
 }
 
 const CalibrationParameter& parameterAt(const CalibrationModel& model, Eigen::Index index) {

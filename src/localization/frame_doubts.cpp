@@ -96,6 +96,7 @@ void FrameTracker::lookAlong() {
   std::size_t most = kFewest - 1;
   for (const PoseEstimate& belief : possiblePoses(solution_->map_from_base)) {
     std::vector<std::optional<MarkerObservation>> seen;
+    seen.reserve(targets.size());
     for (const std::size_t target : targets) {
       seen.push_back(recognizeMarker(tools_, frame_.image, camera_,
                                      result_->predicted[target].map_entry, belief));
