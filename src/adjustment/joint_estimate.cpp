@@ -4,6 +4,18 @@
 
 namespace omnitag {
 
+Eigen::MatrixXd part(const Eigen::MatrixXd& matrix, const std::vector<Eigen::Index>& places) {
+  const auto size = static_cast<Eigen::Index>(places.size());
+  Eigen::MatrixXd result(size, size);
+  for (Eigen::Index row = 0; row < size; ++row) {
+    for (Eigen::Index column = 0; column < size; ++column) {
+      result(row, column) =
+          matrix(places[static_cast<std::size_t>(row)], places[static_cast<std::size_t>(column)]);
+    }
+  }
+  return result;
+}
+
 void JointEstimate::append(const Eigen::VectorXd& variances) {
   const Eigen::Index before = mean.size();
   const Eigen::Index count = variances.size();
@@ -16,16 +28,11 @@ void JointEstimate::append(const Eigen::VectorXd& variances) {
 }
 
 JointEstimate JointEstimate::part(const std::vector<Eigen::Index>& indices) const {
-  const auto count = static_cast<Eigen::Index>(indices.size());
-  JointEstimate some{Eigen::VectorXd(count), Eigen::MatrixXd(count, count)};
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Eigen::Index from = indices[static_cast<std::size_t>(i)];
-    some.mean(i) = mean(from);
-    for (Eigen::Index j = 0; j < count; ++j) {
-      some.covariance(i, j) = covariance(from, indices[static_cast<std::size_t>(j)]);
-    }
+  Eigen::VectorXd means(static_cast<Eigen::Index>(indices.size()));
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    means(static_cast<Eigen::Index>(i)) = mean(indices[i]);
   }
-  return some;
+  return {means, omnitag::part(covariance, indices)};
 }
 
 void JointEstimate::update(const std::vector<Eigen::Index>& indices, const JointEstimate& after) {

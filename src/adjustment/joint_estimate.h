@@ -5,6 +5,9 @@
 
 namespace omnitag {
 
+/// These rows and columns of a matrix.
+Eigen::MatrixXd part(const Eigen::MatrixXd& matrix, const std::vector<Eigen::Index>& places);
+
 /// A normal distribution of many numbers.
 struct JointEstimate {
   Eigen::VectorXd mean;

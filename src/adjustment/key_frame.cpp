@@ -1,8 +1,9 @@
 #include "adjustment/key_frame.h"
 
 #include <Eigen/Cholesky>
-#include <algorithm>
+#include <array>
 
+#include "adjustment/bundle_costs.h"
 #include "adjustment/marker_projection.h"
 
 namespace omnitag {
@@ -80,8 +81,7 @@ class FrameFit {
     Eigen::MatrixXd by_unknowns = Eigen::MatrixXd::Zero(3, values_.size());
     by_unknowns.middleCols<3>(kOwn).setIdentity();
     by_unknowns.middleCols<3>(kStanding) = -Eigen::Matrix3d::Identity();
-    const PoseVector off = difference(
-        pose_, leaningAs({0.0, 0.0, 0.0, 0.0, frame_.lean.roll, frame_.lean.pitch}, pose_));
+    const PoseVector off = difference(pose_, leaningAs(frame_.lean, pose_));
     const Eigen::Vector3d residual = values_.segment<3>(kStanding) - off.tail<3>();
     add(by_unknowns, residual, deviations.cwiseAbs2().cwiseInverse().asDiagonal().toDenseMatrix());
   }
@@ -92,8 +92,7 @@ class FrameFit {
     error << values_.segment<kCameraModes>(kMode), values_.segment<kVelocities>(kVelocity);
     MarkerIncrement increment = MarkerIncrement::Zero();
     if (sight.increment) increment = values_.segment<6>(column);
-    Marker marker = sight.prior;
-    marker.map_from_marker = moved(marker.map_from_marker, increment);
+    const Marker marker = markerAt(sight.prior, increment.data(), sight.prior.size);
     const auto projection = projectMarker(marker, frame_.camera.withError(error), pose_);
     if (!projection) return false;
     Eigen::MatrixXd by_unknowns = Eigen::MatrixXd::Zero(8, values_.size());
@@ -111,9 +110,9 @@ class FrameFit {
     const Eigen::MatrixXd information =
         covariance.llt().solve(Eigen::Matrix<double, 8, 8>::Identity());
     const CornerPixels off = sight.corners.pixels - projection->pixels;
-    constexpr double kExpected = 20.1;  // 99 of 100, chi-square with 8 degrees of freedom
-    const double square = off.dot(information * off);
-    add(by_unknowns, off, (square > kExpected ? kExpected / square : 1.0) * information);
+    std::array<double, 3> loss{};  // and its derivatives, of which the first is the weight
+    ExpectedLoss(kExpectedOfMarker).Evaluate(off.dot(information * off), loss.data());
+    add(by_unknowns, off, loss[1] * information);
     return true;
   }
 
@@ -139,8 +138,9 @@ class FrameFit {
 
 Eigen::Vector3d standingDeviations(const FloorConfig& floor) {
   constexpr double kExact = 1e-6;  // m and rad
-  return {std::max(floor.height_deviation, kExact), std::max(floor.lean_deviation, kExact),
-          std::max(floor.lean_deviation, kExact)};
+  const Eigen::Vector3d deviations(floor.height_deviation, floor.lean_deviation,
+                                   floor.lean_deviation);
+  return deviations.cwiseMax(kExact);
 }
 
 bool learnFrom(const KeyFrame& frame, JointEstimate* joint) {

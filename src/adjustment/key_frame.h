@@ -39,7 +39,7 @@ struct KeyFrame {
   std::vector<Sight> sights;
   /// Of height, roll and pitch from image to image; none if the robot is free.
   std::optional<Eigen::Vector3d> standing_deviations;
-  /// Roll and pitch by odometry.
+  /// Roll and pitch by odometry; all else is 0.
   Pose lean;
   /// Where the camera's modes begin in the joint estimate, in standard deviations.
   Eigen::Index first_mode = 0;

@@ -10,6 +10,7 @@
 #include "adjustment/marker_estimate.h"
 #include "common/symmetric_matrix.h"
 #include "localization/reprojection.h"
+#include "marker/marker_map_writer.h"
 
 namespace omnitag {
 namespace {
@@ -27,33 +28,20 @@ bool hasDeviations(const Marker& marker) {
 }
 
 MarkerIncrement deviationsOf(const Marker& marker) {
-  MarkerIncrement deviations;
-  deviations << Eigen::Vector3d::Constant(std::max(marker.deviation, kExact)),
-      Eigen::Vector3d::Constant(std::max(marker.orientation_deviation, kExact));
-  return deviations;
-}
-
-/// Whether both are the same pattern with the same name.
-bool areAlike(const Marker& a, const Marker& b) {
-  return a.family == b.family && a.id == b.id && a.name == b.name && !a.picture == !b.picture &&
-         (!a.picture || a.picture->path == b.picture->path) && std::abs(a.size - b.size) < kExact;
-}
-
-/// Whether both are the same but for the digits of a map file.
-bool isSame(const Marker& a, const Marker& b) {
-  constexpr double kSame = 1e-5;  // m and rad
-  return areAlike(a, b) && std::abs(a.deviation - b.deviation) < kSame &&
-         std::abs(a.orientation_deviation - b.orientation_deviation) < kSame &&
-         (a.map_from_marker.matrix() - b.map_from_marker.matrix()).isZero(kSame);
+  return PlacePrior::surveyed(marker).deviations.cwiseMax(kExact);
 }
 
 /// Whether `saved` may be `now` a few images ago, which the map file then has.
 bool isNearly(const Marker& saved, const Marker& now) {
+  Marker moved_there = saved;
+  moved_there.map_from_marker = now.map_from_marker;
+  moved_there.deviation = now.deviation;
+  moved_there.orientation_deviation = now.orientation_deviation;
   constexpr double kNearly = 0.25;  // of the deviations
   const auto areClose = [](double a, double b) { return std::abs(a - b) <= kNearly * b + kExact; };
   const Eigen::AngleAxisd turn(saved.map_from_marker.linear() *
                                now.map_from_marker.linear().transpose());
-  return areAlike(saved, now) && areClose(saved.deviation, now.deviation) &&
+  return isSameEntry(moved_there, now) && areClose(saved.deviation, now.deviation) &&
          areClose(saved.orientation_deviation, now.orientation_deviation) &&
          (saved.center() - now.center()).norm() <= kNearly * now.deviation + kExact &&
          std::abs(turn.angle()) <= kNearly * now.orientation_deviation + kExact;
@@ -80,9 +68,9 @@ std::optional<AlignedCorners> alignedCorners(const Frame& frame, const FrameResu
 
 }  // namespace
 
-MapRefinement::MapRefinement(const CameraModels& cameras, const MarkerMap& map,
+MapRefinement::MapRefinement(std::size_t camera_count, const MarkerMap& map,
                              const MotionModelConfig& motion)
-    : camera_count_(cameras.size()), motion_(motion), patterns_(map) {
+    : camera_count_(camera_count), motion_(motion), patterns_(map) {
   setMap(map);
 }
 
@@ -109,8 +97,9 @@ bool MapRefinement::continues(const MarkerMap& map) const {
   if (landmarks_.empty() || map.markers.size() < landmarks_.size()) return false;
   for (std::size_t i = 0; i < landmarks_.size(); ++i) {
     const Marker& marker = map.markers[i];
-    const bool is_known = isSame(marker, landmarks_[i].prior) ||
-                          isSame(marker, landmarks_[i].given) || isNearly(marker, map_.markers[i]);
+    const bool is_known = isSameEntry(marker, landmarks_[i].prior) ||
+                          isSameEntry(marker, landmarks_[i].given) ||
+                          isNearly(marker, map_.markers[i]);
     if (!is_known) return false;
   }
   return true;
@@ -152,7 +141,10 @@ bool MapRefinement::add(const Frame& frame, const FrameResult& result) {
   if (key.sights.size() < 2) return false;
   key.first_mode = kStandingNumbers + static_cast<Eigen::Index>(frame.camera) * kCameraModes;
   if (motion_.isOnFloor()) key.standing_deviations = standingDeviations(motion_.floor);
-  if (frame.odom_from_base) key.lean = *frame.odom_from_base;
+  if (frame.odom_from_base) {
+    key.lean.roll = frame.odom_from_base->roll;
+    key.lean.pitch = frame.odom_from_base->pitch;
+  }
   if (!learnFrom(key, &joint_)) return false;
   views_.emplace_back();
   for (const KeyFrame::Sight& sight : key.sights) {

@@ -10,7 +10,6 @@
 #include "adjustment/marker_projection.h"
 #include "localization/motion_model.h"
 #include "marker/tag_pattern.h"
-#include "omnitag/camera/camera_model.h"
 #include "omnitag/localization/frame_result.h"
 #include "omnitag/marker/marker_map.h"
 
@@ -36,7 +35,7 @@ struct RefinedMarker {
 class MapRefinement {
  public:
   /// Throws InputError if the map names a family that there is not.
-  MapRefinement(const CameraModels& cameras, const MarkerMap& map, const MotionModelConfig& motion);
+  MapRefinement(std::size_t camera_count, const MarkerMap& map, const MotionModelConfig& motion);
 
   /// Processes a frame. Uses it if the camera's robot is at least 0.15 m from where it was in all
   /// of the camera's frames used before: from the same place, pixels would repeat their errors.

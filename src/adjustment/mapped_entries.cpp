@@ -18,15 +18,6 @@ namespace omnitag {
 namespace {
 
 constexpr double kLastDigit = 1e-6;  // of a map file, m and rad
-constexpr double kSame = 1e-5;       // the same of two places that were written to one
-
-/// Whether the places or the deviations differ by more than the digits of a map file.
-bool differs(const Marker& a, const Marker& b) {
-  return a.family != b.family || a.id != b.id ||
-         !(a.map_from_marker.matrix() - b.map_from_marker.matrix()).isZero(kSame) ||
-         std::abs(a.deviation - b.deviation) > kSame ||
-         std::abs(a.orientation_deviation - b.orientation_deviation) > kSame;
-}
 
 }  // namespace
 
@@ -62,8 +53,8 @@ LearntMap withLearnt(const std::string& text, const std::vector<RefinedMarker>& 
   std::vector<EntryChange> changes(map.markers.size());
   for (const RefinedMarker& each : refined) {
     const auto entry = entryLike(map, each.given);
-    const bool is_as_given = entry && !differs(each.given, map.markers[*entry]);
-    if (!is_as_given || !differs(each.refined, each.given)) continue;
+    const bool is_as_given = entry && isSameEntry(each.given, map.markers[*entry]);
+    if (!is_as_given || isSameEntry(each.refined, each.given)) continue;
     Marker& marker = changes[*entry].moved.emplace(map.markers[*entry]);
     marker.map_from_marker = each.refined.map_from_marker;
     marker.deviation = each.refined.deviation;
@@ -75,8 +66,7 @@ LearntMap withLearnt(const std::string& text, const std::vector<RefinedMarker>& 
     return entriesOf(map, entry.marker.family, entry.marker.id).empty();
   });
   learnt.added = missing.size();
-  learnt.text = learnt.refined > 0 ? withChanges(text, changes, missing, origin)
-                                   : withEntries(text, missing, origin);
+  learnt.text = withChanges(text, changes, missing, origin);
   return learnt;
 }
 

@@ -10,6 +10,8 @@
 #include <string_view>
 #include <utility>
 
+#include "adjustment/joint_estimate.h"
+
 namespace omnitag {
 namespace {
 
@@ -52,19 +54,6 @@ std::ptrdiff_t rankOf(const std::string& name) {
 
 const CalibrationParameter& parameterAt(const CalibrationModel& model, Eigen::Index index) {
   return model.parameters()[static_cast<std::size_t>(index)];
-}
-
-/// These rows and columns of a matrix.
-Eigen::MatrixXd part(const Eigen::MatrixXd& matrix, const std::vector<Eigen::Index>& places) {
-  const auto size = static_cast<Eigen::Index>(places.size());
-  Eigen::MatrixXd result(size, size);
-  for (Eigen::Index row = 0; row < size; ++row) {
-    for (Eigen::Index column = 0; column < size; ++column) {
-      result(row, column) =
-          matrix(places[static_cast<std::size_t>(row)], places[static_cast<std::size_t>(column)]);
-    }
-  }
-  return result;
 }
 
 /// The inverse of an information matrix; undetermined directions become very uncertain, but not

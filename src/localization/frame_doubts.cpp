@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -13,14 +14,14 @@ namespace omnitag {
 namespace {
 
 /// Poses that a vague one may be, along the two directions in which it is vaguest, each of them
-/// with the covariance that is left.
+/// with the covariance that is left; the likeliest first.
 std::vector<PoseEstimate> possiblePoses(const PoseEstimate& vague) {
   // m, the usual distance of markers: a turn moves them by so much.
   constexpr double kRange = 3.0;
-  // Half a deviation apart along the vaguest direction, a deviation along the other.
-  constexpr int kSteps = 4;
-  constexpr int kSideSteps = 1;
+  // Deviations along the vaguest direction, the smallest first, and along the other.
   constexpr double kStep = 0.5;
+  constexpr std::array<double, 9> kAlong = {0.0, -0.5, 0.5, -1.0, 1.0, -1.5, 1.5, -2.0, 2.0};
+  constexpr std::array<double, 3> kAside = {-1.0, 0.0, 1.0};
   const PoseVector scale = poseVector(Eigen::Vector3d::Ones(), Eigen::Vector3d::Constant(kRange));
   const EigenPairs pairs = eigenPairs(scale.asDiagonal() * vague.covariance * scale.asDiagonal());
   const auto deviationAlong = [&](Eigen::Index i) -> PoseVector {
@@ -32,13 +33,9 @@ std::vector<PoseEstimate> possiblePoses(const PoseEstimate& vague) {
   left -= (1.0 - 0.25 * kStep * kStep) * along * along.transpose();
   left -= 0.75 * aside * aside.transpose();
   std::vector<PoseEstimate> poses;
-  for (int i = 0; i <= kSteps; ++i) {
-    for (const int sign : {-1, 1}) {
-      if (i == 0 && sign > 0) continue;
-      for (int k = -kSideSteps; k <= kSideSteps; ++k) {
-        poses.push_back({moved(vague.pose, kStep * i * sign * along + k * aside), left});
-      }
-    }
+  poses.reserve(kAlong.size() * kAside.size());
+  for (const double i : kAlong) {
+    for (const double k : kAside) poses.push_back({moved(vague.pose, i * along + k * aside), left});
   }
   return poses;
 }

@@ -235,14 +235,6 @@ bool areAlike(const Marker& a, const Marker& b) {
          std::abs(a.picture->border - b.picture->border) < kTolerance;
 }
 
-bool isSame(const Marker& a, const Marker& b) {
-  return a.family == b.family && areAlike(a, b) && a.name == b.name &&
-         std::abs(a.size - b.size) < kTolerance &&
-         std::abs(a.deviation - b.deviation) < kTolerance &&
-         std::abs(a.orientation_deviation - b.orientation_deviation) < kTolerance &&
-         a.map_from_marker.isApprox(b.map_from_marker, kTolerance);
-}
-
 void checkResult(const std::string& result, const MarkerMap& before,
                  const std::vector<MapEntry>& entries, const std::string& origin) {
   const std::string refusal = origin + ": its list of markers cannot be changed in place";
@@ -255,8 +247,8 @@ void checkResult(const std::string& result, const MarkerMap& before,
   bool is_right = after.markers.size() == before.markers.size() + entries.size();
   for (std::size_t i = 0; is_right && i < after.markers.size(); ++i) {
     const bool is_old = i < before.markers.size();
-    is_right = isSame(after.markers[i],
-                      is_old ? before.markers[i] : entries[i - before.markers.size()].marker);
+    is_right = isSameEntry(after.markers[i],
+                           is_old ? before.markers[i] : entries[i - before.markers.size()].marker);
   }
   if (!is_right) throw InputError(refusal);
 }
@@ -279,6 +271,14 @@ std::vector<MapEntry> withPicturesFrom(const std::string& path, std::vector<MapE
 }
 
 }  // namespace
+
+bool isSameEntry(const Marker& a, const Marker& b) {
+  return a.family == b.family && areAlike(a, b) && a.name == b.name &&
+         std::abs(a.size - b.size) < kTolerance &&
+         std::abs(a.deviation - b.deviation) < kTolerance &&
+         std::abs(a.orientation_deviation - b.orientation_deviation) < kTolerance &&
+         a.map_from_marker.isApprox(b.map_from_marker, kTolerance);
+}
 
 std::string newMapText(const std::string& frame_id, const std::vector<MapEntry>& entries,
                        const std::string& path) {

@@ -30,6 +30,9 @@ std::string newMapText(const std::string& frame_id, const std::vector<MapEntry>&
 std::string withEntries(const std::string& text, const std::vector<MapEntry>& entries,
                         const std::string& origin);
 
+/// Whether a map file would tell two markers apart: not if they differ by its last digits alone.
+bool isSameEntry(const Marker& a, const Marker& b);
+
 /// A change of a map file's entry: it is kept, removed, or rewritten.
 struct EntryChange {
   bool is_removed = false;

@@ -35,7 +35,8 @@ ImageLocalizer::ImageLocalizer(const LocalizerParameters& parameters,
   ignore();
   if (parameters_.frames.map.empty()) parameters_.frames.map = map_.frame_id;
   mapper_ = makeMapper(parameters_, cameras_, map_);
-  if (parameters_.refine_map) refinement_.emplace(cameras_, map_, parameters_.localizer.motion);
+  if (parameters_.refine_map)
+    refinement_.emplace(cameras_.size(), map_, parameters_.localizer.motion);
   start();
 }
 

@@ -132,14 +132,12 @@ std::string LocalizerServer::saveLearnt(const std::string& path) {
     // The saved markers become the map's own and no longer belong to mapping.
     settings_.editMap([](MapEditor* map) { return map->reload(); });
   }
-  std::string done = path + " has all already";
-  if (learnt.isChanged()) {
-    const std::string added = std::to_string(learnt.added) + " markers added to " + path;
-    const std::string refined = std::to_string(learnt.refined) + " refined in " + path;
-    const bool are_both = learnt.added > 0 && learnt.refined > 0;
-    done = (are_both ? refined + ", " : "") + (learnt.added > 0 ? added : refined) +
-           ", the old file is beside it with a ~";
+  std::string done;
+  if (learnt.refined > 0) done = std::to_string(learnt.refined) + " refined in " + path;
+  if (learnt.added > 0) {
+    done += (done.empty() ? "" : ", ") + std::to_string(learnt.added) + " markers added to " + path;
   }
+  done = done.empty() ? path + " has all already" : done + ", the old file is beside it with a ~";
   return done + "; " + std::to_string(provisional.size() - entries.size()) +
          " more are not known well enough yet";
 }

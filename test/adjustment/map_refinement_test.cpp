@@ -157,7 +157,7 @@ class MapRefinementTest : public testing::Test {
 };
 
 TEST_F(MapRefinementTest, PutsMarkersWhereTheyHangAndSaysHowWell) {
-  MapRefinement refinement({camera_}, file_, evenFloor());
+  MapRefinement refinement(1, file_, evenFloor());
   EXPECT_EQ(drive(&refinement), 10);
   const MarkerMap& map = refinement.map();
   const Eigen::Vector3d shift = meanError(map, truth_);
@@ -176,7 +176,7 @@ TEST_F(MapRefinementTest, PutsMarkersWhereTheyHangAndSaysHowWell) {
 }
 
 TEST_F(MapRefinementTest, LearnsNothingNewFromTheSamePlace) {
-  MapRefinement refinement({camera_, camera_}, file_, evenFloor());
+  MapRefinement refinement(2, file_, evenFloor());
   EXPECT_TRUE(feed(&refinement, {0.3, 0.1, 0.2}));
   EXPECT_FALSE(feed(&refinement, {0.31, 0.1, 0.2}));
   EXPECT_TRUE(feed(&refinement, {0.31, 0.1, 0.2}, 1)) << "through another camera";
@@ -185,7 +185,7 @@ TEST_F(MapRefinementTest, LearnsNothingNewFromTheSamePlace) {
 
 TEST_F(MapRefinementTest, TakesTheMapsFrameFromAnExactMarker) {
   file_.markers[2] = truth_[2];
-  MapRefinement refinement({camera_}, file_, evenFloor());
+  MapRefinement refinement(1, file_, evenFloor());
   drive(&refinement);
   const Marker& exact = refinement.map().markers[2];
   EXPECT_EQ(exact.map_from_marker.matrix(), truth_[2].map_from_marker.matrix());
@@ -200,7 +200,7 @@ TEST_F(MapRefinementTest, TakesTheMapsFrameFromAnExactMarker) {
 TEST_F(MapRefinementTest, LearnsNothingFromAMarkerThatIsFarOff) {
   file_.markers[5].map_from_marker.translation() += Eigen::Vector3d(0.0, 0.06, 0.0);
   far_off_ = 5;
-  MapRefinement refinement({camera_}, file_, evenFloor());
+  MapRefinement refinement(1, file_, evenFloor());
   drive(&refinement);
   EXPECT_EQ(refinement.refined().size(), truth_.size() - 1);
   for (std::size_t i = 0; i < truth_.size(); ++i) {
@@ -212,7 +212,7 @@ TEST_F(MapRefinementTest, LearnsNothingFromAMarkerThatIsFarOff) {
 
 TEST_F(MapRefinementTest, MovesNothingFartherThanTheMapSays) {
   file_.markers[5].map_from_marker.translation() += Eigen::Vector3d(0.0, 0.06, 0.0);
-  MapRefinement refinement({camera_}, file_, evenFloor());
+  MapRefinement refinement(1, file_, evenFloor());
   drive(&refinement);
   const Marker& moved_by_someone = refinement.map().markers[5];
   EXPECT_EQ(moved_by_someone.map_from_marker.matrix(), file_.markers[5].map_from_marker.matrix());
@@ -220,7 +220,7 @@ TEST_F(MapRefinementTest, MovesNothingFartherThanTheMapSays) {
 }
 
 TEST_F(MapRefinementTest, GoesOnWithTheMapThatWasSaved) {
-  MapRefinement refinement({camera_}, file_, evenFloor());
+  MapRefinement refinement(1, file_, evenFloor());
   drive(&refinement);
   MarkerMap saved = refinement.map();
   saved.markers.push_back(test::wallMarker(20, {0.0, 4.0, 1.0}, -kPi / 2));
@@ -236,7 +236,7 @@ TEST_F(MapRefinementTest, GoesOnWithTheMapThatWasSaved) {
 }
 
 TEST_F(MapRefinementTest, StartsAfreshFromAMapThatSomebodyChanged) {
-  MapRefinement refinement({camera_}, file_, evenFloor());
+  MapRefinement refinement(1, file_, evenFloor());
   drive(&refinement);
   MarkerMap changed = file_;
   changed.markers[1].map_from_marker.translation().x() += 0.1;
