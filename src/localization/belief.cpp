@@ -154,7 +154,8 @@ void dropFoundAgain(std::vector<Account>* accounts) {
                   accounts->end());
 }
 
-/// A pose whose covariance is widened to cover another one that has this probability.
+/// A pose whose covariance is widened to cover another one that has this probability, and wherever
+/// that one's covariance says that the robot may be.
 PoseEstimate covering(const PoseEstimate& pose, const PoseEstimate& other, double probability) {
   // The markers of the other pose may be a little off, too, when two poses contend.
   constexpr double kAside = 0.15;
@@ -163,7 +164,7 @@ PoseEstimate covering(const PoseEstimate& pose, const PoseEstimate& other, doubl
       kAside * poseVector(Eigen::Vector3d::Constant(translationPart(apart).norm()),
                           Eigen::Vector3d::Constant(rotationPart(apart).norm()));
   PoseEstimate wider = pose;
-  wider.covariance += probability * (apart * apart.transpose() + other.covariance);
+  wider.covariance += probability * apart * apart.transpose() + other.covariance;
   wider.covariance.diagonal() += probability * aside.cwiseAbs2();
   return wider;
 }
@@ -249,11 +250,11 @@ FrameResult reported(const std::vector<Account>& accounts, const MarkerMap& map,
   // No pose should be farther from the truth than this many of its deviations.
   constexpr double kDeviations = 3.0;
   for (auto other = accounts.begin() + 1; other != accounts.end(); ++other) {
-    if (other->hypothesis.is_lost) {
+    // What has no pose cannot be covered.
+    if (other->hypothesis.is_lost || !other->result.map_from_base) {
       withhold(map, &result);
       return result;
     }
-    if (!other->result.map_from_base) continue;
     const double probability =
         1.0 / (1.0 + std::exp(best.log_probability - other->log_probability));
     result.map_from_base = covering(*result.map_from_base, *other->result.map_from_base,

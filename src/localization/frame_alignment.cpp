@@ -25,6 +25,14 @@ PoseVector anyPush(double way, double turn, PoseModel model) {
   return push;
 }
 
+/// Whether so few markers disagree so much that any of them may have been moved. Where more markers
+/// disagree, the camera more likely is off its file, and the pose stands (group_study).
+bool mayAnyBeMoved(const PhotometricFit& fit) {
+  constexpr std::size_t kFew = 3;
+  constexpr double kMostSurprise = 3.0;
+  return fit.markers.size() <= kFew && fit.surprise > kMostSurprise;
+}
+
 }  // namespace
 
 PosePrior FrameTracker::farthestPushed() const {
@@ -58,6 +66,10 @@ void FrameTracker::align() {
     const PosePrior before = prior_;
     const std::optional<PhotometricFit> fit = alignedWith(entries);
     if (!fit) break;
+    if (!has_prior_ && mayAnyBeMoved(*fit)) {
+      solution_.reset();
+      return;
+    }
     if (leaveOutDisagreeing(*fit, before)) continue;
     std::vector<Misfit> misfits =
         misfitsAt(tools_.map, camera_, observations(), fit->map_from_base.pose, fit->imaging_error,

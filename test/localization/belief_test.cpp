@@ -237,5 +237,40 @@ TEST_F(BeliefTest, AnOpenPoseCoversTheOther) {
   }
 }
 
+TEST_F(BeliefTest, ThereIsNoPoseWhileAnotherMayBeRightThatTheImageDoesNotTell) {
+  before_.restart(
+      PosePrior::about(floorEstimate(here_, Eigen::Vector3d(1.0, 1.0, 0.5).asDiagonal())));
+  std::vector<Account> kept = accounts({0, 1, 2}, {5, 6, 7});
+  ASSERT_EQ(kept.size(), 2U);
+  kept[1].result.map_from_base.reset();
+  EvidenceConfig config;
+  config.open_deviation = 1.0;
+  const FrameResult result = reported(kept, map_, config);
+  EXPECT_FALSE(result.map_from_base);
+  EXPECT_EQ(result.mode, Mode::kSearching);
+}
+
+TEST_F(BeliefTest, AnOpenPoseCoversWhereverTheOtherMayBe) {
+  before_.restart(
+      PosePrior::about(floorEstimate(here_, Eigen::Vector3d(1.0, 1.0, 0.5).asDiagonal())));
+  std::vector<Account> kept = accounts({0, 1, 2, 3}, {6});
+  ASSERT_EQ(kept.size(), 2U);
+  constexpr double kDeviation = 0.3;  // m
+  kept[1].result.map_from_base->covariance.diagonal().head<2>().setConstant(kDeviation *
+                                                                            kDeviation);
+  EvidenceConfig config;
+  config.open_deviation = 1.0;
+  const FrameResult result = reported(kept, map_, config);
+  ASSERT_TRUE(result.map_from_base);
+  const Eigen::Matrix2d covariance = result.map_from_base->covariance.topLeftCorner<2, 2>();
+  const Eigen::Vector2d apart =
+      difference(kept[1].result.map_from_base->pose, result.map_from_base->pose).head<2>();
+  for (const double azimuth : {0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0}) {
+    const Eigen::Vector2d off =
+        apart + 2.0 * kDeviation * Eigen::Vector2d(std::cos(azimuth), std::sin(azimuth));
+    EXPECT_LT(off.dot(covariance.ldlt().solve(off)), 4.2 * 4.2) << azimuth;
+  }
+}
+
 }  // namespace
 }  // namespace omnitag
