@@ -102,12 +102,12 @@ struct BundleConfig {
 std::vector<std::optional<CornerPixels>> predictions(const Bundle& bundle);
 
 /// How far an observation is from its prediction.
-struct ReadingMisfit {
+struct ReadingResidual {
   /// Pixels, RMS over its corners; infinity if the estimate hides a corner.
   double pixels = 0.0;
   /// Distributed as chi-square with 8 degrees of freedom if the observation's noise is right.
   double square = 0.0;
 };
-std::vector<ReadingMisfit> misfits(const Bundle& bundle, double noise);
+std::vector<ReadingResidual> misfits(const Bundle& bundle, double noise);
 
 }  // namespace omnitag

@@ -78,13 +78,13 @@ std::vector<std::optional<CornerPixels>> predictions(const Bundle& bundle) {
   return result;
 }
 
-std::vector<ReadingMisfit> misfits(const Bundle& bundle, double noise) {
+std::vector<ReadingResidual> misfits(const Bundle& bundle, double noise) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const std::vector<std::optional<CornerPixels>> predicted = predictions(bundle);
-  std::vector<ReadingMisfit> result;
+  std::vector<ReadingResidual> result;
   for (std::size_t i = 0; i < predicted.size(); ++i) {
     const Bundle::Observation& observation = bundle.observations[i];
-    ReadingMisfit misfit{kInfinity, kInfinity};
+    ReadingResidual misfit{kInfinity, kInfinity};
     if (predicted[i]) {
       const CornerPixels off = *predicted[i] - observation.pixels;
       misfit.pixels = std::sqrt(off.squaredNorm() / 4.0);

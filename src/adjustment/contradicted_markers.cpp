@@ -19,7 +19,7 @@ class ContradictionSearch {
 
   ContradictedMarkers look() {
     for (std::size_t m = 0; m < recording_.markers.size(); ++m) {
-      const std::vector<ReadingPlace> readings = readingsOfId(m);
+      const std::vector<ReadingIndex> readings = readingsOfId(m);
       if (!isSuspect(m, readings)) continue;
       const RecordedMarker& marker = recording_.markers[m];
       // A marker of another size seems to hang elsewhere wherever it is seen from.
@@ -49,7 +49,7 @@ class ContradictionSearch {
  private:
   /// Nothing if sizes are estimated anyway.
   std::optional<Marker> sizeContradicting(std::size_t index,
-                                          const std::vector<ReadingPlace>& readings) const {
+                                          const std::vector<ReadingIndex>& readings) const {
     if (config_.estimates_sizes && !recording_.markers[index].is_seed) return std::nullopt;
     return atAnotherSize(recording_, index, readings, config_);
   }
@@ -64,14 +64,14 @@ class ContradictionSearch {
   }
 
   /// Including readings with a seed's id that hang elsewhere than the seed says.
-  std::vector<ReadingPlace> readingsOfId(std::size_t index) const {
+  std::vector<ReadingIndex> readingsOfId(std::size_t index) const {
     const Marker& marker = recording_.markers[index].marker;
     const auto twins = std::count_if(
         recording_.markers.begin(), recording_.markers.end(), [&](const RecordedMarker& other) {
           return other.marker.id == marker.id && other.marker.family == marker.family;
         });
     if (twins > 1) return recording_.readingsOf(index);
-    std::vector<ReadingPlace> places;
+    std::vector<ReadingIndex> places;
     for (std::size_t f = 0; f < recording_.frames.size(); ++f) {
       const RecordedFrame& frame = recording_.frames[f];
       if (!frame.map_from_base) continue;
@@ -83,13 +83,13 @@ class ContradictionSearch {
     return places;
   }
 
-  bool isSuspect(std::size_t index, const std::vector<ReadingPlace>& readings) const {
+  bool isSuspect(std::size_t index, const std::vector<ReadingIndex>& readings) const {
     const RecordedMarker& marker = recording_.markers[index];
     const auto few = static_cast<std::size_t>(config_.min_sightings);
     if (readings.size() < few) return false;
     if (!marker.is_placed) return true;
     std::size_t off = 0;
-    for (const ReadingPlace& place : readings)
+    for (const ReadingIndex& place : readings)
       off += residualOf(recording_, place, marker.marker) > config_.max_residual ? 1 : 0;
     return off >= few;
   }
@@ -106,7 +106,7 @@ ContradictedMarkers contradictedMarkers(const Recording& recording,
   return ContradictionSearch(recording, config).look();
 }
 
-double residualOf(const Recording& recording, const ReadingPlace& place, const Marker& marker) {
+double residualOf(const Recording& recording, const ReadingIndex& place, const Marker& marker) {
   const RecordedFrame& frame = recording.frames[place.frame];
   const auto projection = projectMarker(marker, frame.camera, frame.map_from_base->pose);
   if (!projection) return std::numeric_limits<double>::infinity();

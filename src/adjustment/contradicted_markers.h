@@ -22,6 +22,6 @@ struct ContradictedMarkers {
 ContradictedMarkers contradictedMarkers(const Recording& recording, const MapBuilderConfig& config);
 
 /// Distance of a reading from where a marker images, RMS over its corners, in pixels.
-double residualOf(const Recording& recording, const ReadingPlace& place, const Marker& marker);
+double residualOf(const Recording& recording, const ReadingIndex& place, const Marker& marker);
 
 }  // namespace omnitag

@@ -21,7 +21,7 @@ struct IndexedBundle {
   Bundle bundle;
   std::vector<std::size_t> frame_indices;
   std::vector<std::size_t> marker_indices;
-  std::vector<ReadingPlace> readings;
+  std::vector<ReadingIndex> readings;
 };
 IndexedBundle bundleOf(const Recording& recording, std::optional<std::size_t> held_frame,
                        const MapBuilderConfig& config);

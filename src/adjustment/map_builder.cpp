@@ -78,7 +78,7 @@ class MapBuilder {
   void scaleCovariances() {
     // By the median, so that markers that moved do not matter.
     std::vector<double> squares;
-    for (const ReadingMisfit& each : misfits(indexed_.bundle, 1.0)) {
+    for (const ReadingResidual& each : misfits(indexed_.bundle, 1.0)) {
       if (std::isfinite(each.square)) squares.push_back(each.square);
     }
     if (squares.empty()) return;
@@ -164,11 +164,11 @@ class MapBuilder {
 
   BuiltMap result() {
     BuiltMap built;
-    const std::vector<ReadingMisfit> off = misfits(indexed_.bundle, 1.0);
+    const std::vector<ReadingResidual> off = misfits(indexed_.bundle, 1.0);
     std::vector<std::size_t> counts(recording_->markers.size());
     std::vector<double> squares(recording_->markers.size());
     for (std::size_t i = 0; i < off.size(); ++i) {
-      const ReadingPlace& place = indexed_.readings[i];
+      const ReadingIndex& place = indexed_.readings[i];
       const std::size_t m = *recording_->frames[place.frame].markers[place.reading];
       built.worst.push_back({recording_->frames[place.frame].input.stamp,
                              nameOf(recording_->markers[m].marker), off[i].pixels});

@@ -126,9 +126,9 @@ bool isSure(const MarkerEstimate& estimate, const MapBuilderConfig& config) {
 }
 
 /// At most this many of the readings, evenly spread.
-std::vector<ReadingPlace> evenly(const std::vector<ReadingPlace>& readings, std::size_t at_most) {
+std::vector<ReadingIndex> evenly(const std::vector<ReadingIndex>& readings, std::size_t at_most) {
   const std::size_t every = (readings.size() + at_most - 1) / at_most;
-  std::vector<ReadingPlace> some;
+  std::vector<ReadingIndex> some;
   for (std::size_t i = 0; i < readings.size(); i += every) some.push_back(readings[i]);
   return some;
 }

@@ -12,10 +12,10 @@ namespace {
 /// Least number of readings at a place.
 constexpr std::size_t kFew = 3;
 
-std::vector<ReadingPlace> agreeing(const Recording& recording, const Marker& marker,
-                                   const std::vector<ReadingPlace>& readings, double max_residual) {
-  std::vector<ReadingPlace> result;
-  for (const ReadingPlace& place : readings) {
+std::vector<ReadingIndex> agreeing(const Recording& recording, const Marker& marker,
+                                   const std::vector<ReadingIndex>& readings, double max_residual) {
+  std::vector<ReadingIndex> result;
+  for (const ReadingIndex& place : readings) {
     const RecordedFrame& frame = recording.frames[place.frame];
     const auto projection = projectMarker(marker, frame.camera, frame.map_from_base->pose);
     const CornerPixels pixels = stacked(frame.input.readings[place.reading].corners);
@@ -28,18 +28,18 @@ std::vector<ReadingPlace> agreeing(const Recording& recording, const Marker& mar
 }
 
 /// The place at which most readings agree, among places estimated from a few successive readings.
-std::optional<MarkerHangsAt> mostAgreed(const Recording& recording, const Marker& marker,
-                                        const std::vector<ReadingPlace>& readings,
-                                        const MapBuilderConfig& config) {
+std::optional<MarkerPlace> mostAgreed(const Recording& recording, const Marker& marker,
+                                      const std::vector<ReadingIndex>& readings,
+                                      const MapBuilderConfig& config) {
   const MarkerEstimateConfig estimate_config{config.corner_noise, false};
-  const auto placeOf = [&](const std::vector<ReadingPlace>& some) -> std::optional<MarkerHangsAt> {
+  const auto placeOf = [&](const std::vector<ReadingIndex>& some) -> std::optional<MarkerPlace> {
     const auto estimate = estimateMarker(marker, {recording.camera}, recording.sightings(some),
                                          std::nullopt, estimate_config);
     if (!estimate) return std::nullopt;
-    return MarkerHangsAt{estimate->marker,
-                         agreeing(recording, estimate->marker, readings, config.max_residual)};
+    return MarkerPlace{estimate->marker,
+                       agreeing(recording, estimate->marker, readings, config.max_residual)};
   };
-  std::optional<MarkerHangsAt> best;
+  std::optional<MarkerPlace> best;
   for (std::size_t first = 0; first + kFew <= readings.size(); ++first) {
     const auto begin = readings.begin() + static_cast<std::ptrdiff_t>(first);
     auto place = placeOf({begin, begin + kFew});
@@ -53,35 +53,35 @@ std::optional<MarkerHangsAt> mostAgreed(const Recording& recording, const Marker
   return best && best->readings.size() >= kFew ? best : std::nullopt;
 }
 
-bool isEarlier(const ReadingPlace& a, const ReadingPlace& b) { return a.frame < b.frame; }
+bool isEarlier(const ReadingIndex& a, const ReadingIndex& b) { return a.frame < b.frame; }
 
 }  // namespace
 
-std::vector<MarkerHangsAt> placesOf(const Recording& recording, std::size_t marker,
-                                    const std::vector<ReadingPlace>& readings,
-                                    const MapBuilderConfig& config) {
-  std::vector<MarkerHangsAt> places;
-  std::vector<ReadingPlace> left = readings;
+std::vector<MarkerPlace> placesOf(const Recording& recording, std::size_t marker,
+                                  const std::vector<ReadingIndex>& readings,
+                                  const MapBuilderConfig& config) {
+  std::vector<MarkerPlace> places;
+  std::vector<ReadingIndex> left = readings;
   while (left.size() >= kFew) {
     auto place = mostAgreed(recording, recording.markers[marker].marker, left, config);
     if (!place) break;
-    const auto isTaken = [&](const ReadingPlace& reading) {
+    const auto isTaken = [&](const ReadingIndex& reading) {
       return std::any_of(place->readings.begin(), place->readings.end(),
-                         [&](const ReadingPlace& taken) {
+                         [&](const ReadingIndex& taken) {
                            return taken.frame == reading.frame && taken.reading == reading.reading;
                          });
     };
     left.erase(std::remove_if(left.begin(), left.end(), isTaken), left.end());
     places.push_back(std::move(*place));
   }
-  std::sort(places.begin(), places.end(), [](const MarkerHangsAt& a, const MarkerHangsAt& b) {
+  std::sort(places.begin(), places.end(), [](const MarkerPlace& a, const MarkerPlace& b) {
     return isEarlier(a.readings.front(), b.readings.front());
   });
   return places;
 }
 
 std::optional<Marker> atAnotherSize(const Recording& recording, std::size_t marker,
-                                    const std::vector<ReadingPlace>& readings,
+                                    const std::vector<ReadingIndex>& readings,
                                     const MapBuilderConfig& config) {
   constexpr double kNearlyAll = 0.9;
   constexpr double kLeastDifference = 0.02;  // of the size: smaller ones move no corner by pixels
@@ -108,10 +108,10 @@ std::optional<Marker> atAnotherSize(const Recording& recording, std::size_t mark
   return sized->marker;
 }
 
-std::size_t changesBetween(const std::vector<MarkerHangsAt>& places) {
+std::size_t changesBetween(const std::vector<MarkerPlace>& places) {
   std::vector<std::pair<std::size_t, std::size_t>> frames;  // and their places
   for (std::size_t i = 0; i < places.size(); ++i) {
-    for (const ReadingPlace& reading : places[i].readings) frames.emplace_back(reading.frame, i);
+    for (const ReadingIndex& reading : places[i].readings) frames.emplace_back(reading.frame, i);
   }
   std::sort(frames.begin(), frames.end());
   std::size_t changes = 0;
@@ -121,8 +121,8 @@ std::size_t changesBetween(const std::vector<MarkerHangsAt>& places) {
   return changes;
 }
 
-std::string describeMove(const Recording& recording, const std::vector<MarkerHangsAt>& places) {
-  const auto stamp = [&](const ReadingPlace& reading) {
+std::string describeMove(const Recording& recording, const std::vector<MarkerPlace>& places) {
+  const auto stamp = [&](const ReadingIndex& reading) {
     return recording.frames[reading.frame].input.stamp;
   };
   std::string text = nameOf(places.front().marker);

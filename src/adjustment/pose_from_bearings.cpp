@@ -32,15 +32,15 @@ std::optional<Eigen::Vector3d> directionInBase(const MountedCamera& camera,
   return camera.baseFromCamera().linear() * Eigen::Vector3d(ideal->x(), ideal->y(), 0.0);
 }
 
-std::vector<LandmarkSight> sightsOf(const MarkerMap& map, const MountedCamera& camera,
-                                    const CalibrationFrame& frame) {
+std::vector<LandmarkBearing> sightsOf(const MarkerMap& map, const MountedCamera& camera,
+                                      const CalibrationFrame& frame) {
   constexpr double kDeviation = radians(2.0);
-  std::vector<LandmarkSight> sights;
+  std::vector<LandmarkBearing> sights;
   for (const MarkerObservation& observation : frame.observations) {
     const auto seen_in = directionInBase(camera, observation.center);
     if (!seen_in) continue;
     const Eigen::Vector3d& direction = *seen_in;
-    LandmarkSight sight;
+    LandmarkBearing sight;
     sight.landmark = map.markers[observation.map_entry].center().head<2>();
     sight.viewpoint = camera.baseFromCamera().translation().head<2>();
     sight.bearing = std::atan2(direction.y(), direction.x());
@@ -50,7 +50,7 @@ std::vector<LandmarkSight> sightsOf(const MarkerMap& map, const MountedCamera& c
   return sights;
 }
 
-double errorOf(const LandmarkSight& sight, const Pose& pose) {
+double errorOf(const LandmarkBearing& sight, const Pose& pose) {
   const Eigen::Vector2d viewpoint =
       Eigen::Vector2d(pose.x, pose.y) + Eigen::Rotation2Dd(pose.yaw) * sight.viewpoint;
   const Eigen::Vector2d way = sight.landmark - viewpoint;
@@ -68,9 +68,9 @@ struct Candidate {
   }
 };
 
-Candidate judge(const std::vector<LandmarkSight>& sights, const Pose& pose) {
+Candidate judge(const std::vector<LandmarkBearing>& sights, const Pose& pose) {
   Candidate candidate{pose};
-  for (const LandmarkSight& sight : sights) {
+  for (const LandmarkBearing& sight : sights) {
     const double error = errorOf(sight, pose);
     if (error >= kLargeError) continue;
     ++candidate.agreeing;
@@ -80,7 +80,7 @@ Candidate judge(const std::vector<LandmarkSight>& sights, const Pose& pose) {
 }
 
 /// Improves the best candidate by triangulation from `some` of all sights.
-void improve(const std::vector<LandmarkSight>& some, const std::vector<LandmarkSight>& all,
+void improve(const std::vector<LandmarkBearing>& some, const std::vector<LandmarkBearing>& all,
              std::optional<Candidate>* best) {
   for (int i = 0; i < kStarts; ++i) {
     const auto estimate = triangulate(some, normalizeAngle(2.0 * kPi * i / kStarts));
@@ -95,13 +95,13 @@ void improve(const std::vector<LandmarkSight>& some, const std::vector<LandmarkS
 std::optional<Pose> poseFromBearings(const MarkerMap& map, const MountedCamera& camera,
                                      const CalibrationFrame& frame) {
   constexpr std::size_t kMinAgreeing = 3;
-  const std::vector<LandmarkSight> sights = sightsOf(map, camera, frame);
+  const std::vector<LandmarkBearing> sights = sightsOf(map, camera, frame);
   std::optional<Candidate> best;
   improve(sights, sights, &best);
   const bool is_clear = best && best->agreeing == sights.size();
   // A marker that hangs elsewhere than mapped, or was misread, spoils the pose: try without it.
   for (std::size_t left_out = 0; !is_clear && left_out < sights.size(); ++left_out) {
-    std::vector<LandmarkSight> others = sights;
+    std::vector<LandmarkBearing> others = sights;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(left_out));
     improve(others, sights, &best);
   }

@@ -44,8 +44,8 @@ Recording::Recording(std::shared_ptr<const CameraModel> camera_model,
   }
 }
 
-std::vector<ReadingPlace> Recording::readingsOf(std::size_t marker, bool with_pose_only) const {
-  std::vector<ReadingPlace> places;
+std::vector<ReadingIndex> Recording::readingsOf(std::size_t marker, bool with_pose_only) const {
+  std::vector<ReadingIndex> places;
   for (std::size_t f = 0; f < frames.size(); ++f) {
     if (with_pose_only && !frames[f].map_from_base) continue;
     for (std::size_t r = 0; r < frames[f].markers.size(); ++r) {
@@ -55,17 +55,17 @@ std::vector<ReadingPlace> Recording::readingsOf(std::size_t marker, bool with_po
   return places;
 }
 
-MarkerSighting Recording::sighting(const ReadingPlace& place) const {
+MarkerSighting Recording::sighting(const ReadingIndex& place) const {
   const RecordedFrame& frame = frames[place.frame];
   return {frame.input.stamp, frame.input.base_from_camera,
           frame.map_from_base.value_or(PoseEstimate{}),
           frame.input.readings[place.reading].corners};
 }
 
-std::vector<MarkerSighting> Recording::sightings(const std::vector<ReadingPlace>& places) const {
+std::vector<MarkerSighting> Recording::sightings(const std::vector<ReadingIndex>& places) const {
   std::vector<MarkerSighting> result;
   result.reserve(places.size());
-  for (const ReadingPlace& place : places) result.push_back(sighting(place));
+  for (const ReadingIndex& place : places) result.push_back(sighting(place));
   return result;
 }
 

@@ -41,7 +41,7 @@ struct RecordedFrame {
 };
 
 /// A reading by its indices in the recording.
-struct ReadingPlace {
+struct ReadingIndex {
   std::size_t frame = 0;
   std::size_t reading = 0;
 };
@@ -58,9 +58,9 @@ struct Recording {
             const MarkerMap& seed, double size);
 
   /// The readings of a marker in frames that have a pose, or in all frames.
-  std::vector<ReadingPlace> readingsOf(std::size_t marker, bool with_pose_only = true) const;
-  MarkerSighting sighting(const ReadingPlace& place) const;
-  std::vector<MarkerSighting> sightings(const std::vector<ReadingPlace>& places) const;
+  std::vector<ReadingIndex> readingsOf(std::size_t marker, bool with_pose_only = true) const;
+  MarkerSighting sighting(const ReadingIndex& place) const;
+  std::vector<MarkerSighting> sightings(const std::vector<ReadingIndex>& places) const;
 
   /// The markers whose places are known, and their indices in this recording.
   MarkerMap placedMap(std::vector<std::size_t>* indices) const;

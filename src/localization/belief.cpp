@@ -26,7 +26,7 @@ const MarkerDetection* detectionOf(std::size_t entry, const FrameResult& result)
   return found == result.detections.end() ? nullptr : &*found;
 }
 
-/// Marks a marker that another account has in its place as elsewhere for this one, unless it is in
+/// Marks a marker that another branch has in its place as elsewhere for this one, unless it is in
 /// its place here, too.
 void addElsewhere(const MarkerDetection& seen, FrameResult* result) {
   const std::size_t entry = *seen.map_entry;
@@ -42,28 +42,28 @@ void addElsewhere(const MarkerDetection& seen, FrameResult* result) {
   if (!contains(result->elsewhere, entry)) result->elsewhere.push_back(entry);
 }
 
-void exchangeSightings(std::vector<Account>* accounts) {
-  if (accounts->size() < 2) return;
+void exchangeSightings(std::vector<Branch>* branches) {
+  if (branches->size() < 2) return;
   std::vector<std::vector<MarkerDetection>> accepted;
-  for (const Account& account : *accounts) {
+  for (const Branch& branch : *branches) {
     accepted.emplace_back();
-    std::copy_if(account.result.detections.begin(), account.result.detections.end(),
+    std::copy_if(branch.result.detections.begin(), branch.result.detections.end(),
                  std::back_inserter(accepted.back()),
                  [](const MarkerDetection& detection) { return detection.accepted; });
   }
-  for (std::size_t i = 0; i < accounts->size(); ++i) {
-    for (std::size_t j = 0; j < accounts->size(); ++j) {
+  for (std::size_t i = 0; i < branches->size(); ++i) {
+    for (std::size_t j = 0; j < branches->size(); ++j) {
       if (i == j) continue;
-      for (const MarkerDetection& seen : accepted[j]) addElsewhere(seen, &(*accounts)[i].result);
+      for (const MarkerDetection& seen : accepted[j]) addElsewhere(seen, &(*branches)[i].result);
     }
   }
 }
 
-/// Remembers which markers hang elsewhere: those that another account has in their places form
+/// Remembers which markers hang elsewhere: those that another branch has in their places form
 /// one group.
 void rememberElsewhere(const MountedCamera& camera, const Evidence& evidence,
-                       const std::vector<Account>& accounts, Account* account) {
-  const FrameResult& result = account->result;
+                       const std::vector<Branch>& branches, Branch* branch) {
+  const FrameResult& result = branch->result;
   const Pose& pose = result.map_from_base->pose;
   std::vector<RememberedSighting> rest;
   for (const MarkerDetection& detection : result.detections) {
@@ -71,29 +71,29 @@ void rememberElsewhere(const MountedCamera& camera, const Evidence& evidence,
     if (!contains(result.elsewhere, *detection.map_entry)) continue;
     rest.push_back(sightingOf(detection, result, camera, pose));
   }
-  for (const Account& other : accounts) {
-    if (&other == account || !other.result.map_from_base) continue;
+  for (const Branch& other : branches) {
+    if (&other == branch || !other.result.map_from_base) continue;
     const auto isThere = [&other](const RememberedSighting& sighting) {
       const MarkerDetection* const seen = detectionOf(sighting.observation.map_entry, other.result);
       return seen != nullptr && seen->accepted;
     };
     const auto group = std::stable_partition(rest.begin(), rest.end(), isThere);
     if (group == rest.begin()) continue;
-    account->hypothesis.memory.addGroup(
+    branch->hypothesis.memory.addGroup(
         {rest.begin(), group},
         other.result.map_from_base->pose.toIsometry() * pose.toIsometry().inverse());
     rest.erase(rest.begin(), group);
   }
   for (const RememberedSighting& sighting : rest) {
-    account->hypothesis.memory.addElsewhere(sighting, evidence.contradiction());
+    branch->hypothesis.memory.addElsewhere(sighting, evidence.contradiction());
   }
 }
 
 /// The same for a hypothesis without a pose: for it, markers that others have in their places were
 /// moved.
-void rememberOfOthers(const MountedCamera& camera, const std::vector<Account>& accounts,
+void rememberOfOthers(const MountedCamera& camera, const std::vector<Branch>& branches,
                       MarkerMemory* memory) {
-  for (const Account& other : accounts) {
+  for (const Branch& other : branches) {
     if (!other.result.map_from_base) continue;
     std::vector<RememberedSighting> group;
     for (const MarkerDetection& detection : other.result.detections) {
@@ -107,16 +107,16 @@ void rememberOfOthers(const MountedCamera& camera, const std::vector<Account>& a
 
 /// Remembers which markers the frame showed and which it did not.
 void remember(const MountedCamera& camera, const Evidence& evidence,
-              const std::vector<Account>& accounts, Account* account) {
-  const FrameResult& result = account->result;
-  MarkerMemory& memory = account->hypothesis.memory;
-  if (account->hypothesis.is_lost) return rememberOfOthers(camera, accounts, &memory);
+              const std::vector<Branch>& branches, Branch* branch) {
+  const FrameResult& result = branch->result;
+  MarkerMemory& memory = branch->hypothesis.memory;
+  if (branch->hypothesis.is_lost) return rememberOfOthers(camera, branches, &memory);
   if (!result.map_from_base) return;
   const Pose& pose = result.map_from_base->pose;
   for (const MarkerDetection& detection : result.detections) {
     if (detection.accepted) memory.addSeen(sightingOf(detection, result, camera, pose));
   }
-  rememberElsewhere(camera, evidence, accounts, account);
+  rememberElsewhere(camera, evidence, branches, branch);
   const bool is_told = result.acceptedMarkers() > 0;
   const Eigen::Vector3d viewpoint = camera.mapFromCamera(pose).translation();
   for (const std::size_t entry : result.missed) {
@@ -128,7 +128,7 @@ void remember(const MountedCamera& camera, const Evidence& evidence,
   }
 }
 
-bool haveSamePose(const Account& a, const Account& b) {
+bool haveSamePose(const Branch& a, const Branch& b) {
   if (!a.result.map_from_base || !b.result.map_from_base) return false;
   // m and rad: two poses this close to each other are tracked by the same markers.
   constexpr double kNear = 1e-3;
@@ -136,22 +136,22 @@ bool haveSamePose(const Account& a, const Account& b) {
   return apart.head<3>().cwiseAbs().maxCoeff() < kNear;
 }
 
-/// Drops poses that a search found where another account already tracks the markers: that account
+/// Drops poses that a search found where another branch already tracks the markers: that branch
 /// knows what earlier images showed from there.
-void dropFoundAgain(std::vector<Account>* accounts) {
+void dropFoundAgain(std::vector<Branch>* branches) {
   std::vector<PoseEstimate> tracked;
-  for (const Account& account : *accounts) {
-    if (account.is_of_search || account.result.acceptedMarkers() == 0) continue;
-    if (account.result.map_from_base) tracked.push_back(*account.result.map_from_base);
+  for (const Branch& branch : *branches) {
+    if (branch.is_of_search || branch.result.acceptedMarkers() == 0) continue;
+    if (branch.result.map_from_base) tracked.push_back(*branch.result.map_from_base);
   }
-  const auto isFoundAgain = [&tracked](const Account& account) {
-    const auto& pose = account.result.map_from_base;
-    return account.is_of_search && pose &&
+  const auto isFoundAgain = [&tracked](const Branch& branch) {
+    const auto& pose = branch.result.map_from_base;
+    return branch.is_of_search && pose &&
            std::any_of(tracked.begin(), tracked.end(),
                        [&pose](const PoseEstimate& there) { return agree(*pose, there); });
   };
-  accounts->erase(std::remove_if(accounts->begin(), accounts->end(), isFoundAgain),
-                  accounts->end());
+  branches->erase(std::remove_if(branches->begin(), branches->end(), isFoundAgain),
+                  branches->end());
 }
 
 /// A pose whose covariance is widened to cover another one that has this probability, and wherever
@@ -169,14 +169,14 @@ PoseEstimate covering(const PoseEstimate& pose, const PoseEstimate& other, doubl
   return wider;
 }
 
-/// The poses of the accounts, with their probabilities.
-std::vector<WeightedPose> weighted(const std::vector<Account>& accounts) {
+/// The poses of the branches, with their probabilities.
+std::vector<WeightedPose> weighted(const std::vector<Branch>& branches) {
   double sum = 0.0;
   std::vector<WeightedPose> poses;
-  for (const Account& account : accounts) {
-    const double odds = std::exp(account.log_probability - accounts.front().log_probability);
+  for (const Branch& branch : branches) {
+    const double odds = std::exp(branch.log_probability - branches.front().log_probability);
     sum += odds;
-    if (account.result.map_from_base) poses.push_back({*account.result.map_from_base, odds});
+    if (branch.result.map_from_base) poses.push_back({*branch.result.map_from_base, odds});
   }
   for (WeightedPose& pose : poses) pose.probability /= sum;
   return poses;
@@ -192,45 +192,45 @@ double oddsBetween(const Hypothesis& a, const Hypothesis& b, const EvidenceConfi
 
 }  // namespace
 
-std::vector<Account> judged(std::vector<Account> accounts, const MountedCamera& camera,
-                            const Evidence& evidence) {
-  dropFoundAgain(&accounts);
-  exchangeSightings(&accounts);
-  for (Account& account : accounts) {
-    const double missed = account.is_of_search ? 0.0
-                                               : evidence.logOfMissed(account.result.missed,
-                                                                      account.hypothesis.memory);
-    Hypothesis& hypothesis = account.hypothesis;
+std::vector<Branch> judged(std::vector<Branch> branches, const MountedCamera& camera,
+                           const Evidence& evidence) {
+  dropFoundAgain(&branches);
+  exchangeSightings(&branches);
+  for (Branch& branch : branches) {
+    const double missed =
+        branch.is_of_search ? 0.0
+                            : evidence.logOfMissed(branch.result.missed, branch.hypothesis.memory);
+    Hypothesis& hypothesis = branch.hypothesis;
     const double before = evidence.logOfPlaces(hypothesis.memory);
-    remember(camera, evidence, accounts, &account);
+    remember(camera, evidence, branches, &branch);
     const double returned = before - evidence.logOfPlaces(hypothesis.memory);
     hypothesis.log_of_returned = std::min(hypothesis.log_of_returned, returned);
-    account.log_probability = account.hypothesis.logProbability(evidence) + missed;
+    branch.log_probability = branch.hypothesis.logProbability(evidence) + missed;
   }
-  std::stable_sort(accounts.begin(), accounts.end(), [](const Account& a, const Account& b) {
+  std::stable_sort(branches.begin(), branches.end(), [](const Branch& a, const Branch& b) {
     return a.log_probability > b.log_probability;
   });
-  std::vector<Account> kept;
-  const double most = accounts.front().log_probability;
-  for (Account& account : accounts) {
+  std::vector<Branch> kept;
+  const double most = branches.front().log_probability;
+  for (Branch& branch : branches) {
     if (kept.size() == kMostHypotheses) break;
-    const Hypothesis& likeliest = kept.empty() ? account.hypothesis : kept.front().hypothesis;
-    const double odds = oddsBetween(likeliest, account.hypothesis, evidence.config());
-    if (account.log_probability < most - std::log(odds)) continue;
-    const bool is_double = std::any_of(kept.begin(), kept.end(), [&account](const Account& other) {
-      return haveSamePose(account, other);
+    const Hypothesis& likeliest = kept.empty() ? branch.hypothesis : kept.front().hypothesis;
+    const double odds = oddsBetween(likeliest, branch.hypothesis, evidence.config());
+    if (branch.log_probability < most - std::log(odds)) continue;
+    const bool is_double = std::any_of(kept.begin(), kept.end(), [&branch](const Branch& other) {
+      return haveSamePose(branch, other);
     });
-    if (!is_double) kept.push_back(std::move(account));
+    if (!is_double) kept.push_back(std::move(branch));
   }
   return kept;
 }
 
-FrameResult reported(const std::vector<Account>& accounts, const MarkerMap& map,
+FrameResult reported(const std::vector<Branch>& branches, const MarkerMap& map,
                      const EvidenceConfig& config) {
-  const Account& best = accounts.front();
+  const Branch& best = branches.front();
   FrameResult result = best.result;
-  result.hypotheses = weighted(accounts);
-  if (accounts.size() == 1) {
+  result.hypotheses = weighted(branches);
+  if (branches.size() == 1) {
     for (const DisplacedGroup& group : best.hypothesis.memory.displacedGroups()) {
       if (const auto moved = displacement(map, group)) result.displaced_groups.push_back(*moved);
     }
@@ -238,7 +238,7 @@ FrameResult reported(const std::vector<Account>& accounts, const MarkerMap& map,
   }
   result.is_open = true;
   const std::vector<std::size_t> accepted = acceptedEntries(result);
-  for (auto other = accounts.begin() + 1; other != accounts.end(); ++other) {
+  for (auto other = branches.begin() + 1; other != branches.end(); ++other) {
     for (const std::size_t entry : acceptedEntries(other->result)) {
       const bool is_told = contains(result.elsewhere, entry) || contains(accepted, entry);
       if (!is_told) result.elsewhere.push_back(entry);
@@ -249,7 +249,7 @@ FrameResult reported(const std::vector<Account>& accounts, const MarkerMap& map,
   if (!result.map_from_base) return result;
   // No pose should be farther from the truth than this many of its deviations.
   constexpr double kDeviations = 3.0;
-  for (auto other = accounts.begin() + 1; other != accounts.end(); ++other) {
+  for (auto other = branches.begin() + 1; other != branches.end(); ++other) {
     // What has no pose cannot be covered.
     if (other->hypothesis.is_lost || !other->result.map_from_base) {
       withhold(map, &result);

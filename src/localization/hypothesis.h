@@ -11,7 +11,7 @@
 
 namespace omnitag {
 
-/// One account of where the robot has been, and of which markers hang elsewhere than the map says.
+/// One history of where the robot has been, and of which markers hang elsewhere than the map says.
 struct Hypothesis {
   MotionModel motion;
   MarkerMemory memory;

@@ -104,19 +104,19 @@ FrameResult Localizer::Impl::process(const Frame& frame) {
   CameraState& state = stateOf(frame);
   state.readable = ReadableImage(frame.image, blurToRead(&state));
 
-  std::vector<Account> accounts;
+  std::vector<Branch> branches;
   if (isLost()) {
-    accounts = lookFor(frame, camera, {hypotheses_.front(), emptyResult(frame, config_)},
+    branches = lookFor(frame, camera, {hypotheses_.front(), emptyResult(frame, config_)},
                        std::nullopt, false);
   } else {
-    accounts = track(frame, camera, predicted);
+    branches = track(frame, camera, predicted);
   }
-  accounts = judged(std::move(accounts), camera, evidence_);
-  FrameResult result = reported(accounts, map_, config_.evidence);
+  branches = judged(std::move(branches), camera, evidence_);
+  FrameResult result = reported(branches, map_, config_.evidence);
   hypotheses_.clear();
-  for (Account& account : accounts) hypotheses_.push_back(std::move(account.hypothesis));
+  for (Branch& branch : branches) hypotheses_.push_back(std::move(branch.hypothesis));
 
-  learnFrom(frame, camera, accounts.front().is_of_search, &result);
+  learnFrom(frame, camera, branches.front().is_of_search, &result);
   state.knowledge.last_stamp = frame.stamp;
   last_stamp_ = std::max(frame.stamp, last_stamp_.value_or(frame.stamp));
   measure(camera, &result);

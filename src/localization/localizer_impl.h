@@ -23,7 +23,7 @@
 
 namespace omnitag {
 
-struct Account;
+struct Branch;
 struct CameraState;
 struct TrackingTools;
 
@@ -54,12 +54,12 @@ class Localizer::Impl {
   /// Whether no hypothesis has a pose.
   bool isLost() const;
 
-  /// The accounts of the frame for all hypotheses, and for others that they lead to.
-  std::vector<Account> track(const Frame& frame, const MountedCamera& camera,
-                             const std::vector<PoseEstimate>& predicted);
-  std::vector<Account> track(const Frame& frame, const MountedCamera& camera,
-                             const Hypothesis& before, const PoseEstimate& predicted,
-                             bool is_likeliest, std::vector<MarkerObservation>* seen);
+  /// The branches of the frame for all hypotheses, and for others that they lead to.
+  std::vector<Branch> track(const Frame& frame, const MountedCamera& camera,
+                            const std::vector<PoseEstimate>& predicted);
+  std::vector<Branch> track(const Frame& frame, const MountedCamera& camera,
+                            const Hypothesis& before, const PoseEstimate& predicted,
+                            bool is_likeliest, std::vector<MarkerObservation>* seen);
   /// The pose from the markers that are found near their predictions, the blur that finds them
   /// best, and other poses that they may indicate.
   std::optional<PoseEstimate> followMarkers(const TrackingTools& tools, const Frame& frame,
@@ -68,11 +68,11 @@ class Localizer::Impl {
                                             FrameResult* result,
                                             std::vector<MarkerObservation>* seen,
                                             std::vector<PoseEstimate>* alternatives);
-  /// The accounts of the frame for a robot at another pose than in `account`.
-  std::vector<Account> alternativesAt(const PoseEstimate& pose, const Frame& frame,
-                                      const MountedCamera& camera, const Hypothesis& before,
-                                      const Account& account,
-                                      const std::vector<MarkerObservation>& seen);
+  /// The branches of the frame for a robot at another pose than in `branch`.
+  std::vector<Branch> alternativesAt(const PoseEstimate& pose, const Frame& frame,
+                                     const MountedCamera& camera, const Hypothesis& before,
+                                     const Branch& branch,
+                                     const std::vector<MarkerObservation>& seen);
   /// A pose, its covariance widened for the robot's motion if the images seem to lag.
   PoseEstimate withLag(const Frame& frame, const PoseEstimate& predicted, const PoseEstimate& pose,
                        bool learns);
@@ -86,10 +86,10 @@ class Localizer::Impl {
   bool isElsewhere(const TrackingTools& tools, const Frame& frame, const MountedCamera& camera,
                    const Hypothesis& hypothesis, const PoseEstimate& tracked, FrameResult* result);
 
-  /// Searches for a robot that is lost, or seems not to be where its account puts it; returns that
-  /// account and those for the place where the robot is found.
-  std::vector<Account> lookFor(const Frame& frame, const MountedCamera& camera, Account account,
-                               const std::optional<PoseEstimate>& predicted, bool is_refuted);
+  /// Searches for a robot that is lost, or seems not to be where its branch puts it; returns that
+  /// branch and those for the place where the robot is found.
+  std::vector<Branch> lookFor(const Frame& frame, const MountedCamera& camera, Branch branch,
+                              const std::optional<PoseEstimate>& predicted, bool is_refuted);
   /// Looks all around; nothing if that gives no pose that overrules the prediction.
   std::optional<PoseEstimate> search(const TrackingTools& tools, const Frame& frame,
                                      const MountedCamera& camera,

@@ -2,7 +2,7 @@
 #include <utility>
 
 #include "common/stopwatch.h"
-#include "localization/account.h"
+#include "localization/branch.h"
 #include "localization/frame_search.h"
 #include "localization/frame_steps.h"
 #include "localization/glance_search.h"
@@ -55,14 +55,14 @@ std::optional<PoseEstimate> confirmAround(const TrackingTools& tools,
   return result->map_from_base;
 }
 
-/// The account of a robot that was lost, or is where it was expected after all.
-Account foundAt(const PoseEstimate& pose, FrameResult found, bool is_expected, const Frame& frame,
-                Account account) {
-  account.is_of_search = true;
-  account.result = std::move(found);
-  account.result.map_from_base = pose;
-  account.result.mode = is_expected ? Mode::kTracking : Mode::kFound;
-  Hypothesis& hypothesis = account.hypothesis;
+/// The branch of a robot that was lost, or is where it was expected after all.
+Branch foundAt(const PoseEstimate& pose, FrameResult found, bool is_expected, const Frame& frame,
+               Branch branch) {
+  branch.is_of_search = true;
+  branch.result = std::move(found);
+  branch.result.map_from_base = pose;
+  branch.result.mode = is_expected ? Mode::kTracking : Mode::kFound;
+  Hypothesis& hypothesis = branch.hypothesis;
   hypothesis.is_lost = false;
   hypothesis.seen_stamp = frame.stamp;
   if (is_expected) {
@@ -71,25 +71,25 @@ Account foundAt(const PoseEstimate& pose, FrameResult found, bool is_expected, c
     hypothesis.motion.reset(pose, frame.stamp, frame.odom_from_base);
     hypothesis.restart(std::nullopt);
   }
-  return account;
+  return branch;
 }
 
 }  // namespace
 
-std::vector<Account> Localizer::Impl::lookFor(const Frame& frame, const MountedCamera& camera,
-                                              Account account,
-                                              const std::optional<PoseEstimate>& predicted,
-                                              bool is_refuted) {
-  const Hypothesis before = account.hypothesis;
+std::vector<Branch> Localizer::Impl::lookFor(const Frame& frame, const MountedCamera& camera,
+                                             Branch branch,
+                                             const std::optional<PoseEstimate>& predicted,
+                                             bool is_refuted) {
+  const Hypothesis before = branch.hypothesis;
   const TrackingTools tools = trackingTools(frame, before);
-  FrameResult result = account.result;
+  FrameResult result = branch.result;
   const std::optional<PoseEstimate> pose = search(tools, frame, camera, predicted, &result);
   if (!pose) {
     if (predicted) carryOn(*predicted, is_refuted, map_, &result);
     setResiduals(tools, camera, &result);
-    account.result = std::move(result);
-    account.hypothesis.is_lost = !predicted;
-    return {std::move(account)};
+    branch.result = std::move(result);
+    branch.hypothesis.is_lost = !predicted;
+    return {std::move(branch)};
   }
   std::vector<std::size_t> entries = acceptedEntries(result);
   const bool are_moved = std::all_of(entries.begin(), entries.end(), [&before](std::size_t entry) {
@@ -97,28 +97,28 @@ std::vector<Account> Localizer::Impl::lookFor(const Frame& frame, const MountedC
   });
   const bool is_expected = predicted && !are_moved && agree(*predicted, *pose);
   if (!is_expected && predicted) {
-    account = stayingAt(*predicted, result, std::move(account));
+    branch = stayingAt(*predicted, result, std::move(branch));
     for (const std::size_t entry : entriesWherePredicted(tools, camera, *predicted, result)) {
       result.elsewhere.push_back(entry);
     }
     result.remark = howFarOff(pose->pose, predicted->pose);
     result.mode = Mode::kFound;
-    std::vector<Account> accounts =
-        accountsOf(childrenAt(pose->pose, frame, camera, before, account, evidence_), *pose,
+    std::vector<Branch> branches =
+        branchesOf(childrenAt(pose->pose, frame, camera, before, branch, evidence_), *pose,
                    std::move(result), frame);
-    for (Account& child : accounts) child.is_of_search = true;
-    accounts.push_back(std::move(account));
-    return accounts;
+    for (Branch& child : branches) child.is_of_search = true;
+    branches.push_back(std::move(branch));
+    return branches;
   }
   // If nothing else is in view, the robot may just as well be elsewhere.
   if (!predicted && are_moved) {
     result.elsewhere = std::move(entries);
     withhold(map_, &result);
-    account.result = std::move(result);
-    account.hypothesis.is_lost = true;
-    return {std::move(account)};
+    branch.result = std::move(result);
+    branch.hypothesis.is_lost = true;
+    return {std::move(branch)};
   }
-  return {foundAt(*pose, std::move(result), is_expected, frame, std::move(account))};
+  return {foundAt(*pose, std::move(result), is_expected, frame, std::move(branch))};
 }
 
 std::optional<PoseEstimate> Localizer::Impl::search(const TrackingTools& tools, const Frame& frame,

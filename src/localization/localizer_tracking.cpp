@@ -44,39 +44,38 @@ PoseEstimate predictionFrom(const PoseEstimate& alternative) {
 }
 
 /// Whether markers lead so far from a given pose that they more likely hang elsewhere.
-bool isFarFromStart(const Account& account, const Hypothesis& before) {
-  const Hypothesis& hypothesis = account.hypothesis;
+bool isFarFromStart(const Branch& branch, const Hypothesis& before) {
+  const Hypothesis& hypothesis = branch.hypothesis;
   return hypothesis.start && before.memory.countInPlace() == 0 && !hypothesis.isWithinStart();
 }
 
 }  // namespace
 
-std::vector<Account> Localizer::Impl::track(const Frame& frame, const MountedCamera& camera,
-                                            const std::vector<PoseEstimate>& predicted) {
-  std::vector<Account> accounts;
+std::vector<Branch> Localizer::Impl::track(const Frame& frame, const MountedCamera& camera,
+                                           const std::vector<PoseEstimate>& predicted) {
+  std::vector<Branch> branches;
   std::vector<MarkerObservation> seen;
   bool is_likeliest = true;
   for (std::size_t i = 0; i < hypotheses_.size(); ++i) {
     if (hypotheses_[i].is_lost) {
-      accounts.push_back({hypotheses_[i], emptyResult(frame, config_)});
+      branches.push_back({hypotheses_[i], emptyResult(frame, config_)});
       continue;
     }
-    for (Account& account :
-         track(frame, camera, hypotheses_[i], predicted[i], is_likeliest, &seen)) {
-      accounts.push_back(std::move(account));
+    for (Branch& branch : track(frame, camera, hypotheses_[i], predicted[i], is_likeliest, &seen)) {
+      branches.push_back(std::move(branch));
     }
     is_likeliest = false;
   }
-  return accounts;
+  return branches;
 }
 
-std::vector<Account> Localizer::Impl::track(const Frame& frame, const MountedCamera& camera,
-                                            const Hypothesis& before, const PoseEstimate& predicted,
-                                            bool is_likeliest,
-                                            std::vector<MarkerObservation>* seen) {
-  Account account{before, emptyResult(frame, config_)};
-  Hypothesis& hypothesis = account.hypothesis;
-  FrameResult& result = account.result;
+std::vector<Branch> Localizer::Impl::track(const Frame& frame, const MountedCamera& camera,
+                                           const Hypothesis& before, const PoseEstimate& predicted,
+                                           bool is_likeliest,
+                                           std::vector<MarkerObservation>* seen) {
+  Branch branch{before, emptyResult(frame, config_)};
+  Hypothesis& hypothesis = branch.hypothesis;
+  FrameResult& result = branch.result;
   const TrackingTools tools = trackingTools(frame, before);
   Stopwatch step;
   result.predicted = predictMarkers(map_, index_, camera, predicted, config_.visibility);
@@ -86,11 +85,11 @@ std::vector<Account> Localizer::Impl::track(const Frame& frame, const MountedCam
       followMarkers(tools, frame, camera, predicted, is_likeliest, &result, seen, &others);
   // A camera that looks at a bare wall, or is covered, leaves the search to another.
   const bool is_blind = !pose && contradictions(result, map_) == 0 && isSeenByAnother(frame);
-  const auto lookForIt = [&](bool is_refuted) -> std::vector<Account> {
+  const auto lookForIt = [&](bool is_refuted) -> std::vector<Branch> {
     if (is_likeliest && !is_blind)
-      return lookFor(frame, camera, std::move(account), predicted, is_refuted);
+      return lookFor(frame, camera, std::move(branch), predicted, is_refuted);
     carryOn(predicted, is_refuted, map_, &result);
-    return {std::move(account)};
+    return {std::move(branch)};
   };
   // If most of the readings contradict, the prediction itself is in doubt.
   if (!pose || contradictions(result, map_) > result.acceptedMarkers()) return lookForIt(false);
@@ -106,29 +105,28 @@ std::vector<Account> Localizer::Impl::track(const Frame& frame, const MountedCam
   result.mode = Mode::kTracking;
   result.map_from_base = corrected;
 
-  std::vector<Account> accounts;
+  std::vector<Branch> branches;
   others.resize(std::min(others.size(), kMostAlternatives));
   for (const PoseEstimate& other : others) {
-    for (Account& child : alternativesAt(other, frame, camera, before, account, *seen)) {
-      accounts.push_back(std::move(child));
+    for (Branch& child : alternativesAt(other, frame, camera, before, branch, *seen)) {
+      branches.push_back(std::move(child));
     }
   }
-  if (isFarFromStart(account, before)) {
-    accounts.push_back(stayingAt(predicted, result, {before, {}}));
+  if (isFarFromStart(branch, before)) {
+    branches.push_back(stayingAt(predicted, result, {before, {}}));
   }
-  accounts.insert(accounts.begin(), std::move(account));
-  return accounts;
+  branches.insert(branches.begin(), std::move(branch));
+  return branches;
 }
 
-std::vector<Account> Localizer::Impl::alternativesAt(const PoseEstimate& pose, const Frame& frame,
-                                                     const MountedCamera& camera,
-                                                     const Hypothesis& before,
-                                                     const Account& account,
-                                                     const std::vector<MarkerObservation>& seen) {
-  const MountedCamera blurred = camera.withBlur(account.result.blur);
+std::vector<Branch> Localizer::Impl::alternativesAt(const PoseEstimate& pose, const Frame& frame,
+                                                    const MountedCamera& camera,
+                                                    const Hypothesis& before, const Branch& branch,
+                                                    const std::vector<MarkerObservation>& seen) {
+  const MountedCamera blurred = camera.withBlur(branch.result.blur);
   const PoseEstimate about = predictionFrom(pose);
   std::vector<Hypothesis> children =
-      childrenAt(pose.pose, frame, camera, before, account, evidence_);
+      childrenAt(pose.pose, frame, camera, before, branch, evidence_);
   FrameResult result = emptyResult(frame, config_);
   result.predicted = predictMarkers(map_, index_, blurred, about, config_.visibility);
   const TrackingTools tools = trackingTools(frame, children.back());
@@ -136,10 +134,10 @@ std::vector<Account> Localizer::Impl::alternativesAt(const PoseEstimate& pose, c
   tracker.takeSeen(seen);
   const auto seen_from = tracker.track();
   if (!seen_from || result.acceptedMarkers() == 0) return {};
-  result.blur = account.result.blur;
+  result.blur = branch.result.blur;
   result.mode = Mode::kTracking;
-  result.remark = howFarOff(seen_from->pose, account.result.map_from_base->pose);
-  return accountsOf(std::move(children), *seen_from, std::move(result), frame);
+  result.remark = howFarOff(seen_from->pose, branch.result.map_from_base->pose);
+  return branchesOf(std::move(children), *seen_from, std::move(result), frame);
 }
 
 std::optional<PoseEstimate> Localizer::Impl::followMarkers(

@@ -28,16 +28,16 @@ std::vector<MarkerObservation> chosen(const std::vector<MarkerObservation>& obse
 
 /// The line of sight of an observation's centre, seen from above, for a robot that leans as the
 /// prior says.
-std::optional<LandmarkSight> sightOf(const MarkerObservation& observation, const MarkerMap& map,
-                                     const MountedCamera& camera, const PosePrior& prior,
-                                     double corner_noise) {
+std::optional<LandmarkBearing> sightOf(const MarkerObservation& observation, const MarkerMap& map,
+                                       const MountedCamera& camera, const PosePrior& prior,
+                                       double corner_noise) {
   const std::optional<Ray> leaning = camera.rayInBase(observation.center);
   if (!leaning) return std::nullopt;
   const Eigen::Matrix3d level_from_base = leaningAs(prior.pose, {}).toIsometry().linear();
   const Eigen::Vector3d origin = level_from_base * leaning->origin;
   const Eigen::Vector3d direction = level_from_base * leaning->direction;
   if (direction.head<2>().norm() < 1e-6) return std::nullopt;
-  LandmarkSight sight;
+  LandmarkBearing sight;
   const Marker& marker = map.markers[observation.map_entry];
   sight.landmark = marker.center().head<2>();
   sight.landmark_deviation = marker.deviation;
@@ -76,7 +76,7 @@ std::optional<PoseSolution> triangulateRobustly(const MarkerMap& map, const Moun
                                                 const EstimatorConfig& config) {
   constexpr int kRounds = 3;
   const double initial_yaw = prior.pose.yaw;
-  std::vector<LandmarkSight> sights;
+  std::vector<LandmarkBearing> sights;
   for (const MarkerObservation& observation : observations) {
     const auto sight = sightOf(observation, map, camera, prior, config.reprojection.corner_noise);
     if (!sight) return std::nullopt;
@@ -89,7 +89,7 @@ std::optional<PoseSolution> triangulateRobustly(const MarkerMap& map, const Moun
     for (std::size_t i = 0; i < observations.size(); ++i) {
       if (solution.used[i]) used.push_back(i);
     }
-    std::vector<LandmarkSight> used_sights;
+    std::vector<LandmarkBearing> used_sights;
     used_sights.reserve(used.size());
     for (const std::size_t i : used) used_sights.push_back(sights[i]);
     double yaw = initial_yaw;

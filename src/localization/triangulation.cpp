@@ -21,12 +21,12 @@ struct Lines {
   Eigen::VectorXd offsets_by_yaw_twice;
 };
 
-Lines linesAt(const std::vector<LandmarkSight>& sights, double yaw) {
+Lines linesAt(const std::vector<LandmarkBearing>& sights, double yaw) {
   const auto count = static_cast<Eigen::Index>(sights.size());
   Lines lines{Eigen::MatrixX2d(count, 2), Eigen::VectorXd(count), Eigen::MatrixX2d(count, 2),
               Eigen::VectorXd(count), Eigen::VectorXd(count)};
   for (Eigen::Index i = 0; i < count; ++i) {
-    const LandmarkSight& sight = sights[static_cast<std::size_t>(i)];
+    const LandmarkBearing& sight = sights[static_cast<std::size_t>(i)];
     const double phi = yaw + sight.bearing;
     const double scale = std::sqrt(sight.weight);
     const Eigen::Vector2d normal = scale * Eigen::Vector2d(std::sin(phi), -std::cos(phi));
@@ -45,7 +45,7 @@ Lines linesAt(const std::vector<LandmarkSight>& sights, double yaw) {
 
 }  // namespace
 
-std::optional<PoseEstimate> triangulate(const std::vector<LandmarkSight>& sights,
+std::optional<PoseEstimate> triangulate(const std::vector<LandmarkBearing>& sights,
                                         double initial_yaw) {
   if (sights.size() < 3) return std::nullopt;
 
@@ -82,7 +82,7 @@ std::optional<PoseEstimate> triangulate(const std::vector<LandmarkSight>& sights
     if (i + 1 == kMaxIterations) return std::nullopt;
   }
 
-  for (const LandmarkSight& sight : sights) {
+  for (const LandmarkBearing& sight : sights) {
     const Eigen::Vector2d viewpoint = position + rotation(yaw) * sight.viewpoint;
     const double phi = yaw + sight.bearing;
     const Eigen::Vector2d direction(std::cos(phi), std::sin(phi));
@@ -98,7 +98,7 @@ std::optional<PoseEstimate> triangulate(const std::vector<LandmarkSight>& sights
   const Eigen::VectorXd distance = lines.normals * position + lines.offsets;
   Eigen::VectorXd deviations(count);
   for (Eigen::Index i = 0; i < count; ++i) {
-    const LandmarkSight& sight = sights[static_cast<std::size_t>(i)];
+    const LandmarkBearing& sight = sights[static_cast<std::size_t>(i)];
     const double range = (position + rotation(yaw) * sight.viewpoint - sight.landmark).norm();
     deviations(i) = std::sqrt(sight.weight) *
                     std::hypot(range * sight.bearing_deviation, sight.landmark_deviation);

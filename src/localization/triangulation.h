@@ -10,7 +10,7 @@ namespace omnitag {
 
 /// A landmark at a known place and the line of sight on which the robot sees it, both seen
 /// from above.
-struct LandmarkSight {
+struct LandmarkBearing {
   /// m, in the map.
   Eigen::Vector2d landmark;
   /// m, standard deviation of its place along either axis.
@@ -37,7 +37,7 @@ struct LandmarkSight {
 ///
 /// The covariance assumes independent errors of the bearings and the landmarks, and is scaled up if
 /// the sights miss their landmarks by more than these explain.
-std::optional<PoseEstimate> triangulate(const std::vector<LandmarkSight>& sights,
+std::optional<PoseEstimate> triangulate(const std::vector<LandmarkBearing>& sights,
                                         double initial_yaw);
 
 }  // namespace omnitag

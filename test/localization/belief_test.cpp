@@ -64,24 +64,24 @@ class BeliefTest : public testing::Test {
     return result;
   }
 
-  /// The accounts that remain when the robot is expected here, and `for_there` are seen as from
+  /// The branches that remain when the robot is expected here, and `for_there` are seen as from
   /// there.
-  std::vector<Account> accounts(const Entries& for_there, const Entries& for_here,
-                                bool has_odometry = true, const Entries& missed = {}) {
+  std::vector<Branch> branches(const Entries& for_there, const Entries& for_here,
+                               bool has_odometry = true, const Entries& missed = {}) {
     Frame frame;
     frame.stamp = kNow;
     if (has_odometry) frame.odom_from_base = Pose{};
-    const Account stays{before_, result(for_here, here_, missed)};
-    std::vector<Account> accounts =
-        accountsOf(childrenAt(there_, frame, camera_, before_, stays, evidence_), {there_},
+    const Branch stays{before_, result(for_here, here_, missed)};
+    std::vector<Branch> branches =
+        branchesOf(childrenAt(there_, frame, camera_, before_, stays, evidence_), {there_},
                    result(for_there, there_), frame);
-    accounts.push_back(stays);
-    return judged(std::move(accounts), camera_, evidence_);
+    branches.push_back(stays);
+    return judged(std::move(branches), camera_, evidence_);
   }
 
   Outcome outcome(const Entries& for_there, const Entries& for_here, bool has_odometry = true,
                   const Entries& missed = {}) {
-    const std::vector<Account> kept = accounts(for_there, for_here, has_odometry, missed);
+    const std::vector<Branch> kept = branches(for_there, for_here, has_odometry, missed);
     if (kept.size() > 1) return Outcome::kOpen;
     const Pose& pose = kept.front().result.map_from_base->pose;
     return std::abs(pose.x - here_.x) < 0.01 ? Outcome::kStays : Outcome::kMoved;
@@ -129,13 +129,13 @@ TEST_F(BeliefTest, WhatHungElsewhereIsNotForgottenByBeingInItsPlace) {
   before_.memory.addGroup(group, there_.toIsometry() * here_.toIsometry().inverse());
   const double moved = evidence_.logOfPlaces(before_.memory);
   ASSERT_LT(moved, std::log(1e-2));
-  const std::vector<Account> kept = accounts({0, 1, 2, 3}, {}, false);
+  const std::vector<Branch> kept = branches({0, 1, 2, 3}, {}, false);
   // If the robot had been carried, that would have happened just as they returned to their places.
   EXPECT_LT(std::abs(kept.front().result.map_from_base->pose.x - here_.x), 0.01);
   EXPECT_NEAR(kept.front().log_probability, moved, 1e-9);
-  for (const Account& account : kept) {
-    const double carried = account.hypothesis.log_of_carried;
-    EXPECT_LE(account.log_probability, moved + carried + 1e-9);
+  for (const Branch& branch : kept) {
+    const double carried = branch.hypothesis.log_of_carried;
+    EXPECT_LE(branch.log_probability, moved + carried + 1e-9);
   }
 }
 
@@ -144,11 +144,11 @@ TEST_F(BeliefTest, ASearchThatFindsATrackedPoseKnowsNothingBetter) {
       PosePrior::about(floorEstimate(here_, Eigen::Vector3d(0.01, 0.01, 0.0076).asDiagonal())));
   Hypothesis there = before_;
   there.log_of_carried = evidence_.logOfCarried(true);
-  Account tracked{there, result({0, 1, 2}, there_)};
-  Account found{before_, result({0, 1, 2}, there_), true};
+  Branch tracked{there, result({0, 1, 2}, there_)};
+  Branch found{before_, result({0, 1, 2}, there_), true};
   found.hypothesis.memory.moveBy(there_.toIsometry() * here_.toIsometry().inverse(),
                                  evidence_.contradiction());
-  const std::vector<Account> kept = judged({found, tracked}, camera_, evidence_);
+  const std::vector<Branch> kept = judged({found, tracked}, camera_, evidence_);
   ASSERT_EQ(kept.size(), 1U);
   EXPECT_FALSE(kept.front().is_of_search);
 }
@@ -194,7 +194,7 @@ TEST_F(BeliefTest, ARobotThatWasAlwaysElsewhereTakesItsMarkersWithIt) {
   before_.restart(
       PosePrior::about(floorEstimate(here_, Eigen::Vector3d(1.0, 1.0, 0.5).asDiagonal())));
   sawInPlace({0, 1}, 2.0);
-  const std::vector<Account> kept = {accounts({3, 4, 5, 6, 7, 8}, {}).front()};
+  const std::vector<Branch> kept = {branches({3, 4, 5, 6, 7, 8}, {}).front()};
   const std::vector<DisplacedGroup> groups = kept.front().hypothesis.memory.displacedGroups();
   ASSERT_EQ(groups.size(), 1U);
   EXPECT_EQ(groups.front().entries, (Entries{0, 1}));
@@ -216,7 +216,7 @@ TEST_F(BeliefTest, ARobotThatWasAlwaysElsewhereTakesItsMarkersWithIt) {
 TEST_F(BeliefTest, AnOpenPoseCoversTheOther) {
   before_.restart(
       PosePrior::about(floorEstimate(here_, Eigen::Vector3d(1.0, 1.0, 0.5).asDiagonal())));
-  const std::vector<Account> kept = accounts({0, 1, 2}, {5, 6, 7});
+  const std::vector<Branch> kept = branches({0, 1, 2}, {5, 6, 7});
   ASSERT_EQ(kept.size(), 2U);
   EvidenceConfig config;
   EXPECT_FALSE(reported(kept, map_, config).map_from_base) << "half a metre is too much";
@@ -229,9 +229,9 @@ TEST_F(BeliefTest, AnOpenPoseCoversTheOther) {
   EXPECT_NEAR(result.hypotheses[0].probability + result.hypotheses[1].probability, 1.0, 1e-9);
   EXPECT_NEAR(std::log(result.hypotheses[0].probability / result.hypotheses[1].probability),
               kept[0].log_probability - kept[1].log_probability, 1e-9);
-  for (const Account& account : kept) {
+  for (const Branch& branch : kept) {
     const Eigen::Vector2d off =
-        difference(account.result.map_from_base->pose, result.map_from_base->pose).head<2>();
+        difference(branch.result.map_from_base->pose, result.map_from_base->pose).head<2>();
     const Eigen::Matrix2d covariance = result.map_from_base->covariance.topLeftCorner<2, 2>();
     EXPECT_LT(off.dot(covariance.ldlt().solve(off)), 4.2 * 4.2);
   }
@@ -240,7 +240,7 @@ TEST_F(BeliefTest, AnOpenPoseCoversTheOther) {
 TEST_F(BeliefTest, ThereIsNoPoseWhileAnotherMayBeRightThatTheImageDoesNotTell) {
   before_.restart(
       PosePrior::about(floorEstimate(here_, Eigen::Vector3d(1.0, 1.0, 0.5).asDiagonal())));
-  std::vector<Account> kept = accounts({0, 1, 2}, {5, 6, 7});
+  std::vector<Branch> kept = branches({0, 1, 2}, {5, 6, 7});
   ASSERT_EQ(kept.size(), 2U);
   kept[1].result.map_from_base.reset();
   EvidenceConfig config;
@@ -253,7 +253,7 @@ TEST_F(BeliefTest, ThereIsNoPoseWhileAnotherMayBeRightThatTheImageDoesNotTell) {
 TEST_F(BeliefTest, AnOpenPoseCoversWhereverTheOtherMayBe) {
   before_.restart(
       PosePrior::about(floorEstimate(here_, Eigen::Vector3d(1.0, 1.0, 0.5).asDiagonal())));
-  std::vector<Account> kept = accounts({0, 1, 2, 3}, {6});
+  std::vector<Branch> kept = branches({0, 1, 2, 3}, {6});
   ASSERT_EQ(kept.size(), 2U);
   constexpr double kDeviation = 0.3;  // m
   kept[1].result.map_from_base->covariance.diagonal().head<2>().setConstant(kDeviation *

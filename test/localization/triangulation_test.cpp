@@ -15,9 +15,10 @@ const Pose kTruth{1.2, -0.4, 2.5};
 const std::vector<Eigen::Vector2d> kLandmarks{{4, 1}, {-3, 2}, {0.5, -5}, {2, 3.5}, {-2, -2}};
 
 /// What a camera mounted at `viewpoint` on the robot sees of the landmarks.
-std::vector<LandmarkSight> sightsFrom(const Pose& pose, const Eigen::Vector2d& viewpoint,
-                                      const std::vector<Eigen::Vector2d>& landmarks = kLandmarks) {
-  std::vector<LandmarkSight> sights;
+std::vector<LandmarkBearing> sightsFrom(
+    const Pose& pose, const Eigen::Vector2d& viewpoint,
+    const std::vector<Eigen::Vector2d>& landmarks = kLandmarks) {
+  std::vector<LandmarkBearing> sights;
   const Eigen::Vector2d eye =
       Eigen::Vector2d(pose.x, pose.y) + Eigen::Rotation2Dd(pose.yaw) * viewpoint;
   for (const Eigen::Vector2d& landmark : landmarks) {
@@ -52,16 +53,16 @@ TEST(TriangulationTest, ConvergesFromHeadingsWithin45Degrees) {
 }
 
 TEST(TriangulationTest, MinimisesTheSquaredDistancesOfEqn2) {
-  std::vector<LandmarkSight> sights = sightsFrom(kTruth, {0.2, 0.1});
+  std::vector<LandmarkBearing> sights = sightsFrom(kTruth, {0.2, 0.1});
   std::mt19937 generator(3);
   std::normal_distribution<double> noise(0.0, 0.02);
-  for (LandmarkSight& sight : sights) sight.bearing += noise(generator);
+  for (LandmarkBearing& sight : sights) sight.bearing += noise(generator);
   const auto estimate = triangulate(sights, kTruth.yaw);
   ASSERT_TRUE(estimate);
   // Eqn 2 written out for the lines through the landmarks.
   const auto cost = [&sights](const Pose& pose) {
     double sum = 0.0;
-    for (const LandmarkSight& sight : sights) {
+    for (const LandmarkBearing& sight : sights) {
       const Eigen::Vector2d eye =
           Eigen::Vector2d(pose.x, pose.y) + Eigen::Rotation2Dd(pose.yaw) * sight.viewpoint;
       const double phi = pose.yaw + sight.bearing;
@@ -84,16 +85,16 @@ TEST(TriangulationTest, MinimisesTheSquaredDistancesOfEqn2) {
 
 TEST(TriangulationTest, CovarianceMatchesTheSpreadOfManyTrials) {
   const double deviation = 2e-3;
-  std::vector<LandmarkSight> exact = sightsFrom(kTruth, {0.1, 0.05});
-  for (LandmarkSight& sight : exact) sight.bearing_deviation = deviation;
+  std::vector<LandmarkBearing> exact = sightsFrom(kTruth, {0.1, 0.05});
+  for (LandmarkBearing& sight : exact) sight.bearing_deviation = deviation;
   const PoseEstimate expected = *triangulate(exact, kTruth.yaw);
   std::mt19937 generator(11);
   std::normal_distribution<double> noise(0.0, deviation);
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   constexpr int kTrials = 4000;
   for (int i = 0; i < kTrials; ++i) {
-    std::vector<LandmarkSight> sights = exact;
-    for (LandmarkSight& sight : sights) sight.bearing += noise(generator);
+    std::vector<LandmarkBearing> sights = exact;
+    for (LandmarkBearing& sight : sights) sight.bearing += noise(generator);
     const Pose pose = triangulate(sights, kTruth.yaw)->pose;
     const Eigen::Vector3d error(pose.x - kTruth.x, pose.y - kTruth.y,
                                 normalizeAngle(pose.yaw - kTruth.yaw));
@@ -104,8 +105,8 @@ TEST(TriangulationTest, CovarianceMatchesTheSpreadOfManyTrials) {
 
 TEST(TriangulationTest, RefusesLandmarksBehind) {
   // All bearings reversed: the same lines, but every landmark lies behind.
-  std::vector<LandmarkSight> sights = sightsFrom(kTruth, {0, 0});
-  for (LandmarkSight& sight : sights) sight.bearing += kPi;
+  std::vector<LandmarkBearing> sights = sightsFrom(kTruth, {0, 0});
+  for (LandmarkBearing& sight : sights) sight.bearing += kPi;
   EXPECT_FALSE(triangulate(sights, kTruth.yaw));
 }
 
@@ -117,7 +118,7 @@ TEST(TriangulationTest, RefusesWhatIsUndetermined) {
 }
 
 TEST(TriangulationTest, ASightWithoutWeightDoesNotCount) {
-  std::vector<LandmarkSight> sights = sightsFrom(kTruth, {0.1, 0});
+  std::vector<LandmarkBearing> sights = sightsFrom(kTruth, {0.1, 0});
   sights[0].bearing += 0.2;
   sights[0].weight = 1e-12;
   const auto estimate = triangulate(sights, kTruth.yaw);

@@ -1,4 +1,4 @@
-#include "localization/account.h"
+#include "localization/branch.h"
 
 #include <cmath>
 #include <utility>
@@ -24,19 +24,19 @@ FrameResult emptyResult(const Frame& frame, const LocalizerConfig& config) {
 
 std::vector<Hypothesis> childrenAt(const Pose& pose, const Frame& frame,
                                    const MountedCamera& camera, const Hypothesis& before,
-                                   const Account& account, const Evidence& evidence) {
-  const Pose& expected = account.result.map_from_base->pose;
+                                   const Branch& branch, const Evidence& evidence) {
+  const Pose& expected = branch.result.map_from_base->pose;
   const Eigen::Isometry3d motion = pose.toIsometry() * expected.toIsometry().inverse();
   Hypothesis carried = before;
   carried.log_of_carried += evidence.logOfCarried(frame.odom_from_base.has_value());
   Hypothesis elsewhere = before;
   elsewhere.memory.moveBy(motion, evidence.contradiction());
-  elsewhere.start_error = motion * account.hypothesis.start_error;
+  elsewhere.start_error = motion * branch.hypothesis.start_error;
   std::vector<Hypothesis> children{std::move(carried), std::move(elsewhere)};
   std::vector<RememberedSighting> group;
-  for (const MarkerDetection& detection : account.result.detections) {
+  for (const MarkerDetection& detection : branch.result.detections) {
     if (!detection.accepted) continue;
-    group.push_back(sightingOf(detection, account.result, camera, pose));
+    group.push_back(sightingOf(detection, branch.result, camera, pose));
     if (!evidence.contradicts(group.back(), Eigen::Isometry3d::Identity())) group.pop_back();
   }
   if (group.empty()) return children;
@@ -44,16 +44,16 @@ std::vector<Hypothesis> childrenAt(const Pose& pose, const Frame& frame,
   return children;
 }
 
-std::vector<Account> accountsOf(std::vector<Hypothesis> children, const PoseEstimate& pose,
-                                FrameResult result, const Frame& frame) {
+std::vector<Branch> branchesOf(std::vector<Hypothesis> children, const PoseEstimate& pose,
+                               FrameResult result, const Frame& frame) {
   result.map_from_base = pose;
-  std::vector<Account> accounts;
+  std::vector<Branch> branches;
   for (Hypothesis& child : children) {
     child.motion.reset(pose, frame.stamp, frame.odom_from_base);
     child.seen_stamp = frame.stamp;
-    accounts.push_back({std::move(child), result});
+    branches.push_back({std::move(child), result});
   }
-  return accounts;
+  return branches;
 }
 
 RememberedSighting sightingOf(const MarkerDetection& detection, const FrameResult& result,
@@ -64,15 +64,15 @@ RememberedSighting sightingOf(const MarkerDetection& detection, const FrameResul
           map_from_base};
 }
 
-Account stayingAt(const PoseEstimate& predicted, const FrameResult& found, Account account) {
-  const std::vector<std::size_t> missed = std::move(account.result.missed);
-  account.result = found;
-  account.result.missed = missed;
-  account.result.elsewhere = acceptedEntries(found);
-  account.result.map_from_base = predicted;
-  account.result.mode = Mode::kDeadReckoning;
-  rejectAccepted(kElsewhere, &account.result);
-  return account;
+Branch stayingAt(const PoseEstimate& predicted, const FrameResult& found, Branch branch) {
+  const std::vector<std::size_t> missed = std::move(branch.result.missed);
+  branch.result = found;
+  branch.result.missed = missed;
+  branch.result.elsewhere = acceptedEntries(found);
+  branch.result.map_from_base = predicted;
+  branch.result.mode = Mode::kDeadReckoning;
+  rejectAccepted(kElsewhere, &branch.result);
+  return branch;
 }
 
 void carryOn(const PoseEstimate& predicted, bool is_refuted, const MarkerMap& map,

@@ -13,8 +13,8 @@
 
 namespace omnitag {
 
-/// A hypothesis, and a frame's result under it.
-struct Account {
+/// A hypothesis, and a frame's result under it: what is weighed, pruned and merged.
+struct Branch {
   Hypothesis hypothesis;
   FrameResult result;
   /// Whether the pose comes from a search, which does not show what else should have been seen.
@@ -25,19 +25,19 @@ struct Account {
 /// What is known of a frame before its image is processed.
 FrameResult emptyResult(const Frame& frame, const LocalizerConfig& config);
 
-/// The possible histories of a robot that is at `pose`, not where `account` puts it: something
-/// carried it there, or it was elsewhere all along. The account's markers then hang elsewhere.
-/// `before`: the account's hypothesis without the frame.
+/// The possible histories of a robot that is at `pose`, not where `branch` puts it: something
+/// carried it there, or it was elsewhere all along. The branch's markers then hang elsewhere.
+/// `before`: the branch's hypothesis without the frame.
 std::vector<Hypothesis> childrenAt(const Pose& pose, const Frame& frame,
                                    const MountedCamera& camera, const Hypothesis& before,
-                                   const Account& account, const Evidence& evidence);
+                                   const Branch& branch, const Evidence& evidence);
 
-/// The accounts of such hypotheses, with the frame's pose and what the frame shows from there.
-std::vector<Account> accountsOf(std::vector<Hypothesis> children, const PoseEstimate& pose,
-                                FrameResult result, const Frame& frame);
+/// The branches of such hypotheses, with the frame's pose and what the frame shows from there.
+std::vector<Branch> branchesOf(std::vector<Hypothesis> children, const PoseEstimate& pose,
+                               FrameResult result, const Frame& frame);
 
-/// The account of a robot that is where it was expected, although its markers put it elsewhere.
-Account stayingAt(const PoseEstimate& predicted, const FrameResult& found, Account account);
+/// The branch of a robot that is where it was expected, although its markers put it elsewhere.
+Branch stayingAt(const PoseEstimate& predicted, const FrameResult& found, Branch branch);
 
 /// The sighting to remember for a detection of a map entry, from a pose.
 RememberedSighting sightingOf(const MarkerDetection& detection, const FrameResult& result,
