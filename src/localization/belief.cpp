@@ -251,7 +251,7 @@ FrameResult reported(const std::vector<Branch>& branches, const MarkerMap& map,
   constexpr double kDeviations = 3.0;
   for (auto other = branches.begin() + 1; other != branches.end(); ++other) {
     // What has no pose cannot be covered.
-    if (other->hypothesis.is_lost || !other->result.map_from_base) {
+    if (!other->result.map_from_base) {
       withhold(map, &result);
       return result;
     }

@@ -57,16 +57,18 @@ void FrameTracker::settleAmongMarkers() {
   const std::vector<MarkerObservation> all = observations();
   const Pose& pose = solution_->map_from_base.pose;
   const ImagingError& error = solution_->imaging_error;
-  const std::vector<bool> agree =
+  std::vector<bool> agree =
       consensusOf(equationsAt(tools_.map, camera_, all, pose, error, config.reprojection), prior_,
                   pose, error, tools_.lasting_excess);
-  // At the start, what the solution does not use contradicts it even if another pose suits all.
-  const bool do_all_agree = std::find(agree.begin(), agree.end(), false) == agree.end();
-  if (do_all_agree && tools_.memory.countInPlace() > 0) return;
+  if (std::find(agree.begin(), agree.end(), false) == agree.end()) {
+    if (tools_.memory.countInPlace() > 0) return;
+    // At the start, what the solution does not use contradicts it even if another pose suits all.
+    agree = solution_->used;
+  }
   std::vector<MarkerObservation> rest;
   std::vector<std::size_t> disagreeing;
   for (std::size_t k = 0; k < count; ++k) {
-    if (do_all_agree ? solution_->used[k] : agree[k]) continue;
+    if (agree[k]) continue;
     rest.push_back(all[k]);
     disagreeing.push_back(observed_[k]);
   }

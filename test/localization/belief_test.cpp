@@ -39,6 +39,13 @@ class BeliefTest : public testing::Test {
     }
   }
 
+  /// Derives the robot's pose from one that was given from outside, with these variances of x and
+  /// of y (m^2) and of yaw (rad^2).
+  void startWith(double variance, double yaw_variance) {
+    before_.restart(PosePrior::about(
+        floorEstimate(here_, Eigen::Vector3d(variance, variance, yaw_variance).asDiagonal())));
+  }
+
   MarkerDetection detection(std::size_t entry, const Pose& seen_from) const {
     const Marker& marker = map_.markers[entry];
     const auto reading = test::exactReading(marker, camera_, seen_from);
@@ -140,8 +147,7 @@ TEST_F(BeliefTest, WhatHungElsewhereIsNotForgottenByBeingInItsPlace) {
 }
 
 TEST_F(BeliefTest, ASearchThatFindsATrackedPoseKnowsNothingBetter) {
-  before_.restart(
-      PosePrior::about(floorEstimate(here_, Eigen::Vector3d(0.01, 0.01, 0.0076).asDiagonal())));
+  startWith(0.01, 0.0076);
   Hypothesis there = before_;
   there.log_of_carried = evidence_.logOfCarried(true);
   Branch tracked{there, result({0, 1, 2}, there_)};
@@ -159,16 +165,14 @@ TEST_F(BeliefTest, ThoseThatAreMissedSpeakForARobotThatWasCarried) {
 }
 
 TEST_F(BeliefTest, APoseThatWasGivenByMistakeIsReplaced) {
-  before_.restart(
-      PosePrior::about(floorEstimate(here_, Eigen::Vector3d(0.01, 0.01, 0.0076).asDiagonal())));
+  startWith(0.01, 0.0076);
   EXPECT_EQ(outcome({0, 2, 3, 5, 7}, {}), Outcome::kMoved);
   EXPECT_NE(outcome({0, 1}, {4, 5, 7, 8}), Outcome::kMoved) << "which others confirm";
 }
 
 TEST_F(BeliefTest, BetweenTwoGroupsThatAreSeenFirstNothingIsCertain) {
   // Both poses are within the uncertainty of the given pose.
-  before_.restart(
-      PosePrior::about(floorEstimate(here_, Eigen::Vector3d(1.0, 1.0, 0.5).asDiagonal())));
+  startWith(1.0, 0.5);
   EXPECT_EQ(outcome({0, 1, 2}, {5, 6, 7}), Outcome::kOpen);
   EXPECT_EQ(outcome({5, 6, 7}, {0, 1, 2}), Outcome::kOpen);
 }
@@ -179,20 +183,17 @@ TEST_F(BeliefTest, OneThatIsMisreadIsOutvoted) {
 }
 
 TEST_F(BeliefTest, NobodyIsOutvotedWhereAVaguePoseFromOutsideIsAllThatIsKnown) {
-  before_.restart(
-      PosePrior::about(floorEstimate(here_, Eigen::Vector3d(1.0, 1.0, 0.5).asDiagonal())));
+  startWith(1.0, 0.5);
   EXPECT_EQ(outcome({0}, {2, 3, 5, 7, 8}), Outcome::kOpen) << "five of a shelf may have moved";
   EXPECT_EQ(outcome({2, 3, 5, 7, 8}, {0}), Outcome::kOpen);
 
-  before_.restart(
-      PosePrior::about(floorEstimate(here_, Eigen::Vector3d(0.01, 0.01, 1e-4).asDiagonal())));
+  startWith(0.01, 1e-4);
   EXPECT_EQ(outcome({0}, {2, 3, 5, 7, 8}), Outcome::kStays) << "a sharper one decides";
 }
 
 TEST_F(BeliefTest, ARobotThatWasAlwaysElsewhereTakesItsMarkersWithIt) {
   // First, two markers of a shelf were seen as if in their places; now the others are seen.
-  before_.restart(
-      PosePrior::about(floorEstimate(here_, Eigen::Vector3d(1.0, 1.0, 0.5).asDiagonal())));
+  startWith(1.0, 0.5);
   sawInPlace({0, 1}, 2.0);
   const std::vector<Branch> kept = {branches({3, 4, 5, 6, 7, 8}, {}).front()};
   const std::vector<DisplacedGroup> groups = kept.front().hypothesis.memory.displacedGroups();
@@ -214,8 +215,7 @@ TEST_F(BeliefTest, ARobotThatWasAlwaysElsewhereTakesItsMarkersWithIt) {
 }
 
 TEST_F(BeliefTest, AnOpenPoseCoversTheOther) {
-  before_.restart(
-      PosePrior::about(floorEstimate(here_, Eigen::Vector3d(1.0, 1.0, 0.5).asDiagonal())));
+  startWith(1.0, 0.5);
   const std::vector<Branch> kept = branches({0, 1, 2}, {5, 6, 7});
   ASSERT_EQ(kept.size(), 2U);
   EvidenceConfig config;
@@ -238,8 +238,7 @@ TEST_F(BeliefTest, AnOpenPoseCoversTheOther) {
 }
 
 TEST_F(BeliefTest, ThereIsNoPoseWhileAnotherMayBeRightThatTheImageDoesNotTell) {
-  before_.restart(
-      PosePrior::about(floorEstimate(here_, Eigen::Vector3d(1.0, 1.0, 0.5).asDiagonal())));
+  startWith(1.0, 0.5);
   std::vector<Branch> kept = branches({0, 1, 2}, {5, 6, 7});
   ASSERT_EQ(kept.size(), 2U);
   kept[1].result.map_from_base.reset();
@@ -251,8 +250,7 @@ TEST_F(BeliefTest, ThereIsNoPoseWhileAnotherMayBeRightThatTheImageDoesNotTell) {
 }
 
 TEST_F(BeliefTest, AnOpenPoseCoversWhereverTheOtherMayBe) {
-  before_.restart(
-      PosePrior::about(floorEstimate(here_, Eigen::Vector3d(1.0, 1.0, 0.5).asDiagonal())));
+  startWith(1.0, 0.5);
   std::vector<Branch> kept = branches({0, 1, 2, 3}, {6});
   ASSERT_EQ(kept.size(), 2U);
   constexpr double kDeviation = 0.3;  // m

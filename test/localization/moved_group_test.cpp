@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "../support/panorama_renderer.h"
@@ -18,14 +17,6 @@ namespace {
 /// Starts from the true pose among few markers, most of which were moved as one.
 class MovedGroupTest : public testing::Test {
  protected:
-  static Marker hung(int id, double x, double y, double z, double yaw, double size) {
-    Marker marker = test::wallMarker(id, {x, y, z}, radians(yaw));
-    marker.size = size;
-    return marker;
-  }
-
-  static MarkerMap mapOf(std::vector<Marker> markers) { return {"map", std::move(markers)}; }
-
   /// Where each marker seems to have been before the group was moved.
   static MarkerMap before(const Eigen::Isometry3d& motion, const std::vector<std::size_t>& group,
                           MarkerMap seen) {
@@ -60,9 +51,11 @@ class MovedGroupTest : public testing::Test {
 };
 
 TEST_F(MovedGroupTest, TheOnlyOneInItsPlaceIsHeardAgainstThree) {
-  const MarkerMap seen = mapOf(
-      {hung(547, 8.401, 3.661, 1.506, 180.0, 0.43), hung(320, 8.401, 4.965, 0.882, 180.0, 0.38),
-       hung(2, 8.401, 5.444, 1.614, 180.0, 0.35), hung(196, 4.573, 0.010, 0.880, 90.0, 0.46)});
+  const MarkerMap seen{"map",
+                       {test::hung(547, {8.401, 3.661, 1.506}, radians(180.0), 0.43),
+                        test::hung(320, {8.401, 4.965, 0.882}, radians(180.0), 0.38),
+                        test::hung(2, {8.401, 5.444, 1.614}, radians(180.0), 0.35),
+                        test::hung(196, {4.573, 0.010, 0.880}, radians(90.0), 0.46)}};
   const Eigen::Isometry3d motion(Eigen::Translation3d(-0.101, -0.0275, 0.0));
   expectNeverWrong(seen, before(motion, {0, 1, 2}, seen),
                    {Pose{6.613, 4.128, radians(-135.42)}, Pose{6.610, 4.125, radians(-134.95)},
@@ -70,9 +63,10 @@ TEST_F(MovedGroupTest, TheOnlyOneInItsPlaceIsHeardAgainstThree) {
 }
 
 TEST_F(MovedGroupTest, ThreeThatDisagreeGiveNoPoseInASearch) {
-  const MarkerMap seen =
-      mapOf({hung(331, 5.799, 7.144, 1.615, -90.0, 0.36), hung(76, 0.010, 4.174, 0.983, 0.0, 0.48),
-             hung(116, 0.010, 4.424, 1.720, 0.0, 0.40)});
+  const MarkerMap seen{"map",
+                       {test::hung(331, {5.799, 7.144, 1.615}, radians(-90.0), 0.36),
+                        test::hung(76, {0.010, 4.174, 0.983}, radians(0.0), 0.48),
+                        test::hung(116, {0.010, 4.424, 1.720}, radians(0.0), 0.40)}};
   // The two turn about a point beside them.
   const Eigen::Vector3d center(0.010, 4.174, 0.983);
   const Eigen::Isometry3d motion = Eigen::Translation3d(Eigen::Vector3d(0.289, 4.107, 0.983)) *

@@ -30,12 +30,6 @@ class OddMarkersTest : public testing::Test {
                             direction + kPi);
   }
 
-  static Marker hung(int id, double x, double y, double z, double yaw, double size) {
-    Marker marker = test::wallMarker(id, {x, y, z}, yaw);
-    marker.size = size;
-    return marker;
-  }
-
   static double direction(int index) { return 2.0 * kPi * index / 7 + 0.15 * (index % 2); }
 
   static MarkerMap ring() {
@@ -235,11 +229,12 @@ TEST_F(OddMarkersTest, ASmallOneInItsPlaceIsHeardAgainstManyThatWereMovedAsOne) 
   // The last one is too small in the image to be read: it can only be recognized.
   for (const double size : {0.34, 0.38, 0.42, 0.46}) {
     SCOPED_TRACE(size);
-    const MarkerMap seen{
-        "map",
-        {hung(230, 6.507, 8.89, 1.19, -kPi / 2, 0.37), hung(513, 0.01, 7.385, 1.14, 0.0, 0.32),
-         hung(142, 0.01, 8.269, 1.67, 0.0, 0.44), hung(528, 4.081, 8.89, 1.32, -kPi / 2, 0.33),
-         hung(256, 0.01, 4.437, 1.06, 0.0, size)}};
+    const MarkerMap seen{"map",
+                         {test::hung(230, {6.507, 8.89, 1.19}, -kPi / 2, 0.37),
+                          test::hung(513, {0.01, 7.385, 1.14}, 0.0, 0.32),
+                          test::hung(142, {0.01, 8.269, 1.67}, 0.0, 0.44),
+                          test::hung(528, {4.081, 8.89, 1.32}, -kPi / 2, 0.33),
+                          test::hung(256, {0.01, 4.437, 1.06}, 0.0, size)}};
     map_ = seen;
     for (std::size_t entry = 0; entry < 4; ++entry) {
       map_.markers[entry].map_from_marker.pretranslate(Eigen::Vector3d(0.032, -0.158, 0.0));
@@ -263,10 +258,11 @@ TEST_F(OddMarkersTest, ASmallOneInItsPlaceIsHeardAgainstManyThatWereMovedAsOne) 
 
 TEST_F(OddMarkersTest, OnesThatWereMovedShowWhereTheOthersAre) {
   // Those in their places are too small in the image to be read.
-  const MarkerMap seen{"map",
-                       {hung(1, 2.2, 0.6, 1.0, kPi, 0.45), hung(2, 2.2, -0.6, 1.3, kPi, 0.45),
-                        hung(3, -4.8, 1.0, 1.2, 0.0, 0.42), hung(4, -4.8, -1.5, 1.6, 0.0, 0.42),
-                        hung(5, 0.5, 4.8, 1.1, -kPi / 2, 0.42)}};
+  const MarkerMap seen{
+      "map",
+      {test::hung(1, {2.2, 0.6, 1.0}, kPi, 0.45), test::hung(2, {2.2, -0.6, 1.3}, kPi, 0.45),
+       test::hung(3, {-4.8, 1.0, 1.2}, 0.0, 0.42), test::hung(4, {-4.8, -1.5, 1.6}, 0.0, 0.42),
+       test::hung(5, {0.5, 4.8, 1.1}, -kPi / 2, 0.42)}};
   map_ = seen;
   // A partition was turned about its middle.
   const Eigen::Isometry3d turned = Eigen::Translation3d(2.2, 0.0, 0.0) *

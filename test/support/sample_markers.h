@@ -25,6 +25,13 @@ inline Marker wallMarker(int id, const Eigen::Vector3d& center, double yaw, doub
   return marker;
 }
 
+/// The same with a size (m).
+inline Marker hung(int id, const Eigen::Vector3d& center, double yaw, double size) {
+  Marker marker = wallMarker(id, center, yaw);
+  marker.size = size;
+  return marker;
+}
+
 /// Eight markers of this size around the origin, at this distance (m) and various heights, facing
 /// it.
 inline std::vector<Marker> markersAround(double distance, double size) {
