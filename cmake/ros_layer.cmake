@@ -68,8 +68,8 @@ add_library(omnitag_adjustment_tools STATIC
   src/ros/adjustment_tools/camera_output.cpp
   src/ros/adjustment_tools/drive.cpp
   src/ros/adjustment_tools/joint_run.cpp
-  src/ros/adjustment_tools/map_drawing.cpp
   src/ros/adjustment_tools/map_output.cpp
+  src/ros/adjustment_tools/step_log.cpp
 )
 target_link_libraries(omnitag_adjustment_tools PUBLIC omnitag_bag_tools opencv_imgcodecs)
 

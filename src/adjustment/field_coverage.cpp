@@ -26,18 +26,25 @@ bool isInImage(const CameraModel& camera, const Eigen::Vector2d& pixel) {
 
 }  // namespace
 
+std::optional<FieldCell> fieldCellOf(const CameraModel& camera, const Eigen::Vector2d& pixel) {
+  const double inner = std::pow(camera.minRadius(), 2);
+  const double outer = std::pow(camera.maxRadius(), 2);
+  const auto ideal = camera.imagePlane().idealFromPixel(pixel);
+  if (!ideal) return std::nullopt;
+  const double out = (ideal->squaredNorm() - inner) / (outer - inner);
+  if (out < 0.0 || out >= 1.0) return std::nullopt;
+  const double turn = std::atan2(ideal->y(), ideal->x()) / (2.0 * kPi) + 1.0;
+  return FieldCell{static_cast<std::size_t>(out * kRings),
+                   static_cast<std::size_t>(std::lround(turn * kSectors)) % kSectors};
+}
+
 FieldCoverage fieldCoverage(const CameraModel& camera, const std::vector<Eigen::Vector2d>& pixels) {
   const double inner = std::pow(camera.minRadius(), 2);
   const double outer = std::pow(camera.maxRadius(), 2);
   std::array<std::array<int, kSectors>, kRings> counts{};
   for (const Eigen::Vector2d& pixel : pixels) {
-    const auto ideal = camera.imagePlane().idealFromPixel(pixel);
-    if (!ideal) continue;
-    const double out = (ideal->squaredNorm() - inner) / (outer - inner);
-    if (out < 0.0 || out >= 1.0) continue;
-    const double turn = std::atan2(ideal->y(), ideal->x()) / (2.0 * kPi) + 1.0;
-    const auto sector = static_cast<std::size_t>(std::lround(turn * kSectors)) % kSectors;
-    ++counts[static_cast<std::size_t>(out * kRings)][sector];
+    const auto cell = fieldCellOf(camera, pixel);
+    if (cell) ++counts[cell->ring][cell->sector];
   }
   FieldCoverage coverage;
   double cells = 0.0;
@@ -55,6 +62,7 @@ FieldCoverage fieldCoverage(const CameraModel& camera, const std::vector<Eigen::
         coverage.share += 1.0;
       } else {
         empty.emplace_back(kSectorNames[sector]);
+        coverage.empty.push_back({ring, sector});
       }
     }
     if (empty.size() == kSectors) {

@@ -24,13 +24,15 @@ double rms(double sum_of_squares, std::size_t count) {
 
 class MapBuilder {
  public:
-  MapBuilder(Recording* recording, const MapBuilderConfig& config, const PanoramaSource& panoramas)
-      : recording_(recording), config_(config), panoramas_(panoramas) {}
+  MapBuilder(Recording* recording, const MapBuilderConfig& config, const PanoramaSource& panoramas,
+             const BuildProgress& progress)
+      : recording_(recording), config_(config), panoramas_(panoramas), progress_(progress) {}
 
   BuiltMap build() {
     checkReadings(*recording_);
     const bool has_seed = recording_->markers.front().is_seed;
     std::optional<std::size_t> held_frame;
+    report("placing markers");
     if (!has_seed) held_frame = startFromOneFrame(recording_, config_);
     grow(recording_, held_frame, config_);
     checkPoses(*recording_, config_);
@@ -55,9 +57,14 @@ class MapBuilder {
   }
 
  private:
+  void report(const char* step, std::size_t done = 0, std::size_t total = 0) const {
+    if (progress_) progress_(step, done, total);
+  }
+
   /// The last adjustment, with covariances; repeats it without the markers that are not known well
   /// enough.
   void refine() {
+    report("adjusting poses and markers");
     for (;;) {
       indexed_ = bundleOf(*recording_, std::nullopt, config_);
       adjust(&indexed_, recording_, bundleConfig(config_));
@@ -100,9 +107,12 @@ class MapBuilder {
   void alignReadings() {
     std::vector<std::size_t> ignored;
     const TagPatterns patterns(recording_->placedMap(&ignored));
+    const std::size_t total = recording_->framesWithPose();
+    std::size_t done = 0;
     for (std::size_t f = 0; f < recording_->frames.size(); ++f) {
       RecordedFrame& frame = recording_->frames[f];
       if (!frame.map_from_base) continue;
+      report("images aligned", ++done, total);
       const cv::Mat panorama = panoramas_(f);
       const MountedCamera camera = frame.camera.withBlur({config_.blur * config_.blur});
       frame.aligned.resize(frame.markers.size());
@@ -134,6 +144,7 @@ class MapBuilder {
       const std::string reason = whyUncertain(m, covarianceOf(i));
       if (reason.empty()) continue;
       remarks_.push_back(nameOf(marker.marker) + " left out: " + reason);
+      uncertain_.push_back(builtMarker(i));
       marker.is_placed = false;
       has_dropped = true;
       dropped_.push_back(m);
@@ -162,6 +173,23 @@ class MapBuilder {
     return "";
   }
 
+  /// By its index in the bundle; without its residual.
+  BuiltMarker builtMarker(std::size_t landmark) const {
+    const std::size_t m = indexed_.marker_indices[landmark];
+    const RecordedMarker& marker = recording_->markers[m];
+    const auto sightings = recording_->sightings(recording_->readingsOf(m));
+    BuiltMarker built;
+    built.marker = marker.marker;
+    built.is_seed = marker.is_seed;
+    built.is_exact = marker.prior && marker.prior->isExact();
+    built.covariance = covarianceOf(landmark);
+    built.size_variance = information_->sizes[landmark];
+    built.sightings = sightings.size();
+    if (marker.is_seed) built.survey = marker.prior;
+    built.seen = seenFrom(marker.marker.center(), sightings);
+    return built;
+  }
+
   BuiltMap result() {
     BuiltMap built;
     const std::vector<ReadingResidual> off = misfits(indexed_.bundle, 1.0);
@@ -183,13 +211,15 @@ class MapBuilder {
     std::size_t added = 0;
     for (std::size_t i = 0; i < indexed_.marker_indices.size(); ++i) {
       const std::size_t m = indexed_.marker_indices[i];
-      const RecordedMarker& marker = recording_->markers[m];
-      const bool is_exact = marker.prior && marker.prior->isExact();
-      added += is_exact ? 0 : 1;
       if (reference_ == m) built.reference = built.markers.size();
-      built.markers.push_back({marker.marker, marker.is_seed, is_exact, covarianceOf(i),
-                               information_->sizes[i], counts[m], rms(squares[m], counts[m])});
+      BuiltMarker marker = builtMarker(i);
+      marker.sightings = counts[m];
+      marker.residual = rms(squares[m], counts[m]);
+      added += marker.is_exact ? 0 : 1;
+      built.markers.push_back(std::move(marker));
     }
+    built.uncertain = std::move(uncertain_);
+    built.residuals = cornerResiduals(indexed_.bundle);
     for (std::size_t m = 0; m < recording_->markers.size(); ++m) {
       if (!recording_->markers[m].is_placed) explainMissing(m);
     }
@@ -237,6 +267,7 @@ class MapBuilder {
   Recording* recording_;
   const MapBuilderConfig& config_;
   const PanoramaSource& panoramas_;
+  const BuildProgress& progress_;
   /// Without a seed, the marker that defines the map's frame.
   std::optional<std::size_t> reference_;
   IndexedBundle indexed_;
@@ -244,20 +275,16 @@ class MapBuilder {
   std::vector<std::string> remarks_;
   std::vector<std::size_t> left_out_;
   std::vector<std::size_t> dropped_;
+  /// The dropped markers, as they were when they were dropped.
+  std::vector<BuiltMarker> uncertain_;
 };
 
 }  // namespace
 
-MarkerMap BuiltMap::map(const std::string& frame_id) const {
-  MarkerMap map;
-  map.frame_id = frame_id;
-  for (const BuiltMarker& marker : markers) map.markers.push_back(marker.marker);
-  return map;
-}
-
 BuiltMap buildMap(const std::shared_ptr<const CameraModel>& camera,
                   const std::vector<FrameReadings>& frames, const MarkerMap& seed,
-                  const MapBuilderConfig& config, const PanoramaSource& panoramas) {
+                  const MapBuilderConfig& config, const PanoramaSource& panoramas,
+                  const BuildProgress& progress) {
   if (seed.markers.empty() && !config.motion.isOnFloor()) {
     throw DegenerateRecording(
         "pose_model: free needs a seed map, of one marker at least: nothing else tells which way "
@@ -265,7 +292,7 @@ BuiltMap buildMap(const std::shared_ptr<const CameraModel>& camera,
   }
   Recording recording(camera, frames, seed, config.size);
   if (recording.markers.empty()) checkReadings(recording);
-  return MapBuilder(&recording, config, panoramas).build();
+  return MapBuilder(&recording, config, panoramas, progress).build();
 }
 
 }  // namespace omnitag

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "adjustment/marker_projection.h"
+#include "adjustment/built_map.h"
 #include "localization/frame_readings.h"
 #include "marker/map_constraint.h"
 #include "omnitag/camera/camera_model.h"
@@ -60,49 +60,13 @@ class DegenerateRecording : public InputError {
   using InputError::InputError;
 };
 
-/// A marker of the map that was built.
-struct BuiltMarker {
-  Marker marker;
-  /// Whether the seed has it, and whether its place in the seed is exact and was therefore kept.
-  bool is_seed = false;
-  bool is_exact = false;
-  /// Of a MarkerIncrement, in m^2, m rad and rad^2; of the size (m^2), 0 if it is not estimated.
-  /// Relative to the markers whose places are exactly known; if there are none, within the map once
-  /// it is aligned with the true one.
-  MarkerCovariance covariance = MarkerCovariance::Zero();
-  double size_variance = 0.0;
-  /// Number of images in which it was read and agrees, and RMS over their corners in pixels.
-  std::size_t sightings = 0;
-  double residual = 0.0;
-};
-
-/// A reading that the map explains badly.
-struct WorstReading {
-  double stamp = 0.0;
-  std::string marker;
-  /// Pixels, RMS over its corners.
-  double residual = 0.0;
-};
-
-struct BuiltMap {
-  /// The seed's markers in their order, then the new ones by id.
-  std::vector<BuiltMarker> markers;
-  /// For the user, a line each: markers that moved or are left out, and why.
-  std::vector<std::string> remarks;
-  /// Largest residuals first; ten at most.
-  std::vector<WorstReading> worst;
-  /// The robot's poses in the images that have one.
-  std::vector<double> stamps;
-  std::vector<Pose> trajectory;
-  std::size_t images = 0;
-  /// Without a seed, the index of the marker that defines the map's frame.
-  std::optional<std::size_t> reference;
-
-  MarkerMap map(const std::string& frame_id) const;
-};
-
 /// The panorama (CV_8UC1) of a frame, by its index; requested in the order of frames.
 using PanoramaSource = std::function<cv::Mat(std::size_t)>;
+
+/// Called as the building goes on: with the name of the step when it begins and, while it counts
+/// something, how much of how much is done.
+using BuildProgress =
+    std::function<void(const std::string& step, std::size_t done, std::size_t total)>;
 
 /// Builds a map from the readings of a recording by bundle adjustment over all poses and markers,
 /// with odometry if the images have it.
@@ -122,6 +86,7 @@ using PanoramaSource = std::function<cv::Mat(std::size_t)>;
 /// makes the map several times more exact.
 BuiltMap buildMap(const std::shared_ptr<const CameraModel>& camera,
                   const std::vector<FrameReadings>& frames, const MarkerMap& seed,
-                  const MapBuilderConfig& config, const PanoramaSource& panoramas = nullptr);
+                  const MapBuilderConfig& config, const PanoramaSource& panoramas = nullptr,
+                  const BuildProgress& progress = {});
 
 }  // namespace omnitag

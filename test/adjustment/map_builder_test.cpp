@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 #include <string>
+#include <vector>
 
 #include "simulated_recording.h"
 
@@ -292,6 +293,45 @@ TEST(MapBuilderChecksTest, NamesAMarkerOfAnotherSize) {
   const BuiltMap sized = buildMap(test::sphericalCamera(), frames, seed(3), with_sizes);
   ASSERT_NE(find(sized, 6), nullptr);
   EXPECT_NEAR(find(sized, 6)->marker.size, 0.5, 0.005);
+}
+
+TEST(MapBuilderResultTest, TellsWhatPicturesAndAdviceNeed) {
+  MarkerMap soft = seed(3);
+  for (Marker& marker : soft.markers) marker.deviation = 0.005;
+  const std::vector<Pose> poses = test::roundTrip(40);
+  std::vector<std::string> steps;
+  const BuiltMap map = buildMap(
+      test::sphericalCamera(), test::record(test::roomMarkers(), poses, kNoise), soft, config(),
+      nullptr,
+      [&steps](const std::string& step, std::size_t, std::size_t) { steps.push_back(step); });
+  EXPECT_EQ(steps, (std::vector<std::string>{"placing markers", "adjusting poses and markers"}));
+  std::vector<double> squares(map.markers.size());
+  std::vector<std::size_t> corners(map.markers.size());
+  for (const CornerResidual& corner : map.residuals) {
+    ASSERT_LT(corner.frame, map.stamps.size());
+    ASSERT_TRUE(corner.residual);
+    squares.at(corner.landmark) += corner.residual->squaredNorm();
+    ++corners.at(corner.landmark);
+  }
+  const Eigen::Vector3d mounting = test::lookingDown().translation();
+  for (std::size_t i = 0; i < map.markers.size(); ++i) {
+    const BuiltMarker& built = map.markers[i];
+    EXPECT_EQ(corners[i], 4 * built.sightings);
+    EXPECT_NEAR(std::sqrt(squares[i] / static_cast<double>(corners[i])), built.residual, 1e-9);
+    ASSERT_EQ(built.survey.has_value(), i < 3);
+    if (built.survey) {
+      EXPECT_TRUE(built.survey->map_from_marker.isApprox(soft.markers[i].map_from_marker));
+      EXPECT_EQ(built.survey->deviations(0), 0.005);
+    }
+    // The robot is never nearer to a marker than this, whether it reads it there or not.
+    double nearest = 100.0;
+    for (const Pose& pose : poses) {
+      nearest = std::min(nearest, (pose.toIsometry() * mounting - built.marker.center()).norm());
+    }
+    EXPECT_GT(built.seen.nearest, nearest - 0.01);
+    EXPECT_LT(built.seen.nearest, 6.5);
+    EXPECT_GT(built.seen.parallax, radians(10.0));
+  }
 }
 
 TEST(MapBuilderChecksTest, NamesASeedsMarkerOfAnotherSize) {

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 #include <system_error>
@@ -104,8 +105,13 @@ void writeAtomically(const std::string& path, const std::string& content) {
 }
 
 void writePicture(const std::string& path, const cv::Mat& picture) {
+  const std::string extension = std::filesystem::path(path).extension().string();
   std::vector<unsigned char> bytes;
-  cv::imencode(".png", picture, bytes);
+  try {
+    cv::imencode(extension.empty() ? ".png" : extension, picture, bytes);
+  } catch (const cv::Exception&) {
+    throw InputError(path + ": cannot be written: expected the extension of a picture, as in .png");
+  }
   writeAtomically(path, std::string(bytes.begin(), bytes.end()));
 }
 

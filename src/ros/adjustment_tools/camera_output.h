@@ -25,6 +25,8 @@ std::string calibratedFile(const CalibrationResult& result, const CameraTemplate
 
 /// Writes a file completely or not at all, in place of an existing one. Throws InputError.
 void writeAtomically(const std::string& path, const std::string& content);
+
+/// The same with a picture (CV_8UC3), in the format of the path's extension; PNG without one.
 void writePicture(const std::string& path, const cv::Mat& picture);
 
 }  // namespace omnitag

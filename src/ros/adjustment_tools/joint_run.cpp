@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <memory>
 #include <utility>
 
 #include "adjustment/place_constraint.h"
@@ -10,22 +11,19 @@
 #include "adjustment/timed_calibration.h"
 #include "marker/tag_pattern.h"
 #include "omnitag/camera/camera_file.h"
+#include "ros/adjustment_tools/step_log.h"
 
 namespace omnitag {
 namespace {
 
-/// Prints a line for every step of a calibration.
-class StepLog {
- public:
-  void operator()(const std::string& step, int /*iteration*/) {
-    if (step == last_) return;
-    last_ = step;
-    std::cerr << "calibrating: " << step << '\n';
-  }
+/// Of a marker; their residuals follow each other.
+constexpr std::size_t kCorners = 4;
 
- private:
-  std::string last_;
-};
+/// Prints a line for every step of a calibration.
+CalibrationProgress calibrationLog() {
+  return [log = std::make_shared<StepLog>("calibrating")](const std::string& step,
+                                                          int /*iteration*/) { log->show(step); };
+}
 
 /// The configuration for placing markers with a camera that is only roughly known.
 MapBuilderConfig roughly(MapBuilderConfig config) {
@@ -84,7 +82,7 @@ class JointRun {
     placeUnknown(camera, frames, roughly(request_.growth), map_);
     rough.priors = config_.priors;
     rough.constraints = config_.constraints;
-    result_.camera = calibrateCamera(request_.guess, map_, frames, rough, StepLog());
+    result_.camera = calibrateCamera(request_.guess, map_, frames, rough, calibrationLog());
     takeMap();
   }
 
@@ -142,11 +140,11 @@ class JointRun {
     if (!refine) placeMissing(frames);
     if (request_.estimates_times) {
       TimedCalibration found = calibrateCameraAndTime(request_.guess, map_, frames, config_,
-                                                      odometry_, motion(), StepLog());
+                                                      odometry_, motion(), calibrationLog());
       result_.camera = std::move(found.camera);
       result_.time = std::move(found.time);
     } else {
-      result_.camera = calibrateCamera(request_.guess, map_, frames, config_, StepLog());
+      result_.camera = calibrateCamera(request_.guess, map_, frames, config_, calibrationLog());
     }
     takeMap();
   }
@@ -154,8 +152,25 @@ class JointRun {
   /// The next step looks for the markers where they were found; their priors stay.
   void takeMap() { map_.markers = result_.camera.markers_found; }
 
+  /// For each marker, the images in which it was read and is in sight; without corners.
+  std::vector<std::vector<MarkerSighting>> sightingsOfMarkers() const {
+    const CalibrationResult& camera = result_.camera;
+    std::vector<std::vector<MarkerSighting>> sightings(map_.markers.size());
+    for (std::size_t i = 0; i < camera.residuals.size(); i += kCorners) {
+      const CornerResidual& first = camera.residuals[i];
+      if (!first.residual) continue;
+      MarkerSighting sighting;
+      sighting.stamp = camera.stamps[first.frame];
+      sighting.base_from_camera = camera.base_from_camera;
+      sighting.map_from_base.pose = camera.trajectory[first.frame];
+      sightings[first.landmark].push_back(sighting);
+    }
+    return sightings;
+  }
+
   void fillMap() {
     const CalibrationResult& camera = result_.camera;
+    const auto sightings = sightingsOfMarkers();
     std::vector<std::size_t> corners(map_.markers.size());
     std::vector<double> squares(map_.markers.size());
     for (const CornerResidual& corner : camera.residuals) {
@@ -169,12 +184,15 @@ class JointRun {
       built.is_seed = i < request_.seed.markers.size();
       built.is_exact = config_.priors[i] && config_.priors[i]->isExact();
       built.covariance = camera.marker_covariances[i];
-      built.sightings = corners[i] / 4;
+      built.sightings = corners[i] / kCorners;
+      if (built.is_seed) built.survey = config_.priors[i];
+      built.seen = seenFrom(built.marker.center(), sightings[i]);
       if (corners[i] > 0) built.residual = std::sqrt(squares[i] / static_cast<double>(corners[i]));
       result_.map.markers.push_back(built);
     }
     result_.map.trajectory = camera.trajectory;
     result_.map.stamps = camera.stamps;
+    result_.map.residuals = camera.residuals;
     result_.map.images = camera.frames;
   }
 

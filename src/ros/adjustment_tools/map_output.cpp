@@ -4,12 +4,11 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
-#include <utility>
 #include <vector>
 
+#include "adjustment/map_advice.h"
 #include "adjustment/map_alignment.h"
 #include "adjustment/mapped_entries.h"
-#include "adjustment/marker_estimate.h"
 #include "common/format.h"
 #include "marker/marker_map_writer.h"
 #include "omnitag/common/angle.h"
@@ -18,18 +17,6 @@
 
 namespace omnitag {
 namespace {
-
-/// m and rad: standard deviations, each in the direction in which it is largest.
-std::pair<double, double> deviationsOf(const BuiltMarker& marker) {
-  MarkerEstimate estimate;
-  estimate.covariance = marker.covariance;
-  return {estimate.positionDeviation(), estimate.orientationDeviation()};
-}
-
-/// Whether the drive showed more about a marker's place than was known.
-bool isFound(const BuiltMarker& marker) {
-  return !marker.is_exact && !marker.covariance.isZero(0.0);
-}
 
 const BuiltMarker& markerOf(const AlignPoint& point, const BuiltMap& map) {
   const auto found =
@@ -47,11 +34,15 @@ void transform(const Pose& other_from_map, BuiltMap* map) {
   Eigen::Matrix<double, 6, 6> turn = Eigen::Matrix<double, 6, 6>::Zero();
   turn.topLeftCorner<3, 3>() = isometry.linear();
   turn.bottomRightCorner<3, 3>() = isometry.linear();
-  for (BuiltMarker& each : map->markers) {
+  const auto moveOne = [&](BuiltMarker& each) {
     each.marker.map_from_marker = isometry * each.marker.map_from_marker;
     each.covariance = turn * each.covariance * turn.transpose();
     each.is_exact = false;
-  }
+    // Its deviations are the same in all directions.
+    if (each.survey) each.survey->map_from_marker = isometry * each.survey->map_from_marker;
+  };
+  for (BuiltMarker& each : map->markers) moveOne(each);
+  for (BuiltMarker& each : map->uncertain) moveOne(each);
   for (Pose& pose : map->trajectory) pose = other_from_map * pose;
 }
 
@@ -83,13 +74,13 @@ void printMap(const BuiltMap& map) {
   std::printf("%6s  %-20s %24s %10s %10s %6s %9s\n", "id", "name", "position (m)", "dev (mm)",
               "dev (deg)", "read", "rms (px)");
   for (const BuiltMarker& each : map.markers) {
-    const auto [position, orientation] = deviationsOf(each);
     const Eigen::Vector3d center = each.marker.center();
     const std::string place = format("%.3f %.3f %.3f", center.x(), center.y(), center.z());
     const std::string name = each.is_seed && each.marker.name.empty() ? "(seed)" : each.marker.name;
     std::printf("%6d  %-20s %24s", each.marker.id, name.c_str(), place.c_str());
-    if (isFound(each)) {
-      std::printf(" %10.2f %10.3f", 1e3 * position, degrees(orientation));
+    if (each.isFound()) {
+      std::printf(" %10.2f %10.3f", 1e3 * each.positionDeviation(),
+                  degrees(each.orientationDeviation()));
     } else {
       std::printf(" %10s %10s", "-", "-");
     }
@@ -105,6 +96,9 @@ void printMap(const BuiltMap& map) {
   }
   if (!map.remarks.empty()) std::printf("\n");
   for (const std::string& remark : map.remarks) std::printf("note: %s\n", remark.c_str());
+  const std::vector<std::string> advice = adviceOn(map);
+  if (!advice.empty()) std::printf("\n");
+  for (const std::string& line : advice) std::printf("next: %s\n", line.c_str());
 }
 
 std::string mapText(const std::string& seed_path, const std::string& frame, const BuiltMap& map,
@@ -114,12 +108,12 @@ std::string mapText(const std::string& seed_path, const std::string& frame, cons
   std::vector<EntryChange> changes;
   for (const BuiltMarker& each : map.markers) {
     const MapEntry entry =
-        isFound(each) ? mappedEntry(each.marker, each.covariance) : MapEntry{each.marker, ""};
+        each.isFound() ? mappedEntry(each.marker, each.covariance) : MapEntry{each.marker, ""};
     all.push_back(entry);
     if (!each.is_seed) {
       added.push_back(entry);
     } else {
-      changes.push_back({false, isFound(each) ? std::optional(entry.marker) : std::nullopt});
+      changes.push_back({false, each.isFound() ? std::optional(entry.marker) : std::nullopt});
     }
   }
   if (seed_path.empty()) return newMapText(frame, all, path);

@@ -12,7 +12,8 @@ namespace omnitag {
 /// fits. Throws InputError if it does not fit.
 void align(const AlignmentRequest& request, const Drive& drive, BuiltMap* map);
 
-/// Prints the map: each marker's place and how well it is known, the worst readings, remarks.
+/// Prints the map: each marker's place and how well it is known, the worst readings, remarks, and
+/// what to do next.
 void printMap(const BuiltMap& map);
 
 /// The text of the map file, to be written to `path`: the seed's text with the new markers at the

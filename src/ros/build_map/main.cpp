@@ -3,12 +3,15 @@
 #include <exception>
 #include <fstream>
 #include <iostream>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "adjustment/map_builder.h"
+#include "adjustment/map_picture.h"
+#include "adjustment/residual_picture.h"
 #include "common/file_replacement.h"
 #include "marker/map_constraint.h"
 #include "marker/marker_families.h"
@@ -17,8 +20,8 @@
 #include "ros/adjustment_tools/camera_output.h"
 #include "ros/adjustment_tools/drive.h"
 #include "ros/adjustment_tools/joint_run.h"
-#include "ros/adjustment_tools/map_drawing.h"
 #include "ros/adjustment_tools/map_output.h"
+#include "ros/adjustment_tools/step_log.h"
 #include "ros/build_map/options.h"
 
 namespace omnitag {
@@ -70,15 +73,42 @@ void writeTrajectory(const BuiltMap& built, const std::string& path) {
   if (!stream) throw InputError("--trajectory: " + path + " cannot be written");
 }
 
-BuiltMap mapWithCameraHeld(const BuildOptions& options, const MarkerMap& seed,
-                           const MapBuilderConfig& config, Drive* drive) {
+/// What is to be written and printed.
+struct BuildResult {
+  BuiltMap map;
+  /// The camera that the map's residuals are relative to.
+  std::shared_ptr<const CameraModel> camera;
+  /// How far corners were off before, in pixels (RMS), if the camera was found, too; its file, and
+  /// what to tell about it.
+  std::optional<double> rms_before = {};
+  std::string camera_text = {};
+  std::string report = {};
+};
+
+BuildResult mapWithCameraHeld(const BuildOptions& options, const MarkerMap& seed,
+                              const MapBuilderConfig& config, Drive* drive) {
   const DescribedCamera camera = drive->cameraOf(options.camera);
   const std::vector<FrameReadings> frames = drive->read(camera.model, camera.origin, "images");
   if (options.estimates_sizes && options.seed.empty() && drive->withOdometry() < 2) {
     throw InputError("--estimate-sizes: needs a seed or odometry, which tell the scale");
   }
-  return buildMap(camera.model, frames, seed, config,
-                  [drive](std::size_t frame) { return drive->imageOf(frame); });
+  StepLog log("building the map");
+  const auto panoramas = [drive](std::size_t frame) { return drive->imageOf(frame); };
+  const auto progress = [&log](const std::string& step, std::size_t done, std::size_t total) {
+    log.show(step, done, total);
+  };
+  return {buildMap(camera.model, frames, seed, config, panoramas, progress), camera.model};
+}
+
+BuildResult mapAndCamera(const BuildOptions& options, const MarkerMap& seed,
+                         const MapBuilderConfig& config, Drive* drive) {
+  JointRequest request{CameraTemplate::fromFile(options.camera), seed, config, {}, false};
+  request.calibration.floor = drive->parameters().localizer.motion.floor;
+  JointResult found = runJointly(request, drive);
+  const MountingFrames frames{drive->baseFrame(), drive->cameraFrame()};
+  return {std::move(found.map), found.model(request.guess), found.camera.before.rms,
+          calibratedFile(found.camera, request.guess, frames),
+          calibrationReport(found.camera, frames) + "\n"};
 }
 
 void run(const BuildOptions& options) {
@@ -91,20 +121,10 @@ void run(const BuildOptions& options) {
                {},
                familiesToRead(options, seed),
                static_cast<std::size_t>(options.max_images)});
-  BuiltMap built;
-  std::string camera_text;
-  std::string report;
-  if (options.output_camera.empty()) {
-    built = mapWithCameraHeld(options, seed, config, &drive);
-  } else {
-    JointRequest request{CameraTemplate::fromFile(options.camera), seed, config, {}, false};
-    request.calibration.floor = parameters.localizer.motion.floor;
-    JointResult found = runJointly(request, &drive);
-    const MountingFrames frames{drive.baseFrame(), drive.cameraFrame()};
-    camera_text = calibratedFile(found.camera, request.guess, frames);
-    report = calibrationReport(found.camera, frames) + "\n";
-    built = std::move(found.map);
-  }
+  BuildResult result = options.output_camera.empty()
+                           ? mapWithCameraHeld(options, seed, config, &drive)
+                           : mapAndCamera(options, seed, config, &drive);
+  BuiltMap& built = result.map;
   align(options.alignment, drive, &built);
 
   // Makes every result before writing any.
@@ -112,12 +132,15 @@ void run(const BuildOptions& options) {
       options.alignment.frame.empty() ? seed.frame_id : options.alignment.frame;
   const std::string text = mapText(options.alignment.isNone() ? options.seed : std::string(), frame,
                                    built, options.output);
-  drawMap(built, options.drawing);
+  const cv::Mat residuals = residualPicture({built.residuals, built.stamps, result.rms_before},
+                                            *result.camera, drive.imageOf(0));
+  writePicture(options.drawing, mapPicture(built));
+  writePicture(options.picture, residuals);
   if (!options.trajectory.empty()) writeTrajectory(built, options.trajectory);
-  if (!camera_text.empty()) writeAtomically(options.output_camera, camera_text);
+  if (!result.camera_text.empty()) writeAtomically(options.output_camera, result.camera_text);
   replaceFile(options.output, text);
   std::printf("%simages:           %zu, %zu of them with a pose, %zu with odometry\n\n",
-              report.c_str(), built.images, built.trajectory.size(), drive.withOdometry());
+              result.report.c_str(), built.images, built.trajectory.size(), drive.withOdometry());
   printMap(built);
 }
 

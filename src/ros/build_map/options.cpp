@@ -41,6 +41,8 @@ std::optional<BuildOptions> parseBuildOptions(int argc, char** argv) {
       "find the camera and its mounting, too, --camera being a guess, and write it")(
       "drawing", textOption(&options.drawing, "M.png"),
       "drawing of the map; default: the output's name with .png")(
+      "picture", textOption(&options.picture, "P.png"),
+      "picture of the residuals; default: beside the output, M_residuals.png")(
       "trajectory", textOption(&options.trajectory, "OUT.tum"),
       "the robot's poses as well: stamp x y z qx qy qz qw")(
       "image-topic", textOption(&options.image_topic, "T"),
@@ -69,6 +71,10 @@ std::optional<BuildOptions> parseBuildOptions(int argc, char** argv) {
   if (options.drawing.empty()) {
     options.drawing = std::filesystem::path(options.output).replace_extension(".png").string();
   }
+  if (options.picture.empty()) {
+    const std::filesystem::path output(options.output);
+    options.picture = (output.parent_path() / (output.stem().string() + "_residuals.png")).string();
+  }
   if (!options.output_camera.empty() && options.camera.empty()) {
     throw InputError("--output-camera: needs --camera, a guess to start from");
   }
@@ -78,6 +84,7 @@ std::optional<BuildOptions> parseBuildOptions(int argc, char** argv) {
   checkOutputs(inputs, {{"--output", options.output},
                         {"--output-camera", options.output_camera},
                         {"--drawing", options.drawing},
+                        {"--picture", options.picture},
                         {"--trajectory", options.trajectory}});
   return options;
 }

@@ -18,6 +18,8 @@ struct BuildOptions {
   /// If given, the camera is also calibrated, and written there.
   std::string output_camera;
   std::string drawing;
+  /// The picture of the residuals; filled in if it was not given, as `drawing` is.
+  std::string picture;
   std::string trajectory;
   std::string image_topic;
   std::string params;

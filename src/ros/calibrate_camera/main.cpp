@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "adjustment/camera_template.h"
+#include "adjustment/map_picture.h"
 #include "adjustment/residual_picture.h"
 #include "common/file_replacement.h"
 #include "marker/board_file.h"
@@ -78,7 +79,10 @@ void run(const CalibrationOptions& options) {
     text = mapText(options.alignment.isNone() ? options.map : std::string(),
                    frame.empty() ? request.seed.frame_id : frame, found.map, options.output_map);
   }
-  writePicture(options.picture, residualPicture(found.camera, *camera, drive.imageOf(0)));
+  writePicture(options.picture, residualPicture({found.camera.residuals, found.camera.stamps,
+                                                 found.camera.before.rms},
+                                                *camera, drive.imageOf(0)));
+  if (!options.drawing.empty()) writePicture(options.drawing, mapPicture(found.map));
   writeAtomically(options.output, calibratedFile(found.camera, request.guess, frames));
   if (!text.empty()) replaceFile(options.output_map, text);
   std::cout << calibrationReport(found.camera, frames);
@@ -89,7 +93,7 @@ void run(const CalibrationOptions& options) {
     std::fflush(stdout);
   }
   std::cout << "\nWritten: " << options.output << ", " << options.picture;
-  if (!text.empty()) std::cout << ", " << options.output_map;
+  if (!text.empty()) std::cout << ", " << options.output_map << ", " << options.drawing;
   if (parameter_file) {
     const std::string keys = parameter_file->write(*found.time);
     std::cout << (keys.empty() ? "\nNot written, as the drive tells no times: "

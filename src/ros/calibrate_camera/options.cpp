@@ -73,6 +73,8 @@ std::optional<CalibrationOptions> parseCalibrationOptions(int argc, char** argv)
       "family", textOption(&options.family, "F"), "of these; default: the map's, else tag36h11")(
       "output-map", textOption(&options.output_map, "M2.yaml"),
       "marker map to write, with what the drive tells of the markers' places")(
+      "drawing", textOption(&options.drawing, "M2.png"),
+      "drawing of that map; default: its name with .png")(
       "camera", textOption(&options.camera, "GUESS.yaml")->required(), "camera file to start from")(
       "output", textOption(&options.output, "C.yaml")->required(), "camera file to write")(
       "picture", textOption(&options.picture, "P.png"),
@@ -123,6 +125,12 @@ std::optional<CalibrationOptions> parseCalibrationOptions(int argc, char** argv)
     const std::filesystem::path output(options.output);
     options.picture = (output.parent_path() / (output.stem().string() + "_residuals.png")).string();
   }
+  if (!options.drawing.empty() && options.output_map.empty()) {
+    throw InputError("--drawing: needs --output-map, the map to be drawn");
+  }
+  if (options.drawing.empty() && !options.output_map.empty()) {
+    options.drawing = std::filesystem::path(options.output_map).replace_extension(".png").string();
+  }
   if (!options.output_params.empty() && options.odom_frame.empty()) {
     throw InputError("--output-params: needs --odom-frame, without which no times are estimated");
   }
@@ -132,11 +140,13 @@ std::optional<CalibrationOptions> parseCalibrationOptions(int argc, char** argv)
   checkOutputs(inputs, {{"--output", options.output},
                         {"--output-map", options.output_map},
                         {"--picture", options.picture},
+                        {"--drawing", options.drawing},
                         {"--output-params", options.output_params}});
   inputs.push_back(options.params);
   checkOutputs(inputs, {{"--output", options.output},
                         {"--output-map", options.output_map},
-                        {"--picture", options.picture}});
+                        {"--picture", options.picture},
+                        {"--drawing", options.drawing}});
   return options;
 }
 

@@ -30,6 +30,8 @@ struct CalibrationOptions {
   std::string output_params;
   /// The file to write the markers to.
   std::string output_map;
+  /// The drawing of that map; filled in if it was not given, empty without that map.
+  std::string drawing;
   /// For markers that the map does not have. The default family is the map's, or tag36h11; the
   /// default size (m) is the map's. 0: unknown markers are not used.
   std::string family;
