@@ -22,6 +22,14 @@ accept_only_help() {
   esac
 }
 
+# How many compilers may run at a time: each may take 2 GB.
+parallel_jobs() {
+  local processors by_memory
+  processors=$(nproc)
+  by_memory=$(awk '/^MemTotal:/ { print int($2 / 2000000) }' /proc/meminfo)
+  echo $((by_memory < 1 ? 1 : by_memory < processors ? by_memory : processors))
+}
+
 # Configures the core alone in the CMake build folder $1 with the sanitizers $2, unless it is, with
 # CMake's further options. Built by clang, which warns of other things. What of undefined behaviour is
 # not checked takes most of the time to compile, and stops by itself, or with the address sanitizer.

@@ -8,23 +8,15 @@
 
 #include "adjustment/calibration_report.h"
 #include "adjustment/outliers.h"
+#include "adjustment/residual_style.h"
 #include "common/drawing.h"
 
 namespace omnitag {
 namespace {
 
-const cv::Scalar kBlack(0, 0, 0);
 const cv::Scalar kGrey(150, 150, 150);
-const cv::Scalar kGood(40, 160, 40);
-const cv::Scalar kBad(30, 30, 220);
 const cv::Scalar kRadial(200, 90, 0);
 const cv::Scalar kTangential(0, 120, 220);
-constexpr double kTextSize = 0.45;
-
-void write(const std::string& text, const cv::Point& place, cv::Mat* picture,
-           const cv::Scalar& colour = kBlack) {
-  writeText(text, place, colour, kTextSize, picture);
-}
 
 /// The least multiple of 0.05 pixels that all of these RMS are below.
 double roundedUp(double most) { return std::max(0.05, std::ceil(most * 20.0) / 20.0); }
@@ -56,11 +48,11 @@ class Axes {
       const double share = static_cast<double>(i) / kTicks;
       const int height = y(share * most_);
       cv::line(chart_, {kLeft, height}, {right_, height}, kGrey, 1);
-      write(decimals(share * most_, 2), {8, height + 5}, &chart_);
-      write(decimals(share * last_, last_ < kShort ? 1 : 0), {x(share * last_) - 12, bottom_ + 20},
-            &chart_);
+      residual_style::write(decimals(share * most_, 2), {8, height + 5}, &chart_);
+      residual_style::write(decimals(share * last_, last_ < kShort ? 1 : 0),
+                            {x(share * last_) - 12, bottom_ + 20}, &chart_);
     }
-    write(title, {kLeft + 100, bottom_ + 42}, &chart_);
+    residual_style::write(title, {kLeft + 100, bottom_ + 42}, &chart_);
   }
 
   static constexpr int kLeft = 60;
@@ -114,14 +106,14 @@ std::array<Ring, kRings> ringsOf(const std::vector<CornerResidual>& corners,
 /// Writes the stamp of an image at its dot unless that would cover another.
 void writeStamp(const std::string& stamp, const cv::Point& dot, const Axes& axes,
                 std::vector<cv::Rect>* written, cv::Mat* chart) {
-  const cv::Size size = sizeOfText(stamp, kTextSize);
+  const cv::Size size = sizeOfText(stamp, residual_style::kTextSize);
   const int left = dot.x + 8 + size.width < axes.right() ? dot.x + 8 : dot.x - 8 - size.width;
   const cv::Rect place(left, dot.y + 4 - size.height, size.width, size.height + 4);
   const bool covers =
       std::any_of(written->begin(), written->end(),
                   [&place](const cv::Rect& other) { return (place & other).area() > 0; });
   if (covers) return;
-  write(stamp, {left, dot.y + 4}, chart, kBad);
+  residual_style::write(stamp, {left, dot.y + 4}, chart, residual_style::kBad);
   written->push_back(place);
 }
 
@@ -135,9 +127,9 @@ void drawRadiusChart(const std::vector<CornerResidual>& corners, const CameraMod
   for (const Ring& ring : rings) most = std::max({most, ring.radial, ring.tangential});
   Axes axes(chart, last, roundedUp(most));
   axes.draw("distance from the centre (px)");
-  write("RMS of the residuals (px):", {Axes::kLeft, 30}, &chart);
-  write("along the radius", {Axes::kLeft, 50}, &chart, kRadial);
-  write("across it", {Axes::kLeft + 160, 50}, &chart, kTangential);
+  residual_style::write("RMS of the residuals (px):", {Axes::kLeft, 30}, &chart);
+  residual_style::write("along the radius", {Axes::kLeft, 50}, &chart, kRadial);
+  residual_style::write("across it", {Axes::kLeft + 160, 50}, &chart, kTangential);
   constexpr int kGap = 2;
   const double step = last / kRings;
   double start = 0.0;
@@ -155,9 +147,10 @@ void drawRadiusChart(const std::vector<CornerResidual>& corners, const CameraMod
 }
 
 void drawTimeChart(const std::vector<ImageResidual>& images, cv::Mat chart) {
-  write("RMS of the residuals of each image (px), and their median;", {Axes::kLeft, 30}, &chart);
-  write("red, with its stamp (s): above twice the median, or most corners left out",
-        {Axes::kLeft, 50}, &chart, kBad);
+  residual_style::write("RMS of the residuals of each image (px), and their median;",
+                        {Axes::kLeft, 30}, &chart);
+  residual_style::write("red, with its stamp (s): above twice the median, or most corners left out",
+                        {Axes::kLeft, 50}, &chart, residual_style::kBad);
   if (images.empty()) return;
   const auto [first, last] = std::minmax_element(
       images.begin(), images.end(),
@@ -168,7 +161,7 @@ void drawTimeChart(const std::vector<ImageResidual>& images, cv::Mat chart) {
   Axes axes(chart, std::max(kShortest, last->stamp - first->stamp), roundedUp(most));
   axes.draw("time since the first image (s)");
   const int middle = axes.y(medianRms(images));
-  cv::line(chart, {Axes::kLeft, middle}, {axes.right(), middle}, kGood, 1);
+  cv::line(chart, {Axes::kLeft, middle}, {axes.right(), middle}, residual_style::kGood, 1);
   // An image without any corner in use is at the top.
   const auto dotOf = [&](const ImageResidual& image) {
     return cv::Point(axes.x(image.stamp - first->stamp),
@@ -177,14 +170,14 @@ void drawTimeChart(const std::vector<ImageResidual>& images, cv::Mat chart) {
   constexpr int kRadius = 3;
   for (const ImageResidual& image : images) {
     if (image.used + image.left_out == 0) continue;
-    cv::circle(chart, dotOf(image), kRadius, kGood, cv::FILLED, cv::LINE_AA);
+    cv::circle(chart, dotOf(image), kRadius, residual_style::kGood, cv::FILLED, cv::LINE_AA);
   }
   constexpr std::size_t kMostStamps = 8;
   const std::vector<std::size_t> outstanding = outstandingImages(images);
   std::vector<cv::Rect> written;
   for (const std::size_t index : outstanding) {
     const ImageResidual& image = images[index];
-    cv::circle(chart, dotOf(image), kRadius, kBad, cv::FILLED, cv::LINE_AA);
+    cv::circle(chart, dotOf(image), kRadius, residual_style::kBad, cv::FILLED, cv::LINE_AA);
     if (written.size() >= kMostStamps) continue;
     writeStamp(decimals(image.stamp, 2), dotOf(image), axes, &written, &chart);
   }

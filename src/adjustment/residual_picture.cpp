@@ -10,15 +10,13 @@
 #include "adjustment/image_residuals.h"
 #include "adjustment/outliers.h"
 #include "adjustment/residual_charts.h"
+#include "adjustment/residual_style.h"
 #include "common/drawing.h"
 
 namespace omnitag {
 namespace {
 
-const cv::Scalar kBlack(0, 0, 0);
 const cv::Scalar kCircle(200, 140, 0);
-const cv::Scalar kGood(40, 160, 40);
-const cv::Scalar kBad(30, 30, 220);
 const cv::Vec3b kTint(120, 190, 255);
 const cv::Scalar kTintText(0, 110, 200);
 
@@ -28,12 +26,6 @@ constexpr int kLeastChartHeight = 500;
 constexpr int kTimeHeight = 280;
 constexpr int kHeader = 82;
 constexpr double kMagnified = 200.0;  // pixels of the picture per pixel of residual, at 900
-
-void write(const std::string& text, const cv::Point& place, cv::Mat* picture,
-           const cv::Scalar& colour = kBlack) {
-  constexpr double kTextSize = 0.45;
-  writeText(text, place, colour, kTextSize, picture);
-}
 
 /// The image, enlarged or reduced, and pale, so that arrows stand out.
 cv::Mat backgroundOf(const cv::Mat& image, double scale) {
@@ -86,33 +78,36 @@ void drawArrows(const std::vector<CornerResidual>& corners, double rms, double s
     const Eigen::Vector2d place = scale * (corner.pixel + Eigen::Vector2d::Constant(0.5));
     const cv::Point2d start(place.x() - 0.5, place.y() - 0.5);
     if (length > far) {
-      cv::circle(*picture, fixedPoint(start), 3 << kFractionalBits, kBad, 1, cv::LINE_AA,
-                 kFractionalBits);
+      cv::circle(*picture, fixedPoint(start), 3 << kFractionalBits, residual_style::kBad, 1,
+                 cv::LINE_AA, kFractionalBits);
       continue;
     }
     const cv::Point2d end =
         start + kMagnified * cv::Point2d(corner.residual->x(), corner.residual->y());
     cv::arrowedLine(*picture, fixedPoint(start), fixedPoint(end),
-                    length > kLong * rms ? kBad : kGood, 1, cv::LINE_AA, kFractionalBits, 0.2);
+                    length > kLong * rms ? residual_style::kBad : residual_style::kGood, 1,
+                    cv::LINE_AA, kFractionalBits, 0.2);
   }
 }
 
 void writeHeader(const PicturedResiduals& residuals, const ResidualSummary& summary, int right,
                  cv::Mat* picture) {
-  write("residuals of " + std::to_string(summary.counted) + " corners, " +
-            std::to_string(residuals.stamps.size()) + " images: RMS " + decimals(summary.rms, 3) +
-            " px" +
-            (residuals.rms_before ? " (before: " + decimals(*residuals.rms_before, 2) + " px)"
-                                  : std::string()),
-        {10, 22}, picture);
-  write(
+  residual_style::write(
+      "residuals of " + std::to_string(summary.counted) + " corners, " +
+          std::to_string(residuals.stamps.size()) + " images: RMS " + decimals(summary.rms, 3) +
+          " px" +
+          (residuals.rms_before ? " (before: " + decimals(*residuals.rms_before, 2) + " px)"
+                                : std::string()),
+      {10, 22}, picture);
+  residual_style::write(
       "an arrow as long as this is 0.25 px; red: beyond three times the RMS; a red circle: left "
       "out",
       {10, 44}, picture);
-  write("orange: parts of the camera's field without any corner", {10, 66}, picture, kTintText);
+  residual_style::write("orange: parts of the camera's field without any corner", {10, 66}, picture,
+                        kTintText);
   const int length = static_cast<int>(kMagnified / 4.0);
-  cv::arrowedLine(*picture, {right - length - 20, 40}, {right - 20, 40}, kGood, 1, cv::LINE_AA, 0,
-                  0.2);
+  cv::arrowedLine(*picture, {right - length - 20, 40}, {right - 20, 40}, residual_style::kGood, 1,
+                  cv::LINE_AA, 0, 0.2);
 }
 
 }  // namespace

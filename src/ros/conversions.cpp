@@ -20,7 +20,7 @@ std::size_t covarianceIndex(int row, int column) {
          kPlanarIndices[static_cast<std::size_t>(column)];
 }
 
-std::uint8_t toMessage(Mode mode) {
+std::uint8_t modeOf(Mode mode) {
   switch (mode) {
     case Mode::kTracking:
       return LocalizationStatus::TRACKING;
@@ -149,7 +149,7 @@ geometry_msgs::PoseWithCovariance noPose() {
   return none;
 }
 
-DetectedMarker toMessage(const MarkerDetection& detection, const MarkerMap& map) {
+DetectedMarker detectedMarkerOf(const MarkerDetection& detection, const MarkerMap& map) {
   DetectedMarker message;
   message.id = detection.id;
   message.family = detection.family;
@@ -182,7 +182,7 @@ MarkerDetectionArray toMessage(const std_msgs::Header& header,
   MarkerDetectionArray message;
   message.header = header;
   for (const MarkerDetection& detection : detections) {
-    message.detections.push_back(toMessage(detection, map));
+    message.detections.push_back(detectedMarkerOf(detection, map));
   }
   return message;
 }
@@ -190,7 +190,7 @@ MarkerDetectionArray toMessage(const std_msgs::Header& header,
 LocalizationStatus toMessage(const std_msgs::Header& header, const FrameResult& result) {
   LocalizationStatus message;
   message.header = header;
-  message.mode = toMessage(result.mode);
+  message.mode = modeOf(result.mode);
   message.has_pose = static_cast<std::uint8_t>(result.map_from_base.has_value());
   message.remark = result.remark;
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();

@@ -10,7 +10,7 @@
 namespace omnitag {
 namespace {
 
-MapMarker toMessage(const Marker& marker, bool is_ignored) {
+MapMarker mapMarkerOf(const Marker& marker, bool is_ignored) {
   MapMarker message;
   message.id = marker.id;
   message.family = marker.family;
@@ -40,8 +40,8 @@ MapMarkerArray toMessage(const MarkerMap& map, const std::vector<Marker>& ignore
                          const std::string& map_frame) {
   MapMarkerArray message;
   message.header.frame_id = map_frame;
-  for (const Marker& marker : map.markers) message.markers.push_back(toMessage(marker, false));
-  for (const Marker& marker : ignored) message.markers.push_back(toMessage(marker, true));
+  for (const Marker& marker : map.markers) message.markers.push_back(mapMarkerOf(marker, false));
+  for (const Marker& marker : ignored) message.markers.push_back(mapMarkerOf(marker, true));
   return message;
 }
 

@@ -6,7 +6,7 @@ namespace omnitag {
 namespace {
 
 /// s: after this time, all images from before the clock was set have come.
-constexpr double kInFlight = 10.0;
+constexpr double kImagesInFlight = 10.0;
 
 /// s: the smallest step that counts.
 constexpr double kLeastStep = 1e-3;
@@ -46,12 +46,12 @@ std::optional<double> StampTimeline::behind(const ros::Time& stamp) const {
 void StampTimeline::take(const ros::Time& stamp, const StampPlace& place) {
   pending_for_ += place.time - last_time_;
   shown_for_ += place.time - last_time_;
-  if (shown_for_ > kInFlight) shown_step_ = 0.0;
+  if (shown_for_ > kImagesInFlight) shown_step_ = 0.0;
   if (place.kind == StampPlace::Kind::kClockStepped) {
     shown_step_ = place.step;
     shown_for_ = 0.0;
   }
-  if (place.kind != StampPlace::Kind::kLater || pending_for_ > kInFlight) pending_step_ = 0.0;
+  if (place.kind != StampPlace::Kind::kLater || pending_for_ > kImagesInFlight) pending_step_ = 0.0;
   last_stamp_ = stamp;
   last_time_ = place.time;
 }

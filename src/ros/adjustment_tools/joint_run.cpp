@@ -160,6 +160,7 @@ class JointRun {
       const CornerResidual& first = camera.residuals[i];
       if (!first.residual) continue;
       MarkerSighting sighting;
+      sighting.corners.fill(Eigen::Vector2d::Zero());
       sighting.stamp = camera.stamps[first.frame];
       sighting.base_from_camera = camera.base_from_camera;
       sighting.map_from_base.pose = camera.trajectory[first.frame];
