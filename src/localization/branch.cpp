@@ -1,10 +1,12 @@
 #include "localization/branch.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "common/format.h"
 #include "localization/frame_search.h"
+#include "localization/frame_steps.h"
 #include "omnitag/common/angle.h"
 
 namespace omnitag {
@@ -22,9 +24,13 @@ FrameResult emptyResult(const Frame& frame, const LocalizerConfig& config) {
   return result;
 }
 
-std::vector<Hypothesis> childrenAt(const Pose& pose, const Frame& frame,
+std::vector<Hypothesis> childrenAt(const PoseEstimate& estimate, const Frame& frame,
                                    const MountedCamera& camera, const Hypothesis& before,
                                    const Branch& branch, const Evidence& evidence) {
+  // A vague pose may be bent until markers fit that were moved with the others.
+  constexpr double kSharp = 0.01;  // m
+  const bool is_sharp = positionDeviation(estimate) <= kSharp;
+  const Pose& pose = estimate.pose;
   const Pose& expected = branch.result.map_from_base->pose;
   const Eigen::Isometry3d motion = pose.toIsometry() * expected.toIsometry().inverse();
   Hypothesis carried = before;
@@ -36,8 +42,10 @@ std::vector<Hypothesis> childrenAt(const Pose& pose, const Frame& frame,
   std::vector<RememberedSighting> group;
   for (const MarkerDetection& detection : branch.result.detections) {
     if (!detection.accepted) continue;
-    group.push_back(sightingOf(detection, branch.result, camera, pose));
-    if (!evidence.contradicts(group.back(), Eigen::Isometry3d::Identity())) group.pop_back();
+    RememberedSighting sighting = sightingOf(detection, branch.result, camera, pose);
+    const bool is_in_place =
+        is_sharp && !evidence.contradicts(sighting, Eigen::Isometry3d::Identity());
+    if (!is_in_place) group.push_back(std::move(sighting));
   }
   if (group.empty()) return children;
   for (Hypothesis& child : children) child.memory.addGroup(group, motion.inverse());
@@ -64,14 +72,30 @@ RememberedSighting sightingOf(const MarkerDetection& detection, const FrameResul
           map_from_base};
 }
 
-Branch stayingAt(const PoseEstimate& predicted, const FrameResult& found, Branch branch) {
+Branch stayingAt(const PoseEstimate& predicted, const FrameResult& found, const MarkerMap& map,
+                 const EstimatorConfig& config, const MountedCamera& camera, Branch branch) {
+  const PosePrior prior = PosePrior::about(predicted);
+  std::vector<std::size_t> elsewhere = acceptedEntries(found);
+  for (const MarkerObservation& observation : acceptedObservations(found)) {
+    const bool is_in_place = branch.hypothesis.memory.inPlace(observation.map_entry) != nullptr &&
+                             agreesWithPrior(map, config, camera, observation, prior);
+    if (!is_in_place) continue;
+    elsewhere.erase(std::find(elsewhere.begin(), elsewhere.end(), observation.map_entry));
+  }
+  if (elsewhere.empty()) elsewhere = acceptedEntries(found);
   const std::vector<std::size_t> missed = std::move(branch.result.missed);
   branch.result = found;
   branch.result.missed = missed;
-  branch.result.elsewhere = acceptedEntries(found);
   branch.result.map_from_base = predicted;
   branch.result.mode = Mode::kDeadReckoning;
-  rejectAccepted(kElsewhere, &branch.result);
+  for (MarkerDetection& detection : branch.result.detections) {
+    if (!detection.accepted) continue;
+    const auto end = elsewhere.end();
+    if (std::find(elsewhere.begin(), end, *detection.map_entry) == end) continue;
+    detection.accepted = false;
+    detection.reason = kElsewhere;
+  }
+  branch.result.elsewhere = std::move(elsewhere);
   return branch;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -25,10 +26,11 @@ struct Branch {
 /// What is known of a frame before its image is processed.
 FrameResult emptyResult(const Frame& frame, const LocalizerConfig& config);
 
-/// The possible histories of a robot that is at `pose`, not where `branch` puts it: something
-/// carried it there, or it was elsewhere all along. The branch's markers then hang elsewhere.
-/// `before`: the branch's hypothesis without the frame.
-std::vector<Hypothesis> childrenAt(const Pose& pose, const Frame& frame,
+/// The possible histories of a robot that is at `estimate`, not where `branch` puts it: something
+/// carried it there, or it was elsewhere all along. The branch's markers then hang elsewhere,
+/// unless they are in their places from there, too. `before`: the branch's hypothesis without the
+/// frame.
+std::vector<Hypothesis> childrenAt(const PoseEstimate& estimate, const Frame& frame,
                                    const MountedCamera& camera, const Hypothesis& before,
                                    const Branch& branch, const Evidence& evidence);
 
@@ -36,8 +38,13 @@ std::vector<Hypothesis> childrenAt(const Pose& pose, const Frame& frame,
 std::vector<Branch> branchesOf(std::vector<Hypothesis> children, const PoseEstimate& pose,
                                FrameResult result, const Frame& frame);
 
-/// The branch of a robot that is where it was expected, although its markers put it elsewhere.
-Branch stayingAt(const PoseEstimate& predicted, const FrameResult& found, Branch branch);
+/// The branch of a robot that is where it was expected, although the markers of a frame put it
+/// elsewhere. Of these, those stay in their places that were there in earlier images of `branch`
+/// and, as far as the prediction tells, still are: others that came into view may have been moved,
+/// and pull the frame's pose off. The rest hang elsewhere, and so do all if none else does: then
+/// something moved the robot.
+Branch stayingAt(const PoseEstimate& predicted, const FrameResult& found, const MarkerMap& map,
+                 const EstimatorConfig& config, const MountedCamera& camera, Branch branch);
 
 /// The sighting to remember for a detection of a map entry, from a pose.
 RememberedSighting sightingOf(const MarkerDetection& detection, const FrameResult& result,

@@ -31,7 +31,7 @@ void FrameTracker::settleWithPrediction() {
   std::vector<std::size_t> for_found;
   for (std::size_t k = 0; k < observed_.size(); ++k) {
     const Sighting& sighting = sightings_[observed_[k]];
-    const bool is_expected = agreesWithPrior(tools_, camera_, *sighting.observation, predicted);
+    const bool is_expected = agreesWithPrior(*sighting.observation, predicted);
     if (is_expected == solution_->used[k]) continue;
     if (is_expected) {
       are_any_expected = true;
@@ -127,9 +127,9 @@ bool FrameTracker::isDisplaced(const MarkerObservation& observation, const PoseS
 
 bool FrameTracker::mayBeInPlace(const MarkerObservation& observation,
                                 const std::vector<Eigen::Isometry3d>& motions) const {
-  if (!agreesWithPrior(tools_, camera_, observation, prior_)) return false;
+  if (!agreesWithPrior(observation, prior_)) return false;
   return std::none_of(motions.begin(), motions.end(), [&](const Eigen::Isometry3d& motion) {
-    return agreesWithPrior(tools_, camera_, observation, movedBy(motion, prior_));
+    return agreesWithPrior(observation, movedBy(motion, prior_));
   });
 }
 
@@ -158,6 +158,12 @@ void FrameTracker::findOthersBesideMoved() {
     solve();
     return findOthers();
   }
+}
+
+bool FrameTracker::agreesWithPrior(const MarkerObservation& observation,
+                                   const PosePrior& prior) const {
+  return omnitag::agreesWithPrior(tools_.map, tools_.config.estimation, camera_, observation,
+                                  prior);
 }
 
 double FrameTracker::mostInPlace() const {

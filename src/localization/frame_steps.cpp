@@ -36,15 +36,14 @@ PoseEstimate mixture(const PoseEstimate& a, double misfit_a, const PoseEstimate&
 
 }  // namespace
 
-bool agreesWithPrior(const TrackingTools& tools, const MountedCamera& camera,
-                     const MarkerObservation& observation, const PosePrior& prior) {
+bool agreesWithPrior(const MarkerMap& map, const EstimatorConfig& config,
+                     const MountedCamera& camera, const MarkerObservation& observation,
+                     const PosePrior& prior) {
   // Chi-square with six degrees of freedom, exceeded once in a thousand.
   constexpr double kFarOff = 22.5;
-  const EstimatorConfig& config = tools.config.estimation;
   ReprojectionConfig trusting = config.reprojection;
   trusting.corner_noise = trusting.poor_corner_noise;
-  const auto fit =
-      refineByReprojection(tools.map, camera, {observation}, prior.pose, prior, trusting);
+  const auto fit = refineByReprojection(map, camera, {observation}, prior.pose, prior, trusting);
   if (!fit || fit->misfits.front().deviations > config.max_misfit) return false;
   const PoseVector off = prior.errorOf(fit->map_from_base.pose);
   return off.dot(prior.information * off) <= kFarOff;

@@ -42,8 +42,9 @@ struct TrackingTools {
 };
 
 /// Whether an observation agrees with a prior: by its corners, and by the pose that they lead to.
-bool agreesWithPrior(const TrackingTools& tools, const MountedCamera& camera,
-                     const MarkerObservation& observation, const PosePrior& prior);
+bool agreesWithPrior(const MarkerMap& map, const EstimatorConfig& config,
+                     const MountedCamera& camera, const MarkerObservation& observation,
+                     const PosePrior& prior);
 
 /// A reading as a detection that is not accepted yet.
 MarkerDetection toDetection(const MarkerReading& reading);

@@ -143,6 +143,7 @@ class FrameTracker {
   /// a moved group would put it.
   bool mayBeInPlace(const MarkerObservation& observation,
                     const std::vector<Eigen::Isometry3d>& motions) const;
+  bool agreesWithPrior(const MarkerObservation& observation, const PosePrior& prior) const;
   /// Standard deviations (Misfit): the most that a marker in its place is off.
   double mostInPlace() const;
   /// Notes the pose that these give by themselves, if they give one.

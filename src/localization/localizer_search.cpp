@@ -33,7 +33,8 @@ std::vector<std::size_t> entriesWherePredicted(const TrackingTools& tools,
     if (detection.accepted) continue;
     for (const std::size_t entry : entriesOf(tools.map, detection.family, detection.id)) {
       const MarkerObservation observation{entry, detection.corners, detection.center};
-      if (agreesWithPrior(tools, camera, observation, prior)) entries.push_back(entry);
+      if (agreesWithPrior(tools.map, tools.config.estimation, camera, observation, prior))
+        entries.push_back(entry);
     }
   }
   return entries;
@@ -97,14 +98,14 @@ std::vector<Branch> Localizer::Impl::lookFor(const Frame& frame, const MountedCa
   });
   const bool is_expected = predicted && !are_moved && agree(*predicted, *pose);
   if (!is_expected && predicted) {
-    branch = stayingAt(*predicted, result, std::move(branch));
+    branch = stayingAt(*predicted, result, map_, config_.estimation, camera, std::move(branch));
     for (const std::size_t entry : entriesWherePredicted(tools, camera, *predicted, result)) {
       result.elsewhere.push_back(entry);
     }
     result.remark = howFarOff(pose->pose, predicted->pose);
     result.mode = Mode::kFound;
     std::vector<Branch> branches =
-        branchesOf(childrenAt(pose->pose, frame, camera, before, branch, evidence_), *pose,
+        branchesOf(childrenAt(*pose, frame, camera, before, branch, evidence_), *pose,
                    std::move(result), frame);
     for (Branch& child : branches) child.is_of_search = true;
     branches.push_back(std::move(branch));

@@ -80,7 +80,7 @@ class BeliefTest : public testing::Test {
     if (has_odometry) frame.odom_from_base = Pose{};
     const Branch stays{before_, result(for_here, here_, missed)};
     std::vector<Branch> branches =
-        branchesOf(childrenAt(there_, frame, camera_, before_, stays, evidence_), {there_},
+        branchesOf(childrenAt({there_}, frame, camera_, before_, stays, evidence_), {there_},
                    result(for_there, there_), frame);
     branches.push_back(stays);
     return judged(std::move(branches), camera_, evidence_);
@@ -268,6 +268,40 @@ TEST_F(BeliefTest, AnOpenPoseCoversWhereverTheOtherMayBe) {
         apart + 2.0 * kDeviation * Eigen::Vector2d(std::cos(azimuth), std::sin(azimuth));
     EXPECT_LT(off.dot(covariance.ldlt().solve(off)), 4.2 * 4.2) << azimuth;
   }
+}
+
+TEST_F(BeliefTest, MarkersThatWereInTheirPlacesStayThereWhenOthersThatComeIntoViewDisagree) {
+  const PoseEstimate predicted{here_, 1e-4 * PoseMatrix::Identity()};
+  sawInPlace({3});
+  FrameResult found = result({0, 1}, there_);
+  found.detections.push_back(detection(3, here_));
+  const auto elsewhereBeside = [&] {
+    const Branch stays =
+        stayingAt(predicted, found, map_, EstimatorConfig{}, camera_, {before_, {}});
+    EXPECT_EQ(stays.result.acceptedMarkers() + stays.result.elsewhere.size(),
+              found.detections.size());
+    return stays.result.elsewhere;
+  };
+  EXPECT_EQ(elsewhereBeside(), (Entries{0, 1}));
+  found.detections.back() = detection(4, here_);
+  EXPECT_EQ(elsewhereBeside(), (Entries{0, 1, 4})) << "nothing tells it from the others";
+  found = result({3}, here_);
+  EXPECT_EQ(elsewhereBeside(), (Entries{3})) << "if all are in their places, the robot was moved";
+}
+
+TEST_F(BeliefTest, MarkersMayHaveBeenMovedWithOthersThatLeaveThePoseVague) {
+  const Branch stays{before_, result({0, 1}, here_)};
+  Frame frame;
+  frame.stamp = kNow;
+  const auto areElsewhere = [&](double deviation) {
+    PoseEstimate near{here_, deviation * deviation * PoseMatrix::Identity()};
+    near.pose.x += 0.002;  // m: less than what tells a marker in its place from another
+    const std::vector<Hypothesis> children =
+        childrenAt(near, frame, camera_, before_, stays, evidence_);
+    return children.front().memory.isElsewhere(0) && children.front().memory.isElsewhere(1);
+  };
+  EXPECT_FALSE(areElsewhere(0.001));
+  EXPECT_TRUE(areElsewhere(0.05));
 }
 
 }  // namespace
