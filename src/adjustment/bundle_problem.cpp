@@ -5,14 +5,13 @@
 #include <utility>
 
 #include "adjustment/ceres_options.h"
+#include "common/least_deviation.h"
 
 namespace omnitag {
 namespace {
 
 /// Standard deviation of a guessed camera parameter, in scales.
 constexpr double kScalesOfGuess = 4.0;
-/// m and rad: so much more exact than anything else in a bundle that it amounts to holding it.
-constexpr double kExact = 1e-6;
 
 /// The rotation vector of a rotation.
 Eigen::Vector3d turnOf(const Eigen::Matrix3d& rotation) {
@@ -85,8 +84,8 @@ void BundleProblem::addPriorsOfMarkers() {
     for (int k = 0; k < 6; ++k) {
       const double deviation = prior->deviations(k);
       if (!std::isfinite(deviation)) continue;
-      known.push_back({k, 0.0, std::max(deviation, kExact)});
-      is_soft = is_soft && deviation > kExact;
+      known.push_back({k, 0.0, std::max(deviation, kLeastDeviation)});
+      is_soft = is_soft && deviation > kLeastDeviation;
     }
     // Priors that define where the map is have no robust loss.
     others_.push_back(add(std::make_unique<KnownNumbersCost>(6, std::move(known)),
@@ -101,8 +100,8 @@ void BundleProblem::addPriorsOfPoses() {
   }
   if (config_.is_free) return;
   constexpr int kZ = 3;
-  const double height = std::max(config_.height_deviation, kExact);
-  const double lean = std::max(config_.lean_deviation, kExact);
+  const double height = std::max(config_.height_deviation, kLeastDeviation);
+  const double lean = std::max(config_.lean_deviation, kLeastDeviation);
   for (SixBlock& pose : poses_) {
     if (!problem_.HasParameterBlock(pose.data())) continue;
     const std::vector<KnownNumbersCost::Known> standing = {

@@ -5,6 +5,7 @@
 
 #include "adjustment/bundle_costs.h"
 #include "adjustment/marker_projection.h"
+#include "common/least_deviation.h"
 
 namespace omnitag {
 namespace {
@@ -137,10 +138,9 @@ class FrameFit {
 }  // namespace
 
 Eigen::Vector3d standingDeviations(const FloorConfig& floor) {
-  constexpr double kExact = 1e-6;  // m and rad
   const Eigen::Vector3d deviations(floor.height_deviation, floor.lean_deviation,
                                    floor.lean_deviation);
-  return deviations.cwiseMax(kExact);
+  return deviations.cwiseMax(kLeastDeviation);
 }
 
 bool learnFrom(const KeyFrame& frame, JointEstimate* joint) {

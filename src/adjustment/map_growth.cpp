@@ -14,9 +14,6 @@
 namespace omnitag {
 namespace {
 
-/// Lead in log-likelihood that a marker's place must have over the next best to be accepted.
-constexpr double kMinLead = 5.0;
-
 MarkerEstimateConfig estimateConfig(const MapBuilderConfig& config) {
   return {config.corner_noise, config.estimates_sizes};
 }
@@ -117,10 +114,7 @@ bool isSure(const MarkerEstimate& estimate, const MapBuilderConfig& config) {
   // While the map grows, poses, and therefore places, are not yet as exact as they will be.
   constexpr double kSlack = 3.0;
   constexpr double kShare = 0.7;
-  const auto agreeing =
-      static_cast<double>(std::count(estimate.agrees.begin(), estimate.agrees.end(), true));
-  return estimate.lead >= kMinLead &&
-         agreeing >= kShare * static_cast<double>(estimate.agrees.size()) &&
+  return estimate.isUnambiguous() && estimate.agreement() >= kShare &&
          estimate.positionDeviation() <= kSlack * config.max_position_deviation &&
          estimate.orientationDeviation() <= kSlack * config.max_orientation_deviation;
 }

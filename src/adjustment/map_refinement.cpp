@@ -8,6 +8,7 @@
 #include "adjustment/bundle_adjustment.h"
 #include "adjustment/corner_alignment.h"
 #include "adjustment/marker_estimate.h"
+#include "common/least_deviation.h"
 #include "common/symmetric_matrix.h"
 #include "localization/reprojection.h"
 #include "marker/marker_map_writer.h"
@@ -17,9 +18,6 @@ namespace {
 
 /// m, between the robot's places in two frames.
 constexpr double kMinStep = 0.15;
-/// m and rad: smallest deviation, which keeps the information finite and is a map file's last
-/// digit.
-constexpr double kExact = 1e-6;
 /// Chi-square with 6 degrees of freedom, exceeded once in a thousand.
 constexpr double kFarthest = 22.5;
 
@@ -28,7 +26,7 @@ bool hasDeviations(const Marker& marker) {
 }
 
 MarkerIncrement deviationsOf(const Marker& marker) {
-  return PlacePrior::surveyed(marker).deviations.cwiseMax(kExact);
+  return PlacePrior::surveyed(marker).deviations.cwiseMax(kLeastDeviation);
 }
 
 /// Whether `saved` may be `now` a few images ago, which the map file then has.
@@ -38,13 +36,15 @@ bool isNearly(const Marker& saved, const Marker& now) {
   moved_there.deviation = now.deviation;
   moved_there.orientation_deviation = now.orientation_deviation;
   constexpr double kNearly = 0.25;  // of the deviations
-  const auto areClose = [](double a, double b) { return std::abs(a - b) <= kNearly * b + kExact; };
+  const auto areClose = [](double a, double b) {
+    return std::abs(a - b) <= kNearly * b + kLeastDeviation;
+  };
   const Eigen::AngleAxisd turn(saved.map_from_marker.linear() *
                                now.map_from_marker.linear().transpose());
   return isSameEntry(moved_there, now) && areClose(saved.deviation, now.deviation) &&
          areClose(saved.orientation_deviation, now.orientation_deviation) &&
-         (saved.center() - now.center()).norm() <= kNearly * now.deviation + kExact &&
-         std::abs(turn.angle()) <= kNearly * now.orientation_deviation + kExact;
+         (saved.center() - now.center()).norm() <= kNearly * now.deviation + kLeastDeviation &&
+         std::abs(turn.angle()) <= kNearly * now.orientation_deviation + kLeastDeviation;
 }
 
 /// The largest factor by which a matrix stretches a vector.
@@ -191,9 +191,10 @@ Marker MapRefinement::refinedMarker(const Landmark& landmark, double covering) c
   estimate.covariance = covering * blockOf(landmark, landmark);
   if (!(square <= kFarthest) || !estimate.covariance.allFinite()) return marker;
   marker.map_from_marker = moved(marker.map_from_marker, increment);
-  marker.deviation = std::min(marker.deviation, std::max(estimate.positionDeviation(), kExact));
-  marker.orientation_deviation =
-      std::min(marker.orientation_deviation, std::max(estimate.orientationDeviation(), kExact));
+  marker.deviation =
+      std::min(marker.deviation, std::max(estimate.positionDeviation(), kLeastDeviation));
+  marker.orientation_deviation = std::min(
+      marker.orientation_deviation, std::max(estimate.orientationDeviation(), kLeastDeviation));
   return marker;
 }
 

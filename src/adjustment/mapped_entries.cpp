@@ -9,17 +9,13 @@
 
 #include "adjustment/marker_estimate.h"
 #include "common/file_replacement.h"
+#include "common/least_deviation.h"
 #include "marker/marker_selection.h"
 #include "omnitag/common/angle.h"
 #include "omnitag/common/error.h"
 #include "omnitag/marker/marker_map_file.h"
 
 namespace omnitag {
-namespace {
-
-constexpr double kLastDigit = 1e-6;  // of a map file, m and rad
-
-}  // namespace
 
 MapEntry mappedEntry(const Marker& marker, const MarkerCovariance& covariance) {
   MarkerEstimate estimate;
@@ -32,8 +28,8 @@ MapEntry mappedEntry(const Marker& marker, const MarkerCovariance& covariance) {
                 degrees(std::asin(std::clamp(normal.z(), -1.0, 1.0))),
                 1e3 * estimate.positionDeviation(), degrees(estimate.orientationDeviation()));
   MapEntry entry{marker, remark.data()};
-  entry.marker.deviation = std::max(kLastDigit, estimate.positionDeviation());
-  entry.marker.orientation_deviation = std::max(kLastDigit, estimate.orientationDeviation());
+  entry.marker.deviation = std::max(kLeastDeviation, estimate.positionDeviation());
+  entry.marker.orientation_deviation = std::max(kLeastDeviation, estimate.orientationDeviation());
   return entry;
 }
 

@@ -222,6 +222,16 @@ std::vector<std::size_t> tellingSightings(const std::vector<MarkerSighting>& sig
 
 }  // namespace
 
+bool MarkerEstimate::isUnambiguous() const {
+  constexpr double kMinLead = 5.0;
+  return lead >= kMinLead;
+}
+
+double MarkerEstimate::agreement() const {
+  const auto agreeing = std::count(agrees.begin(), agrees.end(), true);
+  return static_cast<double>(agreeing) / static_cast<double>(agrees.size());
+}
+
 double MarkerEstimate::positionDeviation() const {
   return largestDeviation(covariance.topLeftCorner<3, 3>());
 }

@@ -49,6 +49,10 @@ struct MarkerEstimate {
   /// the left and to the right.
   double lead = 0.0;
 
+  /// Whether the lead is large enough for the place to be accepted.
+  bool isUnambiguous() const;
+  /// The share of the sightings that agree.
+  double agreement() const;
   /// Standard deviations in the worst direction, in m and rad.
   double positionDeviation() const;
   double orientationDeviation() const;

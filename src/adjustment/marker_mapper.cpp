@@ -13,9 +13,6 @@
 namespace omnitag {
 namespace {
 
-/// Lead in log-likelihood that a marker's place must have over the next best to be accepted.
-constexpr double kMinLead = 5.0;
-
 /// An id that was read at two places at once in this many images is not a single marker.
 constexpr int kRepetitions = 2;
 
@@ -181,13 +178,10 @@ bool MarkerMapper::keep(const MarkerSighting& sighting, Track* track) const {
 
 bool MarkerMapper::isGoodEnough(const Track& track) const {
   const MarkerEstimate& estimate = *track.estimate;
-  const auto agreeing =
-      static_cast<double>(std::count(estimate.agrees.begin(), estimate.agrees.end(), true));
   return track.repetitions < kRepetitions &&
          track.sightings.size() >= static_cast<std::size_t>(config_.min_sightings) &&
          parallax(estimate.marker.center(), track.sightings) >= config_.min_parallax &&
-         agreeing >= config_.min_agreement * static_cast<double>(estimate.agrees.size()) &&
-         estimate.lead >= kMinLead &&
+         estimate.agreement() >= config_.min_agreement && estimate.isUnambiguous() &&
          estimate.positionDeviation() <= config_.max_position_deviation &&
          estimate.orientationDeviation() <= config_.max_orientation_deviation;
 }

@@ -2,21 +2,17 @@
 
 #include <algorithm>
 
+#include "common/least_deviation.h"
 #include "common/symmetric_matrix.h"
 
 namespace omnitag {
-namespace {
-
-/// m and rad: smallest deviation, which keeps the information finite.
-constexpr double kExact = 1e-6;
-
-}  // namespace
+namespace {}  // namespace
 
 PosePrior PosePrior::about(const PoseEstimate& estimate) {
   PosePrior prior;
   prior.pose = estimate.pose;
   PoseMatrix covariance = estimate.covariance;
-  covariance.diagonal() = covariance.diagonal().cwiseMax(kExact * kExact).eval();
+  covariance.diagonal() = covariance.diagonal().cwiseMax(kLeastDeviation * kLeastDeviation).eval();
   prior.information = inverseOf(covariance);
   prior.shared = estimate.shared;
   prior.knows_place = true;
@@ -25,7 +21,7 @@ PosePrior PosePrior::about(const PoseEstimate& estimate) {
 
 PosePrior PosePrior::standing(const Pose& lean, double height_deviation, double lean_deviation) {
   const auto informationOf = [](double deviation) {
-    return 1.0 / (deviation * deviation + kExact * kExact);
+    return 1.0 / (deviation * deviation + kLeastDeviation * kLeastDeviation);
   };
   PosePrior prior;
   prior.pose = leaningAs(lean, {});
