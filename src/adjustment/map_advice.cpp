@@ -76,6 +76,7 @@ void addLines(Need need, const std::vector<BuiltMarker>& poor, std::vector<std::
   }
   for (const std::vector<std::size_t>& indices : groupedByWall(markers)) {
     std::vector<BuiltMarker> group;
+    group.reserve(indices.size());
     for (const std::size_t index : indices) group.push_back(needy[index]);
     lines->push_back(lineOf(need, group));
   }

@@ -152,20 +152,20 @@ void drawTimeChart(const std::vector<ImageResidual>& images, cv::Mat chart) {
   residual_style::write("red, with its stamp (s): above twice the median, or most corners left out",
                         {Axes::kLeft, 50}, &chart, residual_style::kBad);
   if (images.empty()) return;
-  const auto [first, last] = std::minmax_element(
+  const auto ends = std::minmax_element(
       images.begin(), images.end(),
       [](const ImageResidual& a, const ImageResidual& b) { return a.stamp < b.stamp; });
+  const double start = ends.first->stamp;
   double most = 0.0;
   for (const ImageResidual& image : images) most = std::max(most, image.rms);
   constexpr double kShortest = 1e-3;  // s
-  Axes axes(chart, std::max(kShortest, last->stamp - first->stamp), roundedUp(most));
+  Axes axes(chart, std::max(kShortest, ends.second->stamp - start), roundedUp(most));
   axes.draw("time since the first image (s)");
   const int middle = axes.y(medianRms(images));
   cv::line(chart, {Axes::kLeft, middle}, {axes.right(), middle}, residual_style::kGood, 1);
   // An image without any corner in use is at the top.
   const auto dotOf = [&](const ImageResidual& image) {
-    return cv::Point(axes.x(image.stamp - first->stamp),
-                     image.used > 0 ? axes.y(image.rms) : Axes::kTop);
+    return cv::Point(axes.x(image.stamp - start), image.used > 0 ? axes.y(image.rms) : Axes::kTop);
   };
   constexpr int kRadius = 3;
   for (const ImageResidual& image : images) {
