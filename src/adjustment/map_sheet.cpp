@@ -45,6 +45,7 @@ void MapSheet::text(const Eigen::Vector2d& middle, const std::string& words,
 void MapSheet::filledEllipse(const Eigen::Vector2d& centre, const ErrorEllipse& ellipse,
                              const cv::Scalar& color) {
   std::vector<cv::Point> outline;
+  outline.reserve(kEllipseSteps);
   for (int i = 0; i < kEllipseSteps; ++i) {
     outline.push_back(fixedPoint(position(ellipse.point(centre, turnOf(i)))));
   }
