@@ -171,7 +171,7 @@ std::vector<Knob> knobs() {
   return knobs;
 }
 
-Config configOf(const std::vector<Knob>& knobs, const Tunables& tunables) {
+Config toMessage(const std::vector<Knob>& knobs, const Tunables& tunables) {
   Config message = groupOnly();
   for (const Knob& knob : knobs) add(knob, knob.get(tunables), &message);
   return message;
@@ -193,7 +193,7 @@ dynamic_reconfigure::ConfigDescription describe(const std::vector<Knob>& knobs) 
     add(knob, knob.max, &message.max);
   }
   message.groups.push_back(group);
-  message.dflt = configOf(knobs, Tunables());
+  message.dflt = toMessage(knobs, Tunables());
   return message;
 }
 
@@ -229,13 +229,13 @@ LiveTuning::LiveTuning(const ros::NodeHandle& private_node, std::string name,
                                                                      Response& response) {
     const std::lock_guard<std::mutex> lock(mutex_);
     attempt(request.config);
-    response.config = configOf(knobs_, tunables_);
+    response.config = toMessage(knobs_, tunables_);
     update_publisher_.publish(response.config);
     return true;
   };
   server_ = node_.advertiseService("set_parameters", callback);
   description_publisher_.publish(describe(knobs_));
-  update_publisher_.publish(configOf(knobs_, tunables_));
+  update_publisher_.publish(toMessage(knobs_, tunables_));
 }
 
 void LiveTuning::attempt(const Config& message) {
