@@ -24,13 +24,9 @@ FrameResult emptyResult(const Frame& frame, const LocalizerConfig& config) {
   return result;
 }
 
-std::vector<Hypothesis> childrenAt(const PoseEstimate& estimate, const Frame& frame,
+std::vector<Hypothesis> childrenAt(const Pose& pose, const Frame& frame,
                                    const MountedCamera& camera, const Hypothesis& before,
                                    const Branch& branch, const Evidence& evidence) {
-  // A vague pose may be bent until markers fit that were moved with the others.
-  constexpr double kSharp = 0.01;  // m
-  const bool is_sharp = positionDeviation(estimate) <= kSharp;
-  const Pose& pose = estimate.pose;
   const Pose& expected = branch.result.map_from_base->pose;
   const Eigen::Isometry3d motion = pose.toIsometry() * expected.toIsometry().inverse();
   Hypothesis carried = before;
@@ -43,9 +39,9 @@ std::vector<Hypothesis> childrenAt(const PoseEstimate& estimate, const Frame& fr
   for (const MarkerDetection& detection : branch.result.detections) {
     if (!detection.accepted) continue;
     RememberedSighting sighting = sightingOf(detection, branch.result, camera, pose);
-    const bool is_in_place =
-        is_sharp && !evidence.contradicts(sighting, Eigen::Isometry3d::Identity());
-    if (!is_in_place) group.push_back(std::move(sighting));
+    if (evidence.contradicts(sighting, Eigen::Isometry3d::Identity())) {
+      group.push_back(std::move(sighting));
+    }
   }
   if (group.empty()) return children;
   for (Hypothesis& child : children) child.memory.addGroup(group, motion.inverse());

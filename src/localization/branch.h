@@ -26,11 +26,11 @@ struct Branch {
 /// What is known of a frame before its image is processed.
 FrameResult emptyResult(const Frame& frame, const LocalizerConfig& config);
 
-/// The possible histories of a robot that is at `estimate`, not where `branch` puts it: something
+/// The possible histories of a robot that is at `pose`, not where `branch` puts it: something
 /// carried it there, or it was elsewhere all along. The branch's markers then hang elsewhere,
 /// unless they are in their places from there, too. `before`: the branch's hypothesis without the
 /// frame.
-std::vector<Hypothesis> childrenAt(const PoseEstimate& estimate, const Frame& frame,
+std::vector<Hypothesis> childrenAt(const Pose& pose, const Frame& frame,
                                    const MountedCamera& camera, const Hypothesis& before,
                                    const Branch& branch, const Evidence& evidence);
 

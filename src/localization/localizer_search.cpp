@@ -105,7 +105,7 @@ std::vector<Branch> Localizer::Impl::lookFor(const Frame& frame, const MountedCa
     result.remark = howFarOff(pose->pose, predicted->pose);
     result.mode = Mode::kFound;
     std::vector<Branch> branches =
-        branchesOf(childrenAt(*pose, frame, camera, before, branch, evidence_), *pose,
+        branchesOf(childrenAt(pose->pose, frame, camera, before, branch, evidence_), *pose,
                    std::move(result), frame);
     for (Branch& child : branches) child.is_of_search = true;
     branches.push_back(std::move(branch));

@@ -126,7 +126,8 @@ std::vector<Branch> Localizer::Impl::alternativesAt(const PoseEstimate& pose, co
                                                     const std::vector<MarkerObservation>& seen) {
   const MountedCamera blurred = camera.withBlur(branch.result.blur);
   const PoseEstimate about = predictionFrom(pose);
-  std::vector<Hypothesis> children = childrenAt(pose, frame, camera, before, branch, evidence_);
+  std::vector<Hypothesis> children =
+      childrenAt(pose.pose, frame, camera, before, branch, evidence_);
   FrameResult result = emptyResult(frame, config_);
   result.predicted = predictMarkers(map_, index_, blurred, about, config_.visibility);
   const TrackingTools tools = trackingTools(frame, children.back());
